@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     from camgeo.kinematics.plan import Dwell, MotionPlan, Move
     from camgeo.scene.scene import Scene
 
-WHEN_ASKED: Final = {
+LAZY_NAMES: Final = {
     "Design": "camgeo.design.design",
     "Dwell": "camgeo.kinematics.plan",
     "Finding": "camgeo.check.finding",
@@ -66,8 +66,8 @@ be ready for Ctrl-C before it imports anything large."""
 
 
 def __getattr__(name: str) -> Any:
-    if name in WHEN_ASKED:
-        return getattr(import_module(WHEN_ASKED[name]), name)
+    if name in LAZY_NAMES:
+        return getattr(import_module(LAZY_NAMES[name]), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
@@ -198,7 +198,7 @@ def present_name(earlier: str) -> str:
 
 def keep_earlier_names() -> None:
     """Has Python ask for earlier names first: it would find copies in the rooms they stand for."""
-    if not any(isinstance(each, EarlierNames) for each in sys.meta_path):
+    if not any(isinstance(finder, EarlierNames) for finder in sys.meta_path):
         sys.meta_path.insert(0, EarlierNames())
 
 

@@ -19,7 +19,8 @@ class CamgeoError(Exception):
     def restate(self, unit: LengthUnit) -> None:
         """Put the lengths in its texts into the unit of a scene; other attributes stay in mm."""
         self.args = tuple(
-            in_unit(each, unit) if isinstance(each, str) else each for each in self.args
+            in_unit(argument, unit) if isinstance(argument, str) else argument
+            for argument in self.args
         )
         for name in ("message", "reason"):
             if isinstance(text := getattr(self, name, None), str):
@@ -55,8 +56,8 @@ class Fault:
 
     def __str__(self) -> str:
         place = f"line {self.line}: " if self.line is not None else ""
-        given = f" = {self.value}" if self.value else ""
-        name = f"{self.key}{given}: " if self.key else ""
+        value = f" = {self.value}" if self.value else ""
+        name = f"{self.key}{value}: " if self.key else ""
         hint = f" ({self.hint})" if self.hint else ""
         return f"{place}{name}{self.message}{hint}"
 
@@ -108,7 +109,7 @@ class ToleranceError(CamgeoError, ArithmeticError):
     """
 
     def __init__(self, message: str, asked: float, reached: float) -> None:
-        least, most = told_apart(asked, reached)
+        least, most = distinct_texts(asked, reached)
         super().__init__(f"{message}: tolerance {least} mm requested, {most} mm reached")
         self.reason = message
         self.asked = asked
@@ -192,10 +193,10 @@ class EffectError(CamgeoError, ArithmeticError):
         super().__init__(self.message)
 
 
-def told_apart(one: float, other: float) -> tuple[str, str]:
+def distinct_texts(one: float, other: float) -> tuple[str, str]:
     """Two numbers with as many digits as it takes to see which is larger, six at least."""
-    found = [(f"{one:.{digits}g}", f"{other:.{digits}g}") for digits in range(6, 18)]
-    return next((pair for pair in found if pair[0] != pair[1]), found[0])
+    pairs = [(f"{one:.{digits}g}", f"{other:.{digits}g}") for digits in range(6, 18)]
+    return next((pair for pair in pairs if pair[0] != pair[1]), pairs[0])
 
 
 def unreadable(error: Exception) -> str:

@@ -14,26 +14,26 @@ from camgeo.errors import Cancelled, CycleError, EffectError, GeometryError, Tol
 NO_ANSWER: Final = (GeometryError, ToleranceError, EffectError)
 """Errors that depend on the data of a quantity alone, as its value does."""
 
-Out = TypeVar("Out", covariant=True)
+Value = TypeVar("Value", covariant=True)
 
 
 @dataclass(frozen=True, slots=True)
-class Run:
+class Computation:
     """One quantity that was computed.
 
     Attributes
     ----------
     name : of the quantity.
-    asked_by : the quantity for which it was computed; empty if requested from outside.
+    requester : the quantity for which it was computed; empty if requested from outside.
     seconds : it took, including all that it needed.
-    own_seconds : of these, without what it needed.
+    net_seconds : of these, without what it needed.
     failed : whether it ended in an error.
     """
 
     name: str
-    asked_by: str
+    requester: str
     seconds: float
-    own_seconds: float
+    net_seconds: float
     failed: bool
 
 
@@ -63,7 +63,7 @@ class Ledger:
         cancelled: Callable[[], bool] | None = None,
         shared_with: Ledger | None = None,
     ) -> None:
-        self.runs: list[Run] = []
+        self.runs: list[Computation] = []
         self._progress = progress
         self._cancelled = cancelled
         self.lock: threading.RLock = threading.RLock() if shared_with is None else shared_with.lock
@@ -74,10 +74,10 @@ class Ledger:
 
     def named(self, what: str) -> Ledger:
         """The same record for another owner, whose quantities have `what` behind their names."""
-        made = Ledger(self._progress, self._cancelled, shared_with=self)
-        made.runs, made._open, made._inner = self.runs, self._open, self._inner
-        made._what, made.clock = what, self.clock
-        return made
+        ledger = Ledger(self._progress, self._cancelled, shared_with=self)
+        ledger.runs, ledger._open, ledger._inner = self.runs, self._open, self._inner
+        ledger._what, ledger.clock = what, self.clock
+        return ledger
 
     def __reduce__(self) -> tuple[type[Ledger], tuple[()]]:
         """A copy or pickle is an empty ledger, without results and hooks."""
@@ -117,8 +117,8 @@ class Ledger:
         inner = self._inner.pop()
         if self._inner:
             self._inner[-1] += seconds
-        asked_by = self._open[-1] if self._open else ""
-        self.runs.append(Run(name, asked_by, seconds, seconds - inner, failed))
+        requester = self._open[-1] if self._open else ""
+        self.runs.append(Computation(name, requester, seconds, seconds - inner, failed))
 
 
 class Entry:
@@ -169,7 +169,7 @@ class HasLedger(Protocol):
     def ledger(self) -> Ledger: ...
 
 
-class lazy(Generic[Out]):
+class lazy(Generic[Value]):
     """A property that is computed at most once, and recorded in the ledger of its owner.
 
     As with `functools.cached_property` the value is then stored in the owner's ``__dict__``, so
@@ -178,7 +178,7 @@ class lazy(Generic[Out]):
     `camgeo.record.Pickled` contain neither.
     """
 
-    def __init__(self, make: Callable[[Any], Out]) -> None:
+    def __init__(self, make: Callable[[Any], Value]) -> None:
         self.make = make
         self.__doc__ = make.__doc__
         self.name = make.__name__
@@ -190,9 +190,9 @@ class lazy(Generic[Out]):
     def __get__(self, instance: None, owner: type) -> Self: ...
 
     @overload
-    def __get__(self, instance: HasLedger, owner: type) -> Out: ...
+    def __get__(self, instance: HasLedger, owner: type) -> Value: ...
 
-    def __get__(self, instance: HasLedger | None, owner: type) -> Self | Out:
+    def __get__(self, instance: HasLedger | None, owner: type) -> Self | Value:
         if instance is None:
             return self
         known = instance.__dict__
@@ -200,15 +200,15 @@ class lazy(Generic[Out]):
             if self.name not in known:
                 with self.entry(instance):
                     known[self.name] = self.make(instance)
-            found: Out = known[self.name]
-            return found
+            value: Value = known[self.name]
+            return value
 
     def entry(self, instance: HasLedger) -> AbstractContextManager[None]:
         """Within which the value is computed."""
         return Entry(instance.ledger, self.name, instance.__dict__)
 
 
-class built(lazy[Out]):
+class built(lazy[Value]):
     """A property that is assembled at most once and computes nothing, so no ledger records it."""
 
     def entry(self, instance: HasLedger) -> AbstractContextManager[None]:

@@ -97,7 +97,7 @@ DOTTED: Final = re.compile(r"(?<![\w-])(?:[\w-]++[ \t]*+\.[ \t]*+)++[\w-]++[ \t]
 HEADER: Final = re.compile(r"^[ \t]*+\[", re.MULTILINE)
 
 
-def read_within(path: Path, limits: Limits) -> bytes:
+def read_limited(path: Path, limits: Limits) -> bytes:
     """The bytes of the file at `path`.
 
     Raises
@@ -133,18 +133,18 @@ def beyond(name: str, found: str, allowed: float, limits: Limits) -> FileError:
     return FileError(f"{name}: has {found}; at most {allowed:,} are allowed in a {limits.kind}")
 
 
-def lines_of(data: bytes, encoding: str = "utf-8", newline: str | None = None) -> Iterator[str]:
+def text_lines(data: bytes, encoding: str = "utf-8", newline: str | None = None) -> Iterator[str]:
     """The lines of a text one by one, without their ends: LF, CR or both, or `newline` alone.
 
     Bytes that `encoding` cannot decode become replacement characters; a byte order mark is dropped.
     """
     text = io.TextIOWrapper(io.BytesIO(data), encoding, errors="replace", newline=newline)
     for number, line in enumerate(text):
-        kept = line.removesuffix("\n")
-        yield kept.removeprefix("\N{BYTE ORDER MARK}") if number == 0 else kept
+        content = line.removesuffix("\n")
+        yield content.removeprefix("\N{BYTE ORDER MARK}") if number == 0 else content
 
 
-def number_of(text: str) -> float | None:
+def parse_number(text: str) -> float | None:
     """The number in `text`; None if there is none, or it is beyond the limits of a coordinate."""
     if len(text) > DIGITS or not text.isascii() or "_" in text:
         return None
@@ -174,7 +174,9 @@ def check_toml(text: str) -> None:
             f"is nested too deeply: the key in line {line} has more than {KEY_PARTS} parts, the"
             " limit"
         )
-    tables = plain.count("{") + sum(1 for each in (DOTTED, HEADER) for _ in each.finditer(plain))
+    tables = plain.count("{") + sum(
+        1 for pattern in (DOTTED, HEADER) for _ in pattern.finditer(plain)
+    )
     if tables > TABLES:
         raise FileError(f"has {tables:,} tables and dotted keys; allowed: at most {TABLES:,}")
 

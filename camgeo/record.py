@@ -35,8 +35,8 @@ def notebook(name: str) -> Callable[..., Any]:
     from importlib.metadata import entry_points  # slow, and few objects are displayed
 
     (entry,) = entry_points(group=GROUP, name=name)
-    found: Callable[..., Any] = entry.load()
-    return found
+    loaded: Callable[..., Any] = entry.load()
+    return loaded
 
 
 def clipped(line: str) -> str:
@@ -81,7 +81,7 @@ class Brief:
         cls.__repr__ = cls.__repr__  # type: ignore[method-assign]  # an inherited one is pinned
 
     def __repr__(self) -> str:
-        names = (each.name for each in fields(self) if each.repr)  # type: ignore[arg-type]  # its subclasses are dataclasses
+        names = (field.name for field in fields(self) if field.repr)  # type: ignore[arg-type]  # its subclasses are dataclasses
         values = ", ".join(f"{name}={brief(getattr(self, name))}" for name in names)
         return clipped(f"{type(self).__name__}({values})")
 
@@ -98,8 +98,8 @@ class Displayed(Brief):
         self, include: object = None, exclude: object = None
     ) -> Mapping[str, str | bytes]:
         """All renderings at once, by media type, so that a picture is drawn only once."""
-        found: Mapping[str, str | bytes] = notebook("display")(self)
-        return found
+        renderings: Mapping[str, str | bytes] = notebook("display")(self)
+        return renderings
 
     def _repr_html_(self) -> str | None:
         """The rendering for front ends that show HTML; every text in it is escaped."""
@@ -117,7 +117,7 @@ class Displayed(Brief):
 # checks, and have read-only arrays as before.
 
 
-Made = TypeVar("Made")
+Instance = TypeVar("Instance")
 
 
 class Pickled(Brief):
@@ -129,7 +129,7 @@ class Pickled(Brief):
     __slots__ = ()
 
     def __reduce__(self) -> tuple[Any, ...]:
-        names = (each.name for each in fields(self) if each.init)  # type: ignore[arg-type]  # its subclasses are dataclasses
+        names = (field.name for field in fields(self) if field.init)  # type: ignore[arg-type]  # its subclasses are dataclasses
         return pickled(type(self), **{name: _plain(getattr(self, name)) for name in names})
 
 
@@ -143,7 +143,7 @@ def _plain(value: Any) -> Any:
     return dict(value) if isinstance(value, MappingProxyType) else value
 
 
-def _again(make: Callable[..., Made], version: str, given: dict[str, Any]) -> Made:
+def _again(make: Callable[..., Instance], version: str, given: dict[str, Any]) -> Instance:
     if version != __version__:
         name = getattr(make, "__name__", "object")
         raise VersionError(
@@ -167,11 +167,11 @@ TYPES: Final = {
 }
 
 
-def schema_beside(file: str, name: str = "") -> dict[str, Any]:
+def stored_schema(file: str, name: str = "") -> dict[str, Any]:
     """The JSON Schema `name` in the folder of the module `file`, by default that with its stem."""
     path = pathlib.Path(file)
-    found: dict[str, Any] = json.loads(path.with_name(f"{name or path.stem}.json").read_bytes())
-    return found
+    schema: dict[str, Any] = json.loads(path.with_name(f"{name or path.stem}.json").read_bytes())
+    return schema
 
 
 def allowed(node: Mapping[str, Any]) -> str:

@@ -40,9 +40,10 @@ _MEASURE: Final = re.compile(
 _UNIT: Final = re.compile(r"(?P<head>g |kg )?mm(?:\^(?P<power>\d))?(?P<rest>/.*)?")
 
 FEWEST: Final = 4
-"""Significant digits of a restated number, at least; `SHOWN` of one that is known exactly."""
+"""Significant digits of a restated number, at least; one that is known exactly has `EXACT_DIGITS`.
+"""
 
-SHOWN: Final = 6
+EXACT_DIGITS: Final = 6
 
 ROUNDING: Final = {"at least ": 1.0, "at most ": -1.0, "": 0.0}
 """To which side the number after these words is rounded."""
@@ -51,14 +52,14 @@ SAME: Final = 1e-3
 """Of a unit of the last digit, within which a number is that digit."""
 
 
-def unit_in(unit: str, length: LengthUnit) -> tuple[str, float]:
+def unit_and_divisor(unit: str, length: LengthUnit) -> tuple[str, float]:
     """The unit that stands for "mm", "mm^2", "mm/s", "g mm", ... in a scene with that unit of
     length, and by what values are then divided; any other unit, N/mm among them, as it is, and 1.
     """
-    found = _UNIT.fullmatch(unit)
-    if found is None:
+    match = _UNIT.fullmatch(unit)
+    if match is None:
         return unit, 1.0
-    return unit.replace("mm", length, 1), MM_PER[length] ** int(found["power"] or 1)
+    return unit.replace("mm", length, 1), MM_PER[length] ** int(match["power"] or 1)
 
 
 def in_unit(text: str, unit: LengthUnit, exact: Collection[float] = ()) -> str:
@@ -97,9 +98,9 @@ def _restated(number: str, scale: float, exact: Collection[float], side: float) 
     """
     plain = number.replace(",", "")
     value, digits = float(plain), FEWEST
-    for each in exact:
-        if float(f"{each:.{SHOWN}g}") == value:
-            value, digits, side = each, SHOWN, 0.0
+    for known in exact:
+        if float(f"{known:.{EXACT_DIGITS}g}") == value:
+            value, digits, side = known, EXACT_DIGITS, 0.0
     value /= scale
     mantissa, _, exponent = plain.partition("e")
     fraction = mantissa.partition(".")[2]
@@ -167,7 +168,7 @@ def at_cam_angles(*angles: float, form: str = ".6g", most: int | None = None) ->
     return f"at cam angle{'s' * (len(places) > 1)} {listed(places, most)} deg"
 
 
-def over_cam_angles(first: float, last: float, form: str = ".6g") -> str:
+def cam_angle_range(first: float, last: float, form: str = ".6g") -> str:
     """A range, "from cam angle 30 to 90 deg"; one place if its ends [rad] read the same.
 
     The end is below the start if the range passes cam angle 0; one of 2 pi is the whole turn.

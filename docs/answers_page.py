@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from camgeo.app import answers
-from camgeo.app.answers.answer import schema_of
+from camgeo.app.answers.answer import document_schema
 from camgeo.app.cli.main import COMMANDS
 
 PAGE: Final = Path(__file__).with_name("answers.md")
@@ -59,7 +59,7 @@ LAST: Final = "refusal"
 
 def page() -> str:
     """The page's text."""
-    return HEAD + "".join(_section(schema_of(name)) for name in packages())
+    return HEAD + "".join(_section(document_schema(name)) for name in packages())
 
 
 def packages() -> list[str]:
@@ -77,7 +77,7 @@ def schema_file(package: str) -> Path:
 
 def schema_text(package: str) -> str:
     """What stands there."""
-    return json.dumps(schema_of(package), ensure_ascii=False) + "\n"
+    return json.dumps(document_schema(package), ensure_ascii=False) + "\n"
 
 
 def _section(schema: Mapping[str, Any]) -> str:

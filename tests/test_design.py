@@ -117,10 +117,10 @@ def test_an_unknown_effect_is_reported_with_those_that_exist(design: Design) -> 
 def test_public_names_that_few_need_are_imported_when_asked_for() -> None:
     code = (
         "import sys, camgeo\n"
-        "modules = set(camgeo.WHEN_ASKED.values())\n"
+        "modules = set(camgeo.LAZY_NAMES.values())\n"
         "assert not modules & set(sys.modules)\n"
-        "assert all(getattr(camgeo, name).__name__ == name for name in camgeo.WHEN_ASKED)\n"
+        "assert all(getattr(camgeo, name).__name__ == name for name in camgeo.LAZY_NAMES)\n"
         "assert modules <= set(sys.modules)\n"
-        "assert set(camgeo.WHEN_ASKED) <= set(camgeo.__all__)\n"
+        "assert set(camgeo.LAZY_NAMES) <= set(camgeo.__all__)\n"
     )
     subprocess.run([sys.executable, "-c", code], check=True)

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 
 from camgeo.app.answers.explain import lazy_names
 from camgeo.errors import Cancelled, CycleError, EffectError, GeometryError, ToleranceError
-from camgeo.lazy import Ledger, Run, lazy
+from camgeo.lazy import Computation, Ledger, lazy
 from tests.waiting import give_way
 
 
@@ -86,18 +86,18 @@ def test_each_is_computed_once_when_it_is_asked_for_and_recorded() -> None:
     assert owner.whole == (("left", owner.base), ("right", owner.base))
     assert owner.made == ["whole", "left", "base", "right", "whole"]
     assert owner.ledger.runs == [
-        Run("base", "left", 8.0, 8.0, failed=False),
-        Run("left", "whole", 9.0, 1.0, failed=False),
-        Run("right", "whole", 2.0, 2.0, failed=False),
-        Run("whole", "", 15.5, 4.5, failed=False),
+        Computation("base", "left", 8.0, 8.0, failed=False),
+        Computation("left", "whole", 9.0, 1.0, failed=False),
+        Computation("right", "whole", 2.0, 2.0, failed=False),
+        Computation("whole", "", 15.5, 4.5, failed=False),
     ]
-    assert sum(run.own_seconds for run in owner.ledger.runs) == owner.now
+    assert sum(run.net_seconds for run in owner.ledger.runs) == owner.now
 
 
 def test_what_was_known_is_not_charged_again() -> None:
     owner = Owner()
     assert (owner.left, owner.right) == (("left", owner.base), ("right", owner.base))
-    assert [(run.name, run.asked_by, run.seconds) for run in owner.ledger.runs] == [
+    assert [(run.name, run.requester, run.seconds) for run in owner.ledger.runs] == [
         ("base", "left", 8.0),
         ("left", "", 9.0),
         ("right", "", 2.0),
@@ -109,7 +109,7 @@ def test_a_failure_of_a_run_is_entered_and_not_kept() -> None:
     owner.broken = True
     with pytest.raises(ValueError, match="no base"):
         owner.whole  # noqa: B018 - it is computed
-    assert [(run.name, run.asked_by, run.failed) for run in owner.ledger.runs] == [
+    assert [(run.name, run.requester, run.failed) for run in owner.ledger.runs] == [
         ("base", "left", True),
         ("left", "whole", True),
         ("whole", "", True),
@@ -119,7 +119,7 @@ def test_a_failure_of_a_run_is_entered_and_not_kept() -> None:
     owner.ledger.runs.clear()
     assert len(owner.whole) == 2
     assert [run.failed for run in owner.ledger.runs] == [False] * 4
-    assert owner.ledger.runs[-1].asked_by == ""
+    assert owner.ledger.runs[-1].requester == ""
 
 
 class Unanswered:
@@ -167,7 +167,7 @@ def test_a_ring_is_refused_with_its_way() -> None:
     ]
     with ring.ledger.entry("other"):
         pass
-    assert ring.ledger.runs[-1].asked_by == ""
+    assert ring.ledger.runs[-1].requester == ""
 
 
 def test_names_come_in_the_order_of_their_definition() -> None:
@@ -292,11 +292,11 @@ def test_own_seconds_add_up(tree: Tree) -> None:
     with ledger.entry("root"):
         make(tree)
     root = ledger.runs[-1]
-    assert root == replace(root, name="root", asked_by="", failed=False)
+    assert root == replace(root, name="root", requester="", failed=False)
     assert root.seconds == math.fsum(spent)
     # Sums of whole numbers are exact.
-    assert math.fsum(run.own_seconds for run in ledger.runs) == root.seconds
-    assert all(0.0 <= run.own_seconds <= run.seconds for run in ledger.runs)
+    assert math.fsum(run.net_seconds for run in ledger.runs) == root.seconds
+    assert all(0.0 <= run.net_seconds <= run.seconds for run in ledger.runs)
 
 
 def frames() -> int:

@@ -16,10 +16,10 @@ SMALL = Limits("note", 20, lines=3)
 def test_a_file_within_its_limits_is_read(tmp_path: Path) -> None:
     path = tmp_path / "a.txt"
     path.write_bytes(b"x" * 20)
-    assert reading.read_within(path, SMALL) == b"x" * 20
+    assert reading.read_limited(path, SMALL) == b"x" * 20
     path.write_bytes(b"x" * 21)
     with pytest.raises(FileError, match=r"a.txt: has 21 bytes; at most 20 are allowed in a note"):
-        reading.read_within(path, SMALL)
+        reading.read_limited(path, SMALL)
 
 
 def test_a_device_without_end_is_not_read_to_its_end() -> None:
@@ -27,7 +27,7 @@ def test_a_device_without_end_is_not_read_to_its_end() -> None:
     if not device.exists():
         pytest.skip("the system has no such device")
     with pytest.raises(FileError, match="zero: has 21 bytes"):
-        reading.read_within(device, SMALL)
+        reading.read_limited(device, SMALL)
 
 
 @pytest.mark.parametrize("end", [b"\n", b"\r", b"\r\n"])
@@ -35,7 +35,7 @@ def test_lines_of_any_system_are_counted(end: bytes) -> None:
     reading.check_text(b"a" + end + b"b" + end + b"c" + end, SMALL, "a.txt")
     with pytest.raises(FileError, match=r"a.txt: has 4 lines; at most 3 are allowed in a note"):
         reading.check_text(4 * (b"a" + end), SMALL, "a.txt")
-    assert list(reading.lines_of(b"\xef\xbb\xbfa" + end + b"\xff" + end)) == ["a", "\ufffd"]
+    assert list(reading.text_lines(b"\xef\xbb\xbfa" + end + b"\xff" + end)) == ["a", "\ufffd"]
 
 
 @pytest.mark.parametrize(
@@ -46,7 +46,7 @@ def test_lines_of_any_system_are_counted(end: bytes) -> None:
     ],
 )  # fmt: skip
 def test_numbers(text: str, number: float | None) -> None:
-    assert reading.number_of(text) == number
+    assert reading.parse_number(text) == number
 
 
 @pytest.mark.parametrize(

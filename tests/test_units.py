@@ -10,17 +10,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo.errors import told_apart
+from camgeo.errors import distinct_texts
 from camgeo.units import (
     TURN,
     at_cam_angles,
     cam_angle,
+    cam_angle_range,
     clock,
     counted,
     in_unit,
     listed,
-    over_cam_angles,
-    unit_in,
+    unit_and_divisor,
 )
 
 
@@ -77,13 +77,13 @@ def test_a_length_stated_in_inches_comes_back(number: int, decimals: int) -> Non
 
 
 def test_units() -> None:
-    assert unit_in("mm", "inch") == ("inch", 25.4)
-    assert unit_in("mm^2", "inch") == ("inch^2", 25.4**2)
-    assert unit_in("mm/s^3", "inch") == ("inch/s^3", 25.4)
-    assert unit_in("g mm", "inch") == ("g inch", 25.4)
+    assert unit_and_divisor("mm", "inch") == ("inch", 25.4)
+    assert unit_and_divisor("mm^2", "inch") == ("inch^2", 25.4**2)
+    assert unit_and_divisor("mm/s^3", "inch") == ("inch/s^3", 25.4)
+    assert unit_and_divisor("g mm", "inch") == ("g inch", 25.4)
     for other in ("N/mm", "deg", "", "kg"):
-        assert unit_in(other, "inch") == (other, 1.0)
-    assert unit_in("mm", "mm") == ("mm", 1.0)
+        assert unit_and_divisor(other, "inch") == (other, 1.0)
+    assert unit_and_divisor("mm", "mm") == ("mm", 1.0)
 
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -115,9 +115,9 @@ def test_a_place_is_named_once() -> None:
     assert at_cam_angles(quarter, quarter + 1e-9) == "at cam angle 90 deg"
     assert at_cam_angles(0.0, quarter) == "at cam angles 0 and 90 deg"
     assert at_cam_angles(quarter, form=".4f") == "at cam angle 90.0000 deg"
-    assert over_cam_angles(quarter, quarter + 1e-9) == "at cam angle 90 deg"
-    assert over_cam_angles(quarter, TURN + 0.5 * quarter) == "from cam angle 90 to 45 deg"
-    assert over_cam_angles(0.0, TURN) == "over the whole turn"
+    assert cam_angle_range(quarter, quarter + 1e-9) == "at cam angle 90 deg"
+    assert cam_angle_range(quarter, TURN + 0.5 * quarter) == "from cam angle 90 to 45 deg"
+    assert cam_angle_range(0.0, TURN) == "over the whole turn"
 
 
 @given(st.floats(-50.0, 50.0), st.sampled_from((".4f", ".6g", ".6f")))
@@ -154,7 +154,7 @@ def test_numbers_that_differ_are_told_apart(one: float, steps: int) -> None:
     other = one
     for _ in range(steps):
         other = math.nextafter(other, math.inf)
-    less, more = told_apart(one, other)
+    less, more = distinct_texts(one, other)
     assert (float(less) < float(more)) == (one != other)
-    assert told_apart(0.005, 0.005000012) == ("0.005", "0.00500001")
-    assert told_apart(0.005, 0.0095) == ("0.005", "0.0095")
+    assert distinct_texts(0.005, 0.005000012) == ("0.005", "0.00500001")
+    assert distinct_texts(0.005, 0.0095) == ("0.005", "0.0095")

@@ -53,7 +53,7 @@ from camgeo.kinematics.mechanism.flat import flat_follower
 from camgeo.lazy import Ledger
 from camgeo.numeric.arrays import FloatArray, Quantity, Side, resolved
 from camgeo.numeric.kept import kept_with_each
-from camgeo.units import TURN, LiftUnit, at_cam_angles, cam_angle, counted, over_cam_angles
+from camgeo.units import TURN, LiftUnit, at_cam_angles, cam_angle, cam_angle_range, counted
 
 if TYPE_CHECKING:
     from camgeo.geometry.outline.replay import Replay
@@ -285,7 +285,7 @@ def check_undercut(
         worst = int(np.argmin(margins))
         value, place = float(margins[worst]), float(bends.phi[inside[worst]])
         statement = (
-            f"{name} flank: undercut {over_cam_angles(start, end, '.6f')}, the roller is larger"
+            f"{name} flank: undercut {cam_angle_range(start, end, '.6f')}, the roller is larger"
             " than the radius of curvature of the pitch curve; the follower would not make its"
             " motion"
         )
@@ -335,7 +335,7 @@ def check_outline(
             continue
         width, where = math.degrees(end - start), (start, end % TURN)
         sentence = (
-            f"{name} flank: cut off {over_cam_angles(start, end, '.6f')} though its radius of"
+            f"{name} flank: cut off {cam_angle_range(start, end, '.6f')} though its radius of"
             " curvature suffices: two of its sides are closer than the roller is wide (global"
             " undercut)"
         )

@@ -21,7 +21,7 @@ from camgeo.lazy import Ledger, lazy
 from camgeo.numeric.arrays import ComplexArray, FloatArray, Side, frozen
 from camgeo.record import Displayed, Pickled
 from camgeo.scene.formats.csv import FORMAT, CsvSpec, exact_step
-from camgeo.units import MM_PER, LengthUnit, LiftUnit, counted, unit_in
+from camgeo.units import MM_PER, LengthUnit, LiftUnit, counted, unit_and_divisor
 
 if TYPE_CHECKING:
     from camgeo.dynamics.effects.effect import Column
@@ -412,7 +412,7 @@ def _time_columns(
 
 def effect_column(unit: LengthUnit, column: Column) -> tuple[str, Quantity]:
     """Heading and values of an effect's column, lengths in `unit`."""
-    unit_text, divisor = unit_in(column.unit, unit)
+    unit_text, divisor = unit_and_divisor(column.unit, unit)
 
     def divided(phi: FloatArray, side: Side) -> FloatArray:
         return column.values(phi, side) / divisor

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 from camgeo.design.product import Product
-from camgeo.reading import number_of
+from camgeo.reading import parse_number
 from camgeo.scene.formats.format import LARGEST_TOLERANCE, SMALLEST_TOLERANCE
 from camgeo.units import LengthUnit, in_unit
 
@@ -120,7 +120,7 @@ class Origin:
 
 def parse_tolerance(text: str) -> float | None:
     """The tolerance in `text` [mm], e.g. "0.001" or "0.001 mm"; None if no file can have it."""
-    value = number_of(text.strip().removesuffix("mm"))
+    value = parse_number(text.strip().removesuffix("mm"))
     return value if value is not None and SMALLEST_TOLERANCE <= value <= LARGEST_TOLERANCE else None
 
 

@@ -30,7 +30,7 @@ from camgeo.errors import (
     meant,
     unreadable,
 )
-from camgeo.reading import VERIFIED, read_within
+from camgeo.reading import VERIFIED, read_limited
 from camgeo.record import Displayed
 from camgeo.scene.formats.format import (
     LARGEST_TOLERANCE,
@@ -482,7 +482,7 @@ def write_files(
 def is_verification(path: Path) -> bool:
     """Whether a file is a verification of camgeo's."""
     try:
-        document = json.loads(read_within(path, VERIFIED))
+        document = json.loads(read_limited(path, VERIFIED))
     except (OSError, ValueError, RecursionError):
         return False
     return isinstance(document, dict) and document.get("kind") == KIND

@@ -31,8 +31,8 @@ from camgeo.numeric.checked import (
     shown,
     whole,
 )
-from camgeo.reading import Limits, check_toml, read_within
-from camgeo.record import allowed, schema_beside
+from camgeo.reading import Limits, check_toml, read_limited
+from camgeo.record import allowed, stored_schema
 from camgeo.units import MM_PER, LengthUnit
 
 MACHINE: Final = Limits("machine profile", 200_000)
@@ -483,7 +483,7 @@ def load(machine: str, key: str = KEY) -> Machine:
         message = f"no such machine profile; allowed: {', '.join(known)}, or a .toml file"
         raise SceneError([Fault(key, repr(machine), message, meant(machine, known))])
     try:
-        text = read_within(Path(machine), MACHINE).decode("utf-8-sig")
+        text = read_limited(Path(machine), MACHINE).decode("utf-8-sig")
     except (OSError, ValueError) as error:  # the latter also for a path that no file can have
         raise SceneError(
             [Fault(key, repr(machine), f"the profile cannot be read: {unreadable(error)}")]
@@ -538,7 +538,7 @@ MOST_FAULTS: Final = 200
 @functools.cache
 def schema() -> dict[str, Any]:
     """The JSON Schema of a profile."""
-    return schema_beside(str(Path(__file__).with_name("machine.py")), "machine.schema")
+    return stored_schema(str(Path(__file__).with_name("machine.py")), "machine.schema")
 
 
 @functools.cache

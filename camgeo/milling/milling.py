@@ -30,7 +30,7 @@ from camgeo.numeric.checked import (
     positive,
     whole,
 )
-from camgeo.record import Brief, schema_beside
+from camgeo.record import Brief, stored_schema
 
 if TYPE_CHECKING:
     from camgeo.numeric.arrays import ComplexArray
@@ -573,7 +573,7 @@ class MillingSpec(Brief):
 
 def tables() -> dict[str, dict[str, Any]]:
     """The JSON Schemas of the tables, by their keys."""
-    found = schema_beside(__file__)
+    found = stored_schema(__file__)
     second = found[SECOND_SIDE]["properties"]
     for name in OWN_TABLES:
         text = json.dumps(found[name]).replace(f"[{name}", f"[{SECOND_SIDE}.{name}")

@@ -43,7 +43,7 @@ from camgeo.pictures.model import (
     over,
     turn_axis,
 )
-from camgeo.units import TURN, LengthUnit, listed, unit_in
+from camgeo.units import TURN, LengthUnit, listed, unit_and_divisor
 
 if TYPE_CHECKING:
     from camgeo.dynamics.effects.effect import Column
@@ -172,7 +172,7 @@ def _panel(
 
 def shown_unit(unit: str, length: LengthUnit) -> tuple[str, float]:
     """The display unit for a column's `unit`, and the factor from `unit` to it."""
-    unit, divisor = unit_in(unit, length)
+    unit, divisor = unit_and_divisor(unit, length)
     for power, raised in (("^2", "²"), ("^3", "³")):
         unit = unit.replace(power, raised)
     return unit, 1.0 / divisor

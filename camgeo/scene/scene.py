@@ -36,7 +36,7 @@ from camgeo.kinematics.planning.requests import (
 )
 from camgeo.numeric.checked import instance_from_table
 from camgeo.part.spec import PartSpec
-from camgeo.reading import SCENE, TABLE, read_within
+from camgeo.reading import SCENE, TABLE, read_limited
 from camgeo.record import brief, pickled
 from camgeo.scene.formats.drawing import DrawingSpec
 from camgeo.scene.formats.format import FORMATS, Format, Options, OutputSpec
@@ -919,9 +919,11 @@ def hashes_of(path: Path, known: Mapping[str, str]) -> Iterator[str]:
     """
 
     def digest(name: str) -> str:
-        return known.get(name) or hashlib.sha256(read_within(path.parent / name, TABLE)).hexdigest()
+        return (
+            known.get(name) or hashlib.sha256(read_limited(path.parent / name, TABLE)).hexdigest()
+        )
 
-    data = read_within(path, SCENE)
+    data = read_limited(path, SCENE)
     try:
         scene = document(data)
     except SceneError:

@@ -17,7 +17,7 @@ import numpy as np
 from camgeo.errors import FileError, GeometryError
 from camgeo.geometry.contour.spline import Arc, CubicSpline
 from camgeo.numeric.arrays import phase
-from camgeo.reading import COORDINATE, INSTANCES, Limits, beyond, check_size, number_of
+from camgeo.reading import COORDINATE, INSTANCES, Limits, beyond, check_size, parse_number
 
 STEP: Final = Limits("STEP file", 8_000_000)
 
@@ -237,7 +237,7 @@ class _Parser:
         return None if token == "$" else Word(token)
 
     def number(self, kind: str, token: str) -> float | int:
-        found = number_of(token)
+        found = parse_number(token)
         if found is None:
             self.fail(f"{token[:40]} is not a number of at most {COORDINATE:g}")
         return int(token) if kind == "whole" else found

@@ -17,7 +17,7 @@ from html import escape
 from typing import Any, Final
 
 from camgeo import __version__
-from camgeo.app.answers.answer import MARKS, verdict_on
+from camgeo.app.answers.answer import MARKS, findings_summary
 from camgeo.app.answers.report import STEP, Report, triangles
 from camgeo.design.value_table import Table
 from camgeo.pictures import accuracy
@@ -73,7 +73,7 @@ def render(report: Report) -> bytes:
         "table": "" if report.table is None else _values(report.table),
         "prices": "" if report.prices is None else _prices(report.prices, report.scene.unit),
         "certificate": _certificate(report),
-        "left-out": _items(report.left_out),
+        "left-out": _items(report.omissions),
     }
     there = {name: content for name, content in sections.items() if content}
     links = "".join(f'<li><a href="#{name}-section">{NAMES[name]}</a></li>' for name in there)
@@ -100,7 +100,7 @@ def render(report: Report) -> bytes:
 <body>
 <header>
 <h1>{name}</h1>
-<p>{escape(verdict_on(each.finding for each in report.advised))}.</p>
+<p>{escape(findings_summary(each.finding for each in report.advised))}.</p>
 <p>camgeo {escape(__version__)}, scene {escape(report.scene.made)}</p>
 <nav aria-label="Sections"><ul>{links}</ul></nav>
 <noscript><p>Diagrams and the turning mechanism need scripts.</p></noscript>
@@ -186,7 +186,12 @@ def _findings(report: Report) -> str:
         f'<tr><td class="severity {each.finding.severity}">{MARKS[each.finding.verdict]}</td>'
         + "".join(
             f"<td>{escape(text)}</td>"
-            for text in (each.about, each.finding.name, each.finding.sentence, each.step or "none")
+            for text in (
+                each.subject,
+                each.finding.name,
+                each.finding.sentence,
+                each.step or "none",
+            )
         )
         + "</tr>"
         for each in report.advised

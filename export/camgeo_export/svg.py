@@ -26,7 +26,7 @@ from camgeo.geometry.contour.foreign import Outlines
 from camgeo.numeric.arrays import ComplexArray
 from camgeo.part.boundaries import largest_radius
 from camgeo.part.part import written_contour
-from camgeo.reading import CONTOURS, Limits, beyond, check_size, number_of
+from camgeo.reading import CONTOURS, Limits, beyond, check_size, parse_number
 from camgeo.scene.formats.format import CUT_SVG
 from camgeo.units import LengthUnit, counted
 from camgeo_export.reading import CUT, layered, of_the_part
@@ -277,7 +277,7 @@ def _scale(root: ET.Element, name: str) -> float:
 def _length(text: str, key: str, name: str) -> float:
     """A length [mm] of the root."""
     found = LENGTH.fullmatch(text) if len(text) <= 100 else None
-    number = None if found is None else number_of(found[1])
+    number = None if found is None else parse_number(found[1])
     if found is None or number is None or found[2] not in MM_PER_UNIT or number <= 0.0:
         raise FileError(f"{name}: states no {key} as a length: {text[:40]!r}")
     return number * MM_PER_UNIT[found[2]]
@@ -433,7 +433,7 @@ def _sweep(numbers: Sequence[float], start: complex, end: complex, name: str) ->
 
 
 def _number(text: str, what: str, name: str) -> float:
-    found = number_of(text)
+    found = parse_number(text)
     if found is None:
         raise FileError(f"{name}: {what} has {text[:40]!r}, which is not a number of a drawing")
     return found

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from camgeo.app.answers.accuracy import of_each_form
+from camgeo.app.answers.accuracy import enough_sentences
 from camgeo.studies.accuracy.benefit import SHARE, BenefitRow, enough, words
 from tests.findings import known
 
@@ -36,11 +36,11 @@ def test_the_lift_off_speed_counts_too(over: float) -> None:
 def test_tolerances_without_values_are_none() -> None:
     missing = BenefitRow("arcs", 1e-2, 60.0, fault="cannot be reached")
     assert enough([missing]) is None
-    assert of_each_form([missing]) == (words(None),)
+    assert enough_sentences([missing]) == (words(None),)
     assert enough([missing, row(1e-1, 0.5)]) is not None
 
 
 def test_each_form_has_its_own_answer() -> None:
     splines = [replace(row(1e-1, 0.02), form="spline"), replace(row(1e-2, 0.01), form="spline")]
-    found = of_each_form([row(1e-1, 0.5), row(1e-2, 0.2), *splines])
+    found = enough_sentences([row(1e-1, 0.5), row(1e-2, 0.2), *splines])
     assert [each.split(" mm")[0] for each in found] == ["arcs within 0.01", "spline within 0.1"]

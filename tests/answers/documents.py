@@ -9,7 +9,7 @@ from typing import Any
 
 from jsonschema_rs import Draft202012Validator, meta
 
-from camgeo.app.answers.answer import Answer, schema_of, to_json
+from camgeo.app.answers.answer import Answer, document_schema, to_json
 from camgeo.app.answers.explain import Explanation, explain
 from camgeo.design.design import Design
 from camgeo.scene.scene import load_scene
@@ -39,7 +39,7 @@ def explained(scene: Path) -> tuple[Design, Explanation]:
 
 @cache
 def validator(package: str) -> Draft202012Validator:
-    schema = schema_of(package)
+    schema = document_schema(package)
     meta.validate(schema)
     return Draft202012Validator(schema)
 

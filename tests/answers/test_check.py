@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 import camgeo
-from camgeo.app.answers.answer import text, verdict_on
+from camgeo.app.answers.answer import findings_summary, text
 from camgeo.app.answers.check import Check, check
 from camgeo.check.finding import Finding
 from camgeo.design.design import Design
@@ -272,6 +272,6 @@ def test_density_of_the_effect_is_that_of_the_part() -> None:
 
 def test_findings_are_counted_in_words() -> None:
     kept, warned, broken = (Finding("a", each, "") for each in ("ok", "warning", "broken"))
-    assert verdict_on([kept]) == "1 finding: all limits are kept"
-    assert verdict_on([kept, warned]) == "2 findings: 1 warning"
-    assert verdict_on([warned, broken, warned]) == "3 findings: 1 BROKEN, 2 warnings"
+    assert findings_summary([kept]) == "1 finding: all limits are kept"
+    assert findings_summary([kept, warned]) == "2 findings: 1 warning"
+    assert findings_summary([warned, broken, warned]) == "3 findings: 1 BROKEN, 2 warnings"

@@ -6,7 +6,7 @@ import pytest
 
 from camgeo.app.answers.answer import figure, text
 from camgeo.app.answers.check import check
-from camgeo.app.answers.compare import Compare, compare, labels_of
+from camgeo.app.answers.compare import Compare, compare, scene_labels
 from camgeo.design.design import Design
 from camgeo.errors import UnknownNameError
 from camgeo.scene.scene import load_scene
@@ -71,5 +71,5 @@ def test_a_scene_without_follower_is_compared_too() -> None:
 
 
 def test_labels_tell_designs_apart() -> None:
-    assert labels_of(["a/x.toml", "b/y.toml"]) == ["x", "y"]
-    assert labels_of(["a/x.toml", "b/x.toml"]) == ["a/x.toml", "b/x.toml"]
+    assert scene_labels(["a/x.toml", "b/y.toml"]) == ["x", "y"]
+    assert scene_labels(["a/x.toml", "b/x.toml"]) == ["a/x.toml", "b/x.toml"]

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from camgeo.app.answers.answer import figure, table, text
-from camgeo.app.answers.inspect import Inspection, MeasuredPoints, inspect, of_points
+from camgeo.app.answers.inspect import Inspection, MeasuredPoints, inspect, inspect_points
 from camgeo.app.answers.probe import flank_table, probe
 from camgeo.design.design import Design
 from camgeo.geometry.outline.exact_flank import ExactFlank
@@ -35,7 +35,7 @@ def found_on(
 ) -> Inspection:
     """Points that are `away` [mm] from a flank."""
     points = MeasuredPoints(measured(every(flank_of(name, side), count), away))
-    return of_points(disc_of(name), side, points, "points.csv", **options)  # type: ignore[arg-type]  # of one test each
+    return inspect_points(disc_of(name), side, points, "points.csv", **options)  # type: ignore[arg-type]  # of one test each
 
 
 def test_a_profile_out_of_tolerance_breaks_a_limit() -> None:
@@ -50,12 +50,12 @@ def test_a_profile_out_of_tolerance_breaks_a_limit() -> None:
 def test_radial_normals_are_told() -> None:
     places = every(flank_of("setzhub", Flank.INNER), 90)
     points = MeasuredPoints(places.points, places.points)
-    found = of_points(disc_of("setzhub"), Flank.INNER, points, "radial.csv")
+    found = inspect_points(disc_of("setzhub"), Flank.INNER, points, "radial.csv")
     (told,) = (each for each in found.findings if each.name == "radial-normals")
     assert told.severity == "warning"
     assert "along the radius" in text(found)
     wrong = MeasuredPoints(places.points, -places.normals * np.exp(0.1j))
-    found = of_points(disc_of("setzhub"), Flank.INNER, wrong, "wrong.csv")
+    found = inspect_points(disc_of("setzhub"), Flank.INNER, wrong, "wrong.csv")
     names = {each.name: each.severity for each in found.findings}
     assert names["normals"] == names["normals-inward"] == "warning"
 
@@ -68,7 +68,7 @@ def test_a_round_cam_is_told() -> None:
         design = Design(scene.with_values({"motion": motion}))
         flank = ExactFlank(design.cam.disc.outline("inner").path, Flank.INNER)
         points = MeasuredPoints(measured(every(flank, 60), rng.normal(0.0, 1e-3, 60)))
-        return of_points(design.disc, Flank.INNER, points, "p.csv", align=Align.ROTATION)
+        return inspect_points(design.disc, Flank.INNER, points, "p.csv", align=Align.ROTATION)
 
     found = turned({"dwell": 360})
     assert "too round" in text(found)
@@ -97,12 +97,12 @@ def test_a_turned_part_moves_the_follower_late_or_early(name: str) -> None:
     """A place of the flank meets the follower when the cam has turned by as much less."""
     flank, disc = flank_of(name, Flank.INNER), disc_of(name)
     points = MeasuredPoints(measured(every(flank, 360), 0.0, 0j, 0.001))
-    found = of_points(disc, Flank.INNER, points, "p.csv", align=Align.ROTATION)
+    found = inspect_points(disc, Flank.INNER, points, "p.csv", align=Align.ROTATION)
     assert found.delay is not None
     assert document(found)["delay_deg"] == pytest.approx(np.degrees(found.delay))
     assert abs(found.delay) == pytest.approx(0.001)
     assert ("late" if found.delay > 0.0 else "early") in text(found)
-    by_datum = of_points(disc, Flank.INNER, points, "p.csv").lift
+    by_datum = inspect_points(disc, Flank.INNER, points, "p.csv").lift
     assert by_datum is not None
     motion = disc.cam.drive.motion
     phi = by_datum.errors.phi
@@ -116,7 +116,7 @@ def test_points_in_other_axes_are_told(mirrored: bool) -> None:
     places = every(flank_of("plate_translating", Flank.INNER), 90)
     points = measured(places, 0.0, 20.0 + 5.0j, 0.7)
     seen = MeasuredPoints(points.conj() if mirrored else points)
-    found = of_points(disc_of("plate_translating"), Flank.INNER, seen, "p.csv")
+    found = inspect_points(disc_of("plate_translating"), Flank.INNER, seen, "p.csv")
     (told,) = (each for each in found.findings if each.name == "axes")
     assert "shifted by 20 mm and 5 mm and turned by 40.11 deg" in told.sentence
     assert ("other side of the disc" in told.sentence) == mirrored
@@ -125,7 +125,7 @@ def test_points_in_other_axes_are_told(mirrored: bool) -> None:
 def test_a_gap_leaves_the_follower_unknown() -> None:
     flank = flank_of("plate_translating", Flank.INNER)
     points = MeasuredPoints(flank.at(np.radians(np.arange(0.0, 200.0, 2.0))).points)
-    found = of_points(disc_of("plate_translating"), Flank.INNER, points, "part.csv")
+    found = inspect_points(disc_of("plate_translating"), Flank.INNER, points, "part.csv")
     assert found.lift is None
     assert "no points from cam angle 198 to 0 deg" in text(found)
     assert "lift error" not in text(found)
@@ -134,7 +134,7 @@ def test_a_gap_leaves_the_follower_unknown() -> None:
     lines = [mark for mark in figure(found).panels[0].marks if isinstance(mark, Line)]
     assert not np.any(np.isnan(lines[0].points))
     points = MeasuredPoints(flank.at(np.radians([*range(0, 90, 2), *range(120, 360, 2)])).points)
-    found = of_points(disc_of("plate_translating"), Flank.INNER, points, "part.csv")
+    found = inspect_points(disc_of("plate_translating"), Flank.INNER, points, "part.csv")
     lines = [mark for mark in figure(found).panels[0].marks if isinstance(mark, Line)]
     assert np.count_nonzero(np.isnan(lines[0].points[:, 1])) == 1
     json.dumps(figure(found).to_data(), allow_nan=False)

@@ -36,11 +36,11 @@ def test_nothing_is_found_in_a_good_program(machine: str, tmp_path: Path) -> Non
 def test_text_and_document_are_of_one_result(tmp_path: Path) -> None:
     found = of(tmp_path, GOOD["grbl"].replace("M2\n", ""), machine="grbl")
     (program,) = found.programs
-    assert program.found is not None
-    (finding,) = program.found.findings
+    assert program.linted is not None
+    (finding,) = program.linted.findings
     two = (replace(finding, what="the moon"), replace(finding, what="the sun"))
-    changed = replace(program.found, findings=two, complete=False)
-    other = replace(found, programs=(replace(program, found=changed),))
+    changed = replace(program.linted, findings=two, complete=False)
+    other = replace(found, programs=(replace(program, linted=changed),))
     assert document(other)["programs"][0]["findings"][0]["what"] == "the moon"
     assert "line" not in document(other)["programs"][0]["findings"][0]
     assert "the program\n            no-end: the moon" in text(other)

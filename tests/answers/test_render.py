@@ -40,7 +40,7 @@ def test_each_answer_has_a_schema_and_a_text(package: str) -> None:
         each for each in vars(module).values()
         if isinstance(each, type) and issubclass(each, Answer) and each.__module__ == package
     ]  # fmt: skip
-    schema = answer.schema_of(package)
+    schema = answer.document_schema(package)
     meta.validate(schema)
     assert schema["$schema"] == "https://json-schema.org/draft/2020-12/schema"
     assert schema["properties"]["schema"]["const"] == f"camgeo/{kind.command}"

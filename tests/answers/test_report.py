@@ -61,7 +61,7 @@ def test_what_is_infinite_is_said_to_be() -> None:
     assert motion.readings[2].high == math.inf
     assert "∞" in motion.sentence
     assert document(found)["charts"][0]["readings"][2]["high"] is None
-    assert any("no follower" in each for each in found.left_out)
+    assert any("no follower" in each for each in found.omissions)
 
 
 def test_what_is_left_out_is_told_in_a_line() -> None:
@@ -69,7 +69,7 @@ def test_what_is_left_out_is_told_in_a_line() -> None:
     values = {key: scene.values[key] for key in ("camgeo", "name", "cam", "motion", "follower")}
     part = {"bore": 10, "rim": scene.values["part"]["rim"]}
     found = report(Design(Scene({**values, "part": part})), quick=True)
-    (solid,) = [each for each in found.left_out if each.startswith("solid: ")]
+    (solid,) = [each for each in found.omissions if each.startswith("solid: ")]
     assert "thickness" in solid
     assert "groove_depth" in solid
     assert "\n" not in solid

@@ -69,11 +69,11 @@ def test_the_operator_reads_notes_stops_and_what_is_left_to_be_done() -> None:
     assert "clamp at 0, -40 mm, top at Z 10, until rough outline" in found.holding
     assert "clamp at 0, 0 mm, top at Z 10, from rough outline on" in found.holding
     told = ("a skin of 0.3 mm is left below the part, to be removed by hand",)
-    found = replace(found, told=told)
+    found = replace(found, remarks=told)
     assert told[0] in text(found)
     shown = html(found, "<svg></svg>")
     assert all(each in shown for each in (second.stops[0], noted[0].operation.cut.note, *told))
-    assert setup_sheet(Design(load_scene(scene.parent / "onion_skin.toml"))).told == told
+    assert setup_sheet(Design(load_scene(scene.parent / "onion_skin.toml"))).remarks == told
 
 
 def test_the_engagement_of_an_operation_that_clears_an_area(sheet: SetupSheet) -> None:

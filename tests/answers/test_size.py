@@ -47,7 +47,7 @@ def test_the_scene_with_the_answer_keeps_what_was_required() -> None:
     assert again.present.follower.arm == 40.0
     assert again.present.transmission_angle.value >= found.best.sizing.angle
     # On the side that was found, only the last digit is left to be gained.
-    assert again.best is again.own
+    assert again.best is again.scene_side
     assert again.best.written is not None
     assert again.best.written.base_radius == again.present.base_radius
 
@@ -184,7 +184,7 @@ def test_what_no_size_cures_is_a_remark(scene: str, remarks: set[str]) -> None:
 
 def test_a_limit_that_cannot_be_rounded_is_reported() -> None:
     found = with_arm()
-    sides = tuple(replace(each, made=None) for each in found.sides)
+    sides = tuple(replace(each, rounded=None) for each in found.sides)
     none = replace(found, sides=sides)
     assert none.exit_code == 1
     assert "no sizes near this limit pass the checks" in text(none)

@@ -67,7 +67,7 @@ def test_a_scene_is_changed_undone_and_saved(desk: Desk, folder: Path, states: P
     desk.redo()
     desk.close()
     assert list(states.iterdir()) == []
-    assert desk.told() == []
+    assert desk.take_messages() == []
 
 
 def test_edits_survive_a_kill_with_their_history(desk: Desk, folder: Path, states: Path) -> None:
@@ -78,7 +78,7 @@ def test_edits_survive_a_kill_with_their_history(desk: Desk, folder: Path, state
     found = again(folder, states)
     assert (folder / "cam.toml").read_bytes() == b"a = 1\n"
     assert (found.text, found.history.undo, found.history.redo) == ("a = 3\n", "a 3", "a 4")
-    (told,) = found.told()
+    (told,) = found.take_messages()
     assert told.startswith("unsaved edits of cam.toml have been restored")
     found.save()
     found.close()
@@ -93,7 +93,7 @@ def test_a_kill_after_saving_leaves_nothing_to_restore(
     desk.save()
     kill(desk)
     found = again(folder, states)
-    assert (found.text, found.saved, found.told()) == ("a = 3\n", True, [])
+    assert (found.text, found.saved, found.take_messages()) == ("a = 3\n", True, [])
     assert found.disk == "same"
     found.close()
 
@@ -106,7 +106,7 @@ def test_a_file_that_changed_after_the_edits_is_told(
     (folder / "cam.toml").write_bytes(b"a = 9\n")
     found = again(folder, states)
     assert (found.text, found.disk, found.saved) == ("a = 3\n", "changed", False)
-    assert "changed on disk since" in found.told()[1]
+    assert "changed on disk since" in found.take_messages()[1]
     with pytest.raises(OverwriteError):
         found.save()
     found.reload()
@@ -131,7 +131,7 @@ def test_edits_stay_when_another_scene_is_opened(desk: Desk) -> None:
     desk.change("a = 3\n", "a 3")
     desk.open("other.toml")
     assert (desk.text, desk.history.undo) == ("b = 2\n", None)
-    assert desk.told() == ["unsaved edits of cam.toml are kept until it is opened again"]
+    assert desk.take_messages() == ["unsaved edits of cam.toml are kept until it is opened again"]
     desk.open("cam.toml")
     assert (desk.text, desk.history.undo) == ("a = 3\n", "a 3")
 
@@ -192,7 +192,7 @@ def test_a_damaged_journal_is_told_and_designing_goes_on(
     path.write_bytes(b"damaged")
     found = again(folder, states)
     assert (found.text, found.saved) == ("a = 1\n", True)
-    (told,) = found.told()
+    (told,) = found.take_messages()
     assert told.startswith("the journal of cam.toml is damaged, edits may be lost: line 1")
     found.change("a = 4\n", "a 4")
     kill(found)

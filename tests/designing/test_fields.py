@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo.app.designing.form import Fields, plain, slider_of
+from camgeo.app.designing.form import Fields, plain, slider_range
 from camgeo.scene.keys import path_of
 from camgeo.scene.values import Document
 
@@ -21,7 +21,7 @@ LIMITS = st.one_of(st.none(), st.sampled_from([-1e9, -360.0, -90.0, 0.0, 1e-9]))
 def test_a_slider_is_within_the_limits_and_about_the_value(
     value: float, low: float | None, high: float | None
 ) -> None:
-    found = slider_of(value, low, high)
+    found = slider_range(value, low, high)
     if found is None:
         outside = (low is not None and value < low) or (high is not None and value > high)
         assert outside or abs(value) < 1.0
@@ -34,7 +34,7 @@ def test_a_slider_is_within_the_limits_and_about_the_value(
 
 
 def test_a_slider_stays_the_same_while_it_is_moved_a_little() -> None:
-    assert len({slider_of(value, 1e-9, 1e9) for value in (41.0, 50.0, 60.0, 79.0)}) == 1
+    assert len({slider_range(value, 1e-9, 1e9) for value in (41.0, 50.0, 60.0, 79.0)}) == 1
 
 
 @pytest.mark.parametrize(

@@ -34,7 +34,7 @@ def test_a_handle_dropped_where_it_is_changes_nothing(file: pathlib.Path) -> Non
     assert len({each.name for each in found}) == len(found)
     for each in found:
         for step in (None, 0.01, 1, [5.0, 0.2]):
-            assert dragged(own, each.name, each.at, step)[1] == {}
+            assert dragged(own, each.name, each.place, step)[1] == {}
 
 
 @settings(max_examples=50, deadline=None)
@@ -44,18 +44,18 @@ def test_a_handle_is_where_it_was_dropped(data: st.DataObject) -> None:
     own = design(data.draw(st.sampled_from(FILES)))
     each = data.draw(st.sampled_from(list(handles(own))))
     way = st.floats(-3.0, 3.0)
-    to = each.at[0] + data.draw(way), each.at[1] + data.draw(way)
+    to = each.place[0] + data.draw(way), each.place[1] + data.draw(way)
     try:
         _, edits = dragged(own, each.name, to)
         after = Design(own.scene.with_values(edits))
     except CamgeoError:
         return  # it cannot be there
     there = handle(after, each.name)
-    off = [abs(one - other) for one, other in zip(there.at, to, strict=True)]
+    off = [abs(one - other) for one, other in zip(there.place, to, strict=True)]
     near = ROUNDING * _steepness(own, each)
     if each.space == "plan":
         joints = [float(angle) for angle in own.drive.plan.joints_deg]
-        index = min(range(len(joints)), key=lambda k: abs(joints[k] - each.at[0]))
+        index = min(range(len(joints)), key=lambda k: abs(joints[k] - each.place[0]))
         inside = each.kind == "point" or joints[index - 1] < to[0] < joints[index + 1]
         assert off[0] <= near or "x" not in each.moves or not inside or each.kind == "point"
         assert off[1] <= near or "y" not in each.moves
@@ -63,7 +63,7 @@ def test_a_handle_is_where_it_was_dropped(data: st.DataObject) -> None:
         assert math.hypot(*off) <= near
     elif each.moves == "x":
         assert off[0] <= near
-    again = dragged(own, each.name, there.at)[1]
+    again = dragged(own, each.name, there.place)[1]
     assert again.keys() == edits.keys()
     for key, value in edits.items():
         assert _numbers(again[key]) == pytest.approx(_numbers(value), abs=3.0 * near)
@@ -79,8 +79,8 @@ def _steepness(own: Design, each: Handle) -> float:
         return 1.0
     follower = own.scene.follower
     assert follower is not None
-    far = 1.0 + math.hypot(*each.at) + abs(follower.pivot or 0.0)
-    here = complex(*each.at)
+    far = 1.0 + math.hypot(*each.place) + abs(follower.pivot or 0.0)
+    here = complex(*each.place)
     arms = [here, here - (follower.pivot or 1j * here)]
     sine = abs((arms[0] * arms[1].conjugate()).imag) / max(abs(arms[0] * arms[1]), 1e-9)
     return far + 2.0 / max(sine, 0.02)
@@ -123,8 +123,8 @@ def test_handles_of_the_plan_are_in_its_panel() -> None:
             panel = figure.panels[each.panel]
             assert panel.y.label == "s [mm]"
             (low, high), (left, right) = panel.y.limits, panel.x.limits
-            assert low < each.at[1] < high
-            assert left < each.at[0] < right
+            assert low < each.place[1] < high
+            assert left < each.place[0] < right
 
 
 @pytest.mark.parametrize("file", CHOSEN, ids=name_of)
@@ -142,7 +142,7 @@ def test_handles_of_the_mechanism_are_on_its_bodies(file: pathlib.Path) -> None:
         "arm": [centre for centre, _ in sketch.rollers],
     }
     for each in handles(own):
-        at = complex(*each.at)
+        at = complex(*each.place)
         if each.kind in ("pivot", "joint", "arm") and each.space == "mechanism":
             assert min(abs(at - place) for place in places[each.kind]) < near
         elif each.kind == "roller":

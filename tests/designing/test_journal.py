@@ -12,7 +12,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from camgeo.app.designing import desk
-from camgeo.app.designing.desk import History, Journal, Kept, change, kept, state_folder
+from camgeo.app.designing.desk import (
+    History,
+    Journal,
+    JournalContent,
+    change,
+    read_journal,
+    state_folder,
+)
 from camgeo.errors import FileError
 
 FILE = "/scenes/cam.toml"
@@ -20,9 +27,9 @@ FILE = "/scenes/cam.toml"
 POSIX = pytest.mark.skipif(sys.platform == "win32", reason="permissions and links of POSIX")
 
 
-def left(found: Journal) -> Kept:
-    assert found.kept is not None
-    return found.kept
+def left(found: Journal) -> JournalContent:
+    assert found.content is not None
+    return found.content
 
 
 def edited(folder: Path, *texts: str, start: str = "a") -> History:
@@ -65,8 +72,8 @@ def test_a_history_comes_back_as_it_was(events: list[str]) -> None:
             line = change(history.text, text, event, gesture)
             history = history.changed(text, event, gesture)
         lines.append(desk._line(line))
-    assert kept(b"".join(lines), FILE) == Kept(history, "")
-    anew = kept(b"".join(desk._lines(FILE, history, "")), FILE)
+    assert read_journal(b"".join(lines), FILE) == JournalContent(history, "")
+    anew = read_journal(b"".join(desk._lines(FILE, history, "")), FILE)
     assert (anew.damage, anew.saved) == ("", "")
     assert anew.history is not None
     assert anew.history.text == history.text
@@ -76,8 +83,8 @@ def test_a_history_comes_back_as_it_was(events: list[str]) -> None:
 
 def test_a_journal_is_of_one_file(tmp_path: Path) -> None:
     edited(tmp_path, "b")
-    assert Journal.opened("/scenes/other.toml", tmp_path).kept is None
-    assert "of another file" in kept(place(tmp_path).read_bytes(), "/scenes/x.toml").damage
+    assert Journal.opened("/scenes/other.toml", tmp_path).content is None
+    assert "of another file" in read_journal(place(tmp_path).read_bytes(), "/scenes/x.toml").damage
 
 
 def test_it_is_written_anew_when_it_has_grown(
@@ -128,7 +135,7 @@ def test_a_changed_byte_never_gives_a_text_that_never_was(data: st.DataObject) -
     whole = b"".join(desk._lines(FILE, history, ""))
     at = data.draw(st.integers(0, len(whole) - 1))
     byte = data.draw(st.integers(0, 255).filter(lambda found: found != whole[at]))
-    found = kept(whole[:at] + bytes([byte]) + whole[at + 1 :], FILE)
+    found = read_journal(whole[:at] + bytes([byte]) + whole[at + 1 :], FILE)
     assert found.damage
     assert found.history is None or found.history.text in ("start", *texts)
 
@@ -158,7 +165,7 @@ def test_a_link_in_place_of_a_journal_is_not_followed(tmp_path: Path) -> None:
     path.symlink_to(target)
     before = target.read_bytes()
     found = Journal.opened(FILE, tmp_path / "states")
-    assert found.kept is None
+    assert found.content is None
     assert "unsaved edits are not kept" in found.fault
     found.add(History("a").changed("z", "z"), change("a", "z", "z"), "")
     assert target.read_bytes() == before

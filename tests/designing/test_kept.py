@@ -10,7 +10,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from camgeo.app.answers.answer import in_a_line
+from camgeo.app.answers.answer import one_line
 from camgeo.app.designing.children import Job
 from camgeo.app.designing.edits import ACTIONS, changed
 from camgeo.app.designing.handles import handles
@@ -67,7 +67,7 @@ def changes(name: str) -> Iterator[tuple[str, str]]:
     segments = range(len(own.scene.plan.segments))
     wanted: list[dict[str, Any]] = [
         *({"segment": {"action": action, "at": at}} for at in segments for action in ACTIONS),
-        *({"handle": each.name, "to": [each.at[0] + 1.3, each.at[1] - 0.7], "step": step}
+        *({"handle": each.name, "to": [each.place[0] + 1.3, each.place[1] - 0.7], "step": step}
           for each in handles(own) for step in (None, list(STEPS))),
     ]  # fmt: skip
     if name == SCENES[0]:
@@ -93,7 +93,7 @@ def changes(name: str) -> Iterator[tuple[str, str]]:
         try:
             found = changed(text, str(file_of(name)), None, each, own)
         except CamgeoError as error:
-            yield f"{name}: {each}", in_a_line(error)
+            yield f"{name}: {each}", one_line(error)
             continue
         lines = difflib.unified_diff(text.splitlines(), found.text.splitlines(), n=0)
         told = [line for line in lines if not line.startswith(("---", "+++", "@@"))]

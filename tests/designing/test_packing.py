@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from camgeo.app.designing.work import APART, packed
+from camgeo.app.designing.work import PACKING_ERROR, packed
 from camgeo.design.design import Design
 from camgeo.pictures import motion
 from camgeo.pictures.mechanism import animation
@@ -53,7 +53,7 @@ def test_pictures_are_the_same_packed() -> None:
         assert len(json.dumps(found, allow_nan=False)) < 0.6 * len(json.dumps(data))
         one, other = numbers(data), numbers(lists(found))
         assert len(one) == len(other)
-        assert other == pytest.approx(one, rel=0.0, abs=APART * max(map(abs, one)))
+        assert other == pytest.approx(one, rel=0.0, abs=PACKING_ERROR * max(map(abs, one)))
 
 
 @pytest.mark.parametrize("offset", [0.0, 1e9])
@@ -65,7 +65,7 @@ def test_packed_numbers_are_near_relative_to_their_extent(offset: float) -> None
     assert data["packed"] == ("f8" if offset else "f4")
     found = np.array(lists(data), np.float64)
     assert np.array_equal(np.isnan(found), np.isnan(points))
-    assert np.nanmax(np.abs(found - points) / np.array([360.0, np.sin(1.0)])) <= APART
+    assert np.nanmax(np.abs(found - points) / np.array([360.0, np.sin(1.0)])) <= PACKING_ERROR
 
 
 @pytest.mark.parametrize("size", [1e39, 1e-42])

@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from camgeo.app.designing.edits import ACTIONS, changed, total
-from camgeo.app.designing.form import spans_of
+from camgeo.app.designing.form import motion_spans
 from camgeo.errors import SceneError
 from tests.designing.scenes import FILES, FIXTURES, SETZHUB, TEXT, design
 
@@ -48,7 +48,7 @@ def test_the_spans_add_up_after_any_changes(data: st.DataObject) -> None:
             text = changed(text, str(file), None, {"segment": asked}).text
         except SceneError:
             continue
-        spans = spans_of(motion(text))
+        spans = motion_spans(motion(text))
         assert spans is not None
         assert total(spans) == 360
 

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from camgeo.app.designing.children import Job
-from camgeo.app.designing.faults import UNKNOWN, WAITING, verdict_of
+from camgeo.app.designing.faults import UNKNOWN, WAITING, scene_verdict
 from camgeo.app.designing.work import run
 from camgeo.scene.toml import template
 from tests.designing.scenes import FIXTURES
@@ -73,7 +73,7 @@ def found(*severities: str) -> dict[str, Any]:
 def test_a_verdict_is_never_better_than_what_is_known(
     results: dict[str, Any], severity: str, sentence: str
 ) -> None:
-    verdict = verdict_of(results)
+    verdict = scene_verdict(results)
     assert (verdict["severity"], verdict["sentence"]) == (severity, sentence)
     assert bool(verdict["faults"]) == (severity == "invalid")
 
@@ -91,7 +91,7 @@ def test_what_only_the_build_meets_is_told() -> None:
     built = run(Job("build", SMALL, arguments={"formats": ["step"]}))
     (fault,) = built["faults"]
     assert (fault["value"], fault["message"]) == ("step", "needs [part] thickness")
-    assert verdict_of({"findings": found("ok"), "build": built})["severity"] == "invalid"
+    assert scene_verdict({"findings": found("ok"), "build": built})["severity"] == "invalid"
 
 
 def test_a_header_says_what_the_command_says(tmp_path: Path) -> None:

@@ -27,7 +27,7 @@ from typing import Any, Final
 
 from camgeo.app.cli.main import main as command
 from camgeo.app.designing.children import Job
-from camgeo.app.designing.faults import verdict_of
+from camgeo.app.designing.faults import scene_verdict
 from camgeo.app.designing.work import run
 from tests.draws.run import Case, parser_of, run_cases
 from tests.judges.browsing import driven
@@ -72,7 +72,7 @@ def done(kind: str, text: str = "", file: Path = Path("cam.toml"), **arguments: 
 
 def header(text: str, file: Path) -> dict[str, Any]:
     """What the page is told of a text as of a file: the verdict on its curves and findings."""
-    return verdict_of({kind: done(kind, text, file) for kind in ("curves", "findings")})
+    return scene_verdict({kind: done(kind, text, file) for kind in ("curves", "findings")})
 
 
 def checked(text: str, file: Path) -> tuple[int, set[str]]:

@@ -135,7 +135,9 @@ def of_report(found: Check) -> dict[str, Said]:
     told: dict[str, Said] = {}
     for each in advised(found):
         verdict = WORDS.get(each.finding.verdict, each.finding.verdict)
-        told.setdefault(each.about, []).append((each.finding.name, verdict, each.finding.sentence))
+        told.setdefault(each.subject, []).append(
+            (each.finding.name, verdict, each.finding.sentence)
+        )
     return told
 
 

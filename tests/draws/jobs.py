@@ -524,8 +524,8 @@ FINDINGS: Final = {"loose": "loose", "loose-core": "loose", "gouge": "gouge", "r
 def linted(path: Path, scene: str) -> Told:
     """By `camgeo lint` of a program with the scene of a job."""
     (program,) = lint([path], "linuxcnc", design=camgeo.loads(scene)).programs
-    assert program.found is not None, program.damage
-    found = (each.found for each in program.findings)
+    assert program.linted is not None, program.damage
+    found = (each.finding for each in program.findings)
     return said((RULES[each.rule], each.what) for each in found if each.rule in RULES)
 
 

@@ -378,7 +378,7 @@ def test_each_is_computed_once_over_a_diamond(fakes: Fakes) -> None:
     assert effects.result("base") is top.given["left"].given["base"]
     assert sorted(fakes.calls) == ["base", "left", "right", "top"]
     assert sorted(fakes.found) == ["base", "left", "right", "top"]
-    assert [(run.name, run.asked_by) for run in effects.ledger.runs] == [
+    assert [(run.name, run.requester) for run in effects.ledger.runs] == [
         ("effects.base", "effects.left"),
         ("effects.left", "effects.top"),
         ("effects.right", "effects.top"),
@@ -572,7 +572,7 @@ def test_a_design_has_one_graph_and_one_ledger(fakes: Fakes) -> None:
     graph = Effects(plate.effects.subject, {"angles": {}}, plate.ledger, find=fakes.find)
     _, angles = graph.result("angles")
     assert angles is plate.drive.smooth_angles
-    asked = {run.name: run.asked_by for run in plate.ledger.runs}
+    asked = {run.name: run.requester for run in plate.ledger.runs}
     assert asked["smooth_angles"] == "effects.angles"
     assert asked["motion"] == "smooth_angles"
     assert asked["effects.angles"] == ""

@@ -16,7 +16,7 @@ from typing import Final
 import pytest
 
 import camgeo
-from camgeo.app.answers.verify import Against, Wanted, files_in, verify_files
+from camgeo.app.answers.verify import Reference, Wanted, verifiable_files, verify_files
 from camgeo.design.design import Design
 from camgeo.design.writing import Report
 from camgeo.geometry.contour.contour import Form
@@ -79,8 +79,10 @@ def test_every_file_is_written_and_verified(scene: Path, tmp_path: Path) -> None
 
 def _verify(design: Design, folder: Path, tolerance: float, report: Report) -> None:
     """All files pass, with the deviations that were measured when they were written."""
-    against = partial(_against, Against(design.discs, tolerance))
-    verdicts = {each.file: each for each in verify_files(files_in(folder), against, Wanted())}
+    against = partial(_against, Reference(design.discs, tolerance))
+    verdicts = {
+        each.file: each for each in verify_files(verifiable_files(folder), against, Wanted())
+    }
     assert len(verdicts) == len(report.files)
     for file in report.files:
         verdict = verdicts[file.name]
@@ -92,7 +94,7 @@ def _verify(design: Design, folder: Path, tolerance: float, report: Report) -> N
         assert verdict.deviation == pytest.approx(file.deviation, rel=0.02, abs=1e-9)
 
 
-def _against(found: Against, _folder: Path, _hash: str) -> Against:
+def _against(found: Reference, _folder: Path, _hash: str) -> Reference:
     """The scene, wherever it is searched for."""
     return found
 

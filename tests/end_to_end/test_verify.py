@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from camgeo.app.answers.verify import Against, Verdict, Wanted, verify_files
+from camgeo.app.answers.verify import Reference, Verdict, Wanted, verify_files
 from camgeo.app.cli.main import main
 from camgeo.design.design import Design
 from camgeo.scene.scene import load_scene
@@ -190,9 +190,9 @@ def sources(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
 
 
 @cache
-def _against(scene: Path) -> Against:
+def _against(scene: Path) -> Reference:
     design = Design(load_scene(scene))
-    return Against(design.discs, design.scene.output.tolerance)
+    return Reference(design.discs, design.scene.output.tolerance)
 
 
 def _verdict(path: Path, scene: Path) -> Verdict:

@@ -17,7 +17,7 @@ from ezdxf.filemanagement import read as parsed
 from ezdxf.path import make_path
 
 import camgeo
-from camgeo.app.answers.verify import Against, Wanted, verify_files
+from camgeo.app.answers.verify import Reference, Wanted, verify_files
 from camgeo.design.verify import Reading
 from camgeo.errors import FileError
 from camgeo.geometry.contour.contour import Contour
@@ -449,7 +449,7 @@ def test_files_are_known_by_the_whole_ending(tmp_path: Path) -> None:
     """The return disc of a pair too; a picture next to them is judged by its bytes alone."""
     design = camgeo.load(SCENES / "conjugate_lever.toml")
     written = design.write(tmp_path, ["cut-svg", "svg"], tolerance=TOLERANCE)
-    against = Against(design.discs, TOLERANCE)
+    against = Reference(design.discs, TOLERANCE)
     verdicts = verify_files(written.paths[:-1], lambda *_: against, Wanted())
     assert [each.file for each in verdicts] == [
         "conjugate_lever.cut.svg",

@@ -108,7 +108,7 @@ def written(text: str) -> list[Displayed]:
         ValueTable(replace(one, names=(text,) * len(one.names))),
         replace(law, name=text, parameters={text: 1.0}),
         replace(found, findings=Findings([wrong]), effects={text: (wrong,)}),
-        replace(told, charts=(chart,), left_out=(text,)),
+        replace(told, charts=(chart,), omissions=(text,)),
         replace(figure, texts=(Text(text, (0.5, 0.5), 8.0, "figure"),), rows=(), panels=()),
         refusal(SceneError([camgeo.Fault(text, text, text, text)], text)),
         Written((Path(text),), (FileReport(text, text, 1, 1e-3, 1e-4, {}, (wrong,)),)),
@@ -424,7 +424,7 @@ def test_the_page_of_setzhub_has_everything_in_one_small_file(
     assert whole.certified == whole.scene.made
     assert whole.prices is not None
     assert whole.prices.knee is not None
-    assert not whole.left_out
+    assert not whole.omissions
     page = page_of(whole)
     assert len(page) < MOST
     found = Page(page.decode())
@@ -486,9 +486,9 @@ def test_hostile_texts_stay_texts(text: str) -> None:
     wrong = replace(
         chart, title=text, figure=figure, readings=(replace(chart.readings[0], name=text),)
     )
-    page = page_of(replace(plain, advised=(replace(first, about=text, finding=finding, step=text),),
-                          charts=(wrong,), left_out=(text,)))  # fmt: skip
-    usual = page_of(replace(plain, advised=(first,), left_out=("none",),
+    advice = replace(first, subject=text, finding=finding, step=text)
+    page = page_of(replace(plain, advised=(advice,), charts=(wrong,), omissions=(text,)))
+    usual = page_of(replace(plain, advised=(first,), omissions=("none",),
                            charts=(replace(chart, readings=chart.readings[:1]),)))  # fmt: skip
     found = Page(page.decode())
     assert found.outline == Page(usual.decode()).outline
@@ -516,7 +516,7 @@ def test_a_part_without_thickness_has_no_solid_and_says_so() -> None:
     found = report(Design(Scene({**rest, "part": part})), quick=True)
     assert not found.solids
     assert within(page_of(found), "script")[1:] == [bundle("report.js")]
-    assert any(each.startswith("solid: ") and "thickness" in each for each in found.left_out)
+    assert any(each.startswith("solid: ") and "thickness" in each for each in found.omissions)
 
 
 def test_numbers_of_diagrams_are_exact_enough_to_be_drawn() -> None:

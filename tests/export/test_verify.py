@@ -25,7 +25,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 import camgeo
-from camgeo.app.answers.verify import Against, Verdict, Wanted, first_difference, verify_files
+from camgeo.app.answers.verify import Reference, Verdict, Wanted, first_difference, verify_files
 from camgeo.design.design import Design
 from camgeo.design.product import Product
 from camgeo.design.verify import Check, Origin, Reading, Verifier, parse_tolerance
@@ -611,7 +611,7 @@ def files(tolerance: float = WRITTEN_WITHIN) -> dict[str, bytes]:
 def verdict_on(path: Path, data: bytes, of: Design | None = None) -> Verdict:
     """Of a file with these bytes; its scene states another tolerance than files do."""
     path.write_bytes(data)
-    against = Against((of or vorschub()).discs, 0.5 * WRITTEN_WITHIN)
+    against = Reference((of or vorschub()).discs, 0.5 * WRITTEN_WITHIN)
     (verdict,) = verify_files((path,), lambda *_: against, Wanted(WRITTEN_WITHIN))
     return verdict
 

@@ -8,7 +8,7 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo.app.designing.work import PAPER, READ, SEEN, few_of, thinned, thinned_turn
+from camgeo.app.designing.work import PAPER, READ, SEEN, thin_lines, thinned, thinned_turn
 from camgeo.design.design import Design
 from camgeo.numeric.arrays import FloatArray
 from camgeo.pictures import motion
@@ -73,7 +73,7 @@ def lines(draw: st.DrawFn) -> list[np.ndarray]:
 @given(lines(), st.floats(1e-5, 1e-1))
 def test_no_point_is_farther_off_than_allowed(found: list[np.ndarray], most: float) -> None:
     ends = np.cumsum([0, *map(len, found)])
-    kept = few_of(np.concatenate(found), ends, most)
+    kept = thin_lines(np.concatenate(found), ends, most)
     assert np.all(np.diff(kept) > 0)
     for points, first in zip(found, ends[:-1].tolist(), strict=True):
         own = kept[(kept >= first) & (kept < first + len(points))] - first

@@ -23,7 +23,7 @@ from jsonschema_rs import Draft202012Validator
 
 import camgeo
 import camgeo_export
-from camgeo.app.answers.answer import CRASHED, schema_of
+from camgeo.app.answers.answer import CRASHED, document_schema
 from camgeo.app.cli.main import TRACEBACK, main
 from camgeo.design.design import Design
 from camgeo.errors import CamgeoError, SceneError
@@ -248,7 +248,7 @@ def _check_json(step: Step, case: Case, code: int) -> None:
 
 @cache
 def _validator(name: str) -> Draft202012Validator:
-    return Draft202012Validator(schema_of(f"camgeo.app.answers.{name.replace('-', '_')}"))
+    return Draft202012Validator(document_schema(f"camgeo.app.answers.{name.replace('-', '_')}"))
 
 
 def sound_call(words: Step, given: str = "") -> tuple[int, str, str]:

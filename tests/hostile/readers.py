@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import Final
 
 import camgeo
-from camgeo.app.answers.inspect import of_points, read_points
+from camgeo.app.answers.inspect import inspect_points, read_points
 from camgeo.app.answers.replay import Reader
-from camgeo.app.answers.verify import Against, Wanted, certificate_in, verify_files
+from camgeo.app.answers.verify import Reference, Wanted, read_certificate, verify_files
 from camgeo.app.cli.import_ import import_project
 from camgeo.design.linting import Bench
 from camgeo.design.product import Product
@@ -64,7 +64,7 @@ def verified(data: bytes, kind: str) -> str:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, f"vorschub.{ENDINGS[kind]}")
         path.write_bytes(data)
-        against = Against([product()], TOLERANCE)
+        against = Reference([product()], TOLERANCE)
         try:
             (verdict,) = verify_files((path,), lambda *_: against, Wanted(TOLERANCE))
         except CamgeoError as error:
@@ -100,7 +100,7 @@ def inspected(data: bytes) -> str:
 
     def inspect(align: Align) -> None:
         points = read_points(data, "points.csv")
-        of_points(disc, disc.cam.contact.main, points, "points.csv", align=align)
+        inspect_points(disc, disc.cam.contact.main, points, "points.csv", align=align)
 
     return next(filter(None, (refusal(partial(inspect, each)) for each in Align)), "")
 
@@ -131,7 +131,7 @@ def certificate(data: bytes) -> str:
     """Why a certificate counts as damaged."""
     with tempfile.TemporaryDirectory() as folder:
         Path(folder, "certificate.json").write_bytes(data)
-        found = certificate_in(Path(folder))
+        found = read_certificate(Path(folder))
     assert found is not None
     return found.damage
 

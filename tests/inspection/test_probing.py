@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from camgeo.app.answers.probe import evenly, length_of, points_at_cam_angles
+from camgeo.app.answers.probe import evenly_spaced_points, flank_length, points_at_cam_angles
 from camgeo.errors import GeometryError
 from camgeo.geometry.outline.path import Flank
 from tests.findings import known
@@ -38,8 +38,8 @@ def test_even_points_are_equally_far_apart_along_the_flank(name: str, side: Flan
     measures the arcs independently.
     """
     flank = flank_of(name, side)
-    found = evenly(flank, 3.0)
-    count, length = len(found.places), length_of(flank)
+    found = evenly_spaced_points(flank, 3.0)
+    count, length = len(found.places), flank_length(flank)
     assert length / count <= 3.0 < length / (count - 1)
     course = np.linspace(0.0, flank.total, 20_001)
     dense = np.unique(np.concatenate((course, flank.starts, found.places.course)))
@@ -71,10 +71,10 @@ def test_centres_lie_a_radius_off_the_flank(name: str, side: Flank) -> None:
     flank = flank_of(name, side)
     found = points_at_cam_angles(flank, DEGREES[::10], 1.5)
     assert np.max(np.abs(flank.feet(found.centres).distances - 1.5)) < 1e-12
-    share = 2.0 * np.sin(0.5 * found.off_radius.value) ** 2
+    share = 2.0 * np.sin(0.5 * found.largest_radial_angle.value) ** 2
     assert found.feigned == pytest.approx(1.5 * share)
 
 
 def test_too_many_points_are_refused() -> None:
     with pytest.raises(GeometryError, match="more than 200,000"):
-        evenly(flank_of("tappet", Flank.INNER), 1e-4)
+        evenly_spaced_points(flank_of("tappet", Flank.INNER), 1e-4)

@@ -17,7 +17,7 @@ from typing import Any, Final
 import pytest
 
 from camgeo.app.answers.answer import STOPPED
-from camgeo.app.answers.verify import certificate_in
+from camgeo.app.answers.verify import read_certificate
 from camgeo.app.cli.main import Stopped, stop_on_signals
 from camgeo.design import writing
 from camgeo.design.writing import CERTIFICATE, STAGING, interrupted
@@ -83,7 +83,7 @@ def is_safe(folder: Path, old: Files, new: Files) -> bool:
         return False
     if seen in (old, new):
         return True
-    certificate = certificate_in(folder)
+    certificate = read_certificate(folder)
     said = certificate is not None and "interrupted" in certificate.damage
     return CERTIFICATE not in seen and interrupted(folder) and said
 

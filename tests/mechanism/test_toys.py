@@ -53,7 +53,7 @@ class Mushroom:
 
 DECLARED_FOLLOWER = '''"""The mushroom follower, declared."""
 
-from camgeo.record import schema_beside
+from camgeo.record import stored_schema
 from camgeo.kinematics.mechanism.values import FollowerKind
 
 
@@ -67,7 +67,7 @@ KIND = FollowerKind(
     description="a round head on a straight guide.",
     unit="mm",
     touching="roller",
-    schema=schema_beside(__file__),
+    schema=stored_schema(__file__),
     made="mushroom:Mushroom",
     sizes=("base_radius", "head_radius"),
     rules=(head_is_a_cap,),
@@ -111,7 +111,7 @@ DECLARED_LINKAGE = '''"""A slider-crank of equal crank and coupler, declared: on
 
 import math
 
-from camgeo.record import schema_beside
+from camgeo.record import stored_schema
 from camgeo.kinematics.mechanism.values import LinkageKind
 
 
@@ -126,7 +126,7 @@ KIND = LinkageKind(
     name="toggle",
     description="the motion is the stroke of a slider that a toggle turns into a swing.",
     members={"rad": "slider"},
-    schema=schema_beside(__file__),
+    schema=stored_schema(__file__),
     build=build,
 )
 '''

@@ -626,9 +626,9 @@ def test_lint_knows_the_side_by_what_a_program_says(tmp_path: Path) -> None:
     product = second(scene(FROM_BELOW))
     program = WRITER.write(product, TOLERANCE).data.decode()
     work = [
-        each.found.rule
+        each.finding.rule
         for each in linted(tmp_path, "any", program).programs[0].findings
-        if each.found.concerns == "work"
+        if each.finding.concerns == "work"
     ]
     assert work == []
 
@@ -641,7 +641,7 @@ def test_lint_is_told_the_side_of_a_program_that_does_not_say_it(tmp_path: Path)
     silent = "\n".join(line for line in program.splitlines() if not line.startswith("("))
     for told in (True, False):
         answer = linted(tmp_path, "silent", silent, second_side=told, tables=tables)
-        rules = {each.found.rule for each in answer.programs[0].findings}
+        rules = {each.finding.rule for each in answer.programs[0].findings}
         assert rules == (set() if told else {"gouged-part", "rest"})
 
 
@@ -651,8 +651,8 @@ def test_lint_finds_what_goes_wrong_on_the_second_side(tmp_path: Path) -> None:
     program = WRITER.write(product, TOLERANCE).data.decode()
     wrong = program.replace("Z-0.3000", "Z-2.5000")
     found = linted(tmp_path, "both-second-side", wrong).programs[0].findings
-    assert {each.found.rule for each in found} >= {"too-low"}
-    line = next(each.line for each in found if each.found.rule == "too-low")
+    assert {each.finding.rule for each in found} >= {"too-low"}
+    line = next(each.line for each in found if each.finding.rule == "too-low")
     assert line is not None
     assert "Z-2.5000" in wrong.splitlines()[line - 1]
 

@@ -18,7 +18,7 @@ import pytest
 
 import camgeo
 from camgeo.app.answers.check import check
-from camgeo.app.answers.verify import Against, Wanted, files_in, verify_files
+from camgeo.app.answers.verify import Reference, Wanted, verifiable_files, verify_files
 from camgeo.app.cli.main import main
 from camgeo.design import writing as write_module
 from camgeo.design import writing as writer_module
@@ -306,8 +306,8 @@ def test_a_program_has_the_ending_of_its_machine_and_is_found_by_its_format(tmp_
     scene.write_text(PLATE.replace('"linuxcnc"', '"mill.toml"'))
     design = Design(load_scene(scene))
     design.write(tmp_path, ["gcode"])
-    assert (tmp_path / "plate.eia") in files_in(tmp_path)
-    against = Against(design.discs, 0.001)
+    assert (tmp_path / "plate.eia") in verifiable_files(tmp_path)
+    against = Reference(design.discs, 0.001)
     (verdict,) = verify_files((tmp_path / "plate.eia",), lambda *_: against, Wanted())
     assert "deviation" in {check.name for check in verdict.checks}
     assert all(check.ok is not False for check in verdict.checks)
@@ -328,7 +328,7 @@ def test_a_program_is_verified_against_a_scene_with_milling(tmp_path: Path) -> N
     Design(parse_scene(PLATE)).write(tmp_path, ["gcode"])
     program = tmp_path / "plate.ngc"
     other = Design(parse_scene(BARE))
-    against = Against(other.discs, 0.001)
+    against = Reference(other.discs, 0.001)
     (verdict,) = verify_files((program,), lambda *_: against, Wanted())
     (check,) = [each for each in verdict.checks if each.name == "operations"]
     assert check.ok is False

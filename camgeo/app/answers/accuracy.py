@@ -44,12 +44,12 @@ from camgeo.studies.accuracy.survey import (
 from camgeo.units import MM_PER, RPM, LengthUnit
 
 
-def of_each_form(rows: Sequence[BenefitRow]) -> tuple[str, ...]:
+def enough_sentences(rows: Sequence[BenefitRow]) -> tuple[str, ...]:
     """What is enough of each form, of `rows` of one speed, and why; forms without values are left
     out.
     """
-    each = [enough([row for row in rows if row.form == form]) for form in FORMS]
-    return tuple(words(found) for found in each if found is not None) or (words(None),)
+    verdicts = [enough([row for row in rows if row.form == form]) for form in FORMS]
+    return tuple(words(verdict) for verdict in verdicts if verdict is not None) or (words(None),)
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,7 +84,7 @@ class Accuracy(Answer):
         return "" if self.survey.knee is None else self.survey.knee.step_sentence
 
     @property
-    def own(self) -> tuple[ContourRow, ...]:
+    def drawing_rows(self) -> tuple[ContourRow, ...]:
         """The rows of the contour that the scene asks for."""
         return own_rows(self.scene, self.survey.contours)
 
@@ -94,7 +94,9 @@ class Accuracy(Answer):
         if not self.benefits:
             return ()
         speed = self.benefits[0].speed / RPM
-        return tuple(f"at {speed:g} rev/min: {each}" for each in of_each_form(self.benefits))
+        return tuple(
+            f"at {speed:g} rev/min: {sentence}" for sentence in enough_sentences(self.benefits)
+        )
 
     @property
     def form(self) -> Form:
@@ -106,7 +108,7 @@ class Accuracy(Answer):
         """Unit in which positions of the motion are shown."""
         return "deg" if self.turns else self.scene.unit
 
-    def shown(self, lift: float) -> float:
+    def display_value(self, lift: float) -> float:
         """A lift [mm or rad] in that unit."""
         return math.degrees(lift) if self.turns else lift / MM_PER[self.scene.unit]
 
@@ -120,7 +122,7 @@ class Accuracy(Answer):
                 "bytes": row.size,
                 "seconds": row.seconds,
                 "spread": row.spread,
-                "interpolation_error": self.shown(row.error),
+                "interpolation_error": self.display_value(row.error),
                 "unit": self.unit,
             }
             for row in self.survey.tables
@@ -134,9 +136,9 @@ class Accuracy(Answer):
                 "contour": row.form,
                 "tolerance_mm": row.tolerance,
                 "speed_rpm": row.speed / RPM,
-                "acceleration": self._shown(row.acceleration),
-                "exact_acceleration": self._shown(row.exact_acceleration),
-                "jump": self._shown(row.jump),
+                "acceleration": self._optional_value(row.acceleration),
+                "exact_acceleration": self._optional_value(row.exact_acceleration),
+                "jump": self._optional_value(row.jump),
                 "unit": self.unit,
                 "ripple": row.ripple,
                 "force_N": row.force,
@@ -146,16 +148,16 @@ class Accuracy(Answer):
                 "exact_highest_force_N": row.exact_highest,
                 "lift_off_rpm": _finite(row.lift_off),
                 "exact_lift_off_rpm": _finite(row.exact_lift_off),
-                "octaves": [self.shown(value) for value in row.octaves],
-                "octave_error": self._shown(row.octave_error),
+                "octaves": [self.display_value(value) for value in row.octaves],
+                "octave_error": self._optional_value(row.octave_error),
                 "strongest_harmonic": row.strongest,
                 "fault": row.fault,
             }
             for row in self.benefits
         )
 
-    def _shown(self, value: float | None) -> float | None:
-        return None if value is None else self.shown(value)
+    def _optional_value(self, value: float | None) -> float | None:
+        return None if value is None else self.display_value(value)
 
 
 def _finite(speed: float | None) -> float | None:
@@ -196,11 +198,11 @@ def accuracy(
     if speed is not None:
         forms = FORMS if complete else own_contour(design.scene)[:1]
         benefits = benefit_rows(design, tolerances, (speed,), forms=forms, progress=progress)
-    found = surveys.survey(
+    measured = surveys.survey(
         design, tolerances, ripple=ripple, complete=complete, bill=bill, benefits=benefits,
         progress=progress,
     )  # fmt: skip
-    return Accuracy(design.scene, found, ripple, design.drive.unit == "rad", complete, benefits)
+    return Accuracy(design.scene, measured, ripple, design.drive.unit == "rad", complete, benefits)
 
 
 # -- document -------------------------------------------------------------------------------------
@@ -543,17 +545,19 @@ def text(answer: Accuracy) -> str:
 def _summary(answer: Accuracy) -> list[str]:
     """The rows that a designer reads, and the table of builds if it was asked for."""
     mm, bill = MM_PER[answer.scene.unit], answer.survey.in_length(answer.scene.unit).bill
-    off = {row.tolerance: row.ripple for row in answer.benefits if row.form == answer.form}
-    count = len(SUMMARY) if off or answer.ripple else len(SUMMARY) - 1
-    cells = [_own_cells(in_length(row, mm), off.get(row.tolerance, row.ripple))[:count]
-             for row in answer.own]  # fmt: skip
-    rows = [(each, row.fault) for each, row in zip(cells, answer.own, strict=True)]
+    ripples = {row.tolerance: row.ripple for row in answer.benefits if row.form == answer.form}
+    count = len(SUMMARY) if ripples or answer.ripple else len(SUMMARY) - 1
+    cells = [_summary_cells(in_length(row, mm), ripples.get(row.tolerance, row.ripple))[:count]
+             for row in answer.drawing_rows]  # fmt: skip
+    rows = [
+        (row_cells, row.fault) for row_cells, row in zip(cells, answer.drawing_rows, strict=True)
+    ]
     builds = ["", *_columns(BILL, [_bill_cells(row) for row in bill])] if bill else []
     notes = ["", SUMMARY_COLUMNS, BILL_COLUMNS][: 3 if bill else 2]
     return [*_columns(SUMMARY[:count], rows), *builds, *notes]
 
 
-def _own_cells(row: ContourRow, off: float | None) -> list[str]:
+def _summary_cells(row: ContourRow, off: float | None) -> list[str]:
     cells = dict(zip(CONTOURS, _contour_cells(row, ripple=False)[0], strict=True))
     seconds = _seconds(None if row.drawing is None else row.drawing.seconds)
     sizes = [cells[name] for name in ("tolerance", "pieces", "DXF")]
@@ -563,30 +567,30 @@ def _own_cells(row: ContourRow, off: float | None) -> list[str]:
 def _tables(answer: Accuracy) -> list[str]:
     """A table each of contours, solids, builds, benefits, value tables and effects."""
     length = answer.scene.unit
-    found, ripple = answer.survey.in_length(length), answer.ripple
+    survey, ripple = answer.survey.in_length(length), answer.ripple
     steps = ("step [deg]", "rows", "bytes", "made", "spread", f"error [{answer.unit}]")
     tables: tuple[tuple[Sequence[str], list[tuple[list[str], str]], str], ...] = (
         (
             (*CONTOURS, *["ripple"] * ripple),
-            [_contour_cells(row, ripple=ripple) for row in found.contours],
+            [_contour_cells(row, ripple=ripple) for row in survey.contours],
             COLUMNS,
         ),
-        (SOLIDS, [_solid_cells(row) for row in found.solids], ""),
-        (BILL, [_bill_cells(row) for row in found.bill], BILL_COLUMNS),
+        (SOLIDS, [_solid_cells(row) for row in survey.solids], ""),
+        (BILL, [_bill_cells(row) for row in survey.bill], BILL_COLUMNS),
         (
             _benefits(answer),
             [_benefit_cells(row, length) for row in answer.written],
             BENEFIT_COLUMNS,
         ),
-        (steps, [_table_cells(row, answer) for row in found.tables], ""),
-        (EFFECTS, [_effect_cells(row) for row in found.effects], EFFECT_COLUMNS),
+        (steps, [_table_cells(row, answer) for row in survey.tables], ""),
+        (EFFECTS, [_effect_cells(row) for row in survey.effects], EFFECT_COLUMNS),
     )
     lines = []
     for heads, rows, _ in tables:
         lines += [*_columns(heads, rows), ""] if rows else []
-    if found.rounded:
-        lines += [*map(_rounded, found.rounded), ""]
-    return [*lines, *(told for _, rows, told in tables if rows and told)]
+    if survey.rounded:
+        lines += [*map(_rounded, survey.rounded), ""]
+    return [*lines, *(legend for _, rows, legend in tables if rows and legend)]
 
 
 def figure(answer: Accuracy) -> Figure:
@@ -647,7 +651,7 @@ def _bill_cells(row: BillRow) -> tuple[list[str], str]:
     seconds = [row.stages.get(stage) for stage in STAGES]
     cells = [f"{row.tolerance:g}", *map(_seconds, (*seconds, row.total))]
     cells.append(f"{row.spread:.2f}" if row.stages else NONE)
-    cells += [NONE if each is None else f"{each:,}" for each in (row.pieces, row.size)]
+    cells += [NONE if count is None else f"{count:,}" for count in (row.pieces, row.size)]
     return [*cells, _seconds(row.machining_seconds)], row.fault
 
 
@@ -686,7 +690,7 @@ def _three(value: float | None) -> str:
 
 
 def _table_cells(row: TableRow, answer: Accuracy) -> tuple[list[str], str]:
-    error = f"{answer.shown(row.error):.2g}"
+    error = f"{answer.display_value(row.error):.2g}"
     return [
         f"{row.step}",
         f"{row.rows:,}",
@@ -743,7 +747,7 @@ EXAMPLE: Final = (
 
 def _tolerances(text: str) -> tuple[float, ...]:
     """The tolerances of `--tolerances`, each once, the loosest first."""
-    found = set()
+    tolerances = set()
     for word in text.split(","):
         try:
             value = float(word)
@@ -754,8 +758,8 @@ def _tolerances(text: str) -> tuple[float, ...]:
                 f"{word.strip()!r} must be a length of {SMALLEST_TOLERANCE:g} to"
                 f" {LARGEST_TOLERANCE:g} mm"
             )
-        found.add(value)
-    return tuple(sorted(found, reverse=True))
+        tolerances.add(value)
+    return tuple(sorted(tolerances, reverse=True))
 
 
 ARGUMENTS: Final = (
@@ -796,7 +800,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Measure, and print or draw the results."""
     design = opened(arguments)
     notify_main_disc(design, "figures")
-    found = accuracy(
+    answer = accuracy(
         design,
         arguments.tolerances or TOLERANCES,
         ripple=arguments.ripple or None,
@@ -805,4 +809,4 @@ def run(arguments: argparse.Namespace) -> int:
         speed=None if arguments.speed is None else arguments.speed * RPM,
         progress=arguments.progress,
     )
-    return show(found, arguments, contents="pieces, bytes, seconds")
+    return show(answer, arguments, contents="pieces, bytes, seconds")

@@ -103,18 +103,18 @@ NAME_WIDTH: Final = 26
 
 def finding_lines(findings: Iterable[Finding]) -> list[str]:
     """One line per finding, marks and sentences aligned."""
-    found = tuple(findings)
-    width = max([NAME_WIDTH, *(len(f.name) + 2 for f in found)])
-    return [f"{MARKS[f.verdict]:8}{f.name:{width}}{f.sentence}" for f in found]
+    rows = tuple(findings)
+    width = max([NAME_WIDTH, *(len(f.name) + 2 for f in rows)])
+    return [f"{MARKS[f.verdict]:8}{f.name:{width}}{f.sentence}" for f in rows]
 
 
-def verdict_on(findings: Iterable[Finding]) -> str:
+def findings_summary(findings: Iterable[Finding]) -> str:
     """How many findings there are, and how many of each severity that is not "ok"."""
-    several = Counter[str](each.severity for each in findings)
+    several = Counter[str](finding.severity for finding in findings)
     bad = [
-        counted(several[each], MARKS[each], MANY[each])
-        for each in MARKS
-        if several[each] and each != "ok"
+        counted(several[mark], MARKS[mark], MANY[mark])
+        for mark in MARKS
+        if several[mark] and mark != "ok"
     ]
     return f"{counted(several.total(), 'finding')}: {', '.join(bad) or 'all limits are kept'}"
 
@@ -158,7 +158,7 @@ def scaled(extreme: Extreme, factor: float) -> Extreme:
     return replace(extreme, value=extreme.value * factor + 0.0)
 
 
-def unit_of(length: LengthUnit, *, is_angle: bool) -> tuple[str, float]:
+def display_unit(length: LengthUnit, *, is_angle: bool) -> tuple[str, float]:
     """The unit in which lengths or angles are shown, and how many of it are 1 mm or rad."""
     return ("deg", math.degrees(1.0)) if is_angle else (length, 1.0 / MM_PER[length])
 
@@ -168,13 +168,13 @@ def whose_lift(cam: Cam) -> str:
     return "rocker" if cam.drive.linkage is not None and cam.lift_unit == "rad" else "follower"
 
 
-def in_a_line(error: CamgeoError) -> str:
+def one_line(error: CamgeoError) -> str:
     """The error in one line, without the name of a file."""
     several = error.faults if isinstance(error, SceneError) else (error,)
     return " ".join("; ".join(map(str, several)).split())
 
 
-def faults_of(error: CamgeoError) -> tuple[Fault, ...]:
+def error_faults(error: CamgeoError) -> tuple[Fault, ...]:
     """The faults of a scene; any other error as a single fault, at its key."""
     if isinstance(error, SceneError):
         return error.faults
@@ -188,10 +188,10 @@ def read_named(path: Path, limits: Limits, key: str) -> bytes:
 
     FileError if there are too many, SceneError if it cannot be read.
     """
-    from camgeo.reading import read_within  # few answers read files
+    from camgeo.reading import read_limited  # few answers read files
 
     try:
-        return read_within(path, limits)
+        return read_limited(path, limits)
     except FileError:
         raise
     except (OSError, ValueError) as error:  # the latter for a path that no file can have
@@ -223,24 +223,24 @@ def text(answer: Answer) -> str:
 
 def table(answer: Answer) -> Table:
     """The answer's table, for CSV."""
-    found: Table = _module(answer).table(answer)
-    return found
+    rendered: Table = _module(answer).table(answer)
+    return rendered
 
 
 def figure(answer: Answer) -> Figure:
     """The answer's picture."""
-    found: Figure = _module(answer).figure(answer)
-    return found
+    rendered: Figure = _module(answer).figure(answer)
+    return rendered
 
 
 def to_json(answer: Answer) -> dict[str, Any]:
-    """The answer as a document that its schema describes (`schema_of`); sentences state lengths in
-    the unit of its scene.
+    """The answer as a document that its schema describes (`document_schema`); sentences state
+    lengths in the unit of its scene.
     """
     head = {"schema": f"camgeo/{answer.command}", "version": answer.version, "camgeo": __version__}
-    found = head | _read_object(answer, _module(answer).DOCUMENT)
+    document = head | _read_object(answer, _module(answer).DOCUMENT)
     unit = _unit(answer)
-    return found if unit == "mm" else _restated(found, unit)
+    return document if unit == "mm" else _restated(document, unit)
 
 
 def _module(answer: Answer) -> Any:
@@ -256,7 +256,7 @@ def _unit(answer: Answer) -> LengthUnit:
 def _restated(value: Any, unit: LengthUnit, key: str = "") -> Any:
     """A part of a document, found at `key`, with its sentences in a unit of length."""
     if isinstance(value, dict):
-        return {each: _restated(item, unit, each) for each, item in value.items()}
+        return {name: _restated(item, unit, name) for name, item in value.items()}
     if isinstance(value, list):
         return [_restated(item, unit, key) for item in value]
     return in_unit(value, unit) if key in SENTENCES and isinstance(value, str) else value
@@ -365,11 +365,14 @@ FEATURE: Final = Key(
 
 
 @cache
-def _keys_of(key: Key) -> dict[str, Key] | None:
+def _object_keys(key: Key) -> dict[str, Key] | None:
     """The keys of the object that the value of a key is, or of each one; None for plain values."""
     if key.keys is None or isinstance(key.keys, Key):
-        return None if key.keys is None else _keys_of(key.keys)
-    return {name: Key(each) if isinstance(each, str) else each for name, each in key.keys.items()}
+        return None if key.keys is None else _object_keys(key.keys)
+    return {
+        name: Key(stated) if isinstance(stated, str) else stated
+        for name, stated in key.keys.items()
+    }
 
 
 @cache
@@ -383,12 +386,12 @@ def _stem_and_unit(name: str) -> tuple[str, str]:
 
 def _read_object(value: Any, key: Key) -> dict[str, Any]:
     """The object of a document for a value that has the keys of `key`."""
-    found = {}
-    for name, each in (_keys_of(key) or {}).items():
-        item = _read(_attribute(value, name, each, by_key=key.by_key), name, each)
-        if item not in (None, "") or not each.optional:
-            found[name] = item
-    return found
+    document = {}
+    for name, child in (_object_keys(key) or {}).items():
+        item = _read(_attribute(value, name, child, by_key=key.by_key), name, child)
+        if item not in (None, "") or not child.optional:
+            document[name] = item
+    return document
 
 
 def _attribute(value: Any, name: str, key: Key, *, by_key: bool) -> Any:
@@ -415,8 +418,8 @@ def _read(value: Any, name: str, key: Key) -> Any:
     if isinstance(value, complex):
         return [value.real, value.imag]
     if get_origin(key.type) is Mapping or (isinstance(value, Mapping) and not key.by_key):
-        return {str(each): _read(item, name, key) for each, item in dict(value).items()}
-    if _keys_of(key) is not None and not isinstance(value, Sequence | Iterator):
+        return {str(item_name): _read(item, name, key) for item_name, item in dict(value).items()}
+    if _object_keys(key) is not None and not isinstance(value, Sequence | Iterator):
         return _read_object(value, key)
     return [_read(item, name, key) for item in value]
 
@@ -438,7 +441,7 @@ PLAIN: Final = {
 """Types of JSON."""
 
 
-def schema_of(package: str) -> dict[str, Any]:
+def document_schema(package: str) -> dict[str, Any]:
     """The JSON Schema of the documents of a module with an answer.
 
     `x-unit` is the unit of a number, `x-attribute` the attribute of a key that has another name.
@@ -460,50 +463,50 @@ def schema_of(package: str) -> dict[str, Any]:
             "type": "string",
         },
     }
-    own = _object_schema([kind], document)
+    schema = _object_schema([kind], document)
     return {
         "$schema": DRAFT,
         "title": f"camgeo {kind.command}",
         "description": document.meaning,
-        **own,
-        "required": [*head, *own["required"]],
-        "properties": head | own["properties"],
+        **schema,
+        "required": [*head, *schema["required"]],
+        "properties": head | schema["properties"],
     }
 
 
 def _object_schema(kinds: Sequence[Any], key: Key) -> dict[str, Any]:
     """That of objects of one of these types."""
-    table = _keys_of(key) or {}
+    table = _object_keys(key) or {}
     properties = {}
-    for name, each in table.items():
+    for name, child in table.items():
         stem, unit = _stem_and_unit(name)
-        types = [each.type]
-        if each.type is None:
+        types = [child.type]
+        if child.type is None:
             types = list(kinds)
-            for attribute in (each.of or stem).split("."):
-                types = _types_of(types, attribute)
-        if each.optional:  # it is left out, never null
+            for attribute in (child.of or stem).split("."):
+                types = _attribute_types(types, attribute)
+        if child.optional:  # it is left out, never null
             types = [
                 member for kind in types for member in _members(kind) if member is not NoneType
             ]
-        node = {"description": each.meaning, **_schema(types, each)}
+        node = {"description": child.meaning, **_schema(types, child)}
         node |= {"x-unit": unit} if unit else {}
-        properties[name] = node | ({"x-attribute": each.of} if each.of else {})
+        properties[name] = node | ({"x-attribute": child.of} if child.of else {})
     return {
         "type": "object",
         "additionalProperties": False,
-        "required": [name for name, each in table.items() if not each.optional],
+        "required": [name for name, child in table.items() if not child.optional],
         "properties": properties,
     }
 
 
 def _schema(types: Sequence[Any], key: Key) -> dict[str, Any]:
     """That of a value of one of these types."""
-    members = [member for each in types for member in _members(each)]
-    kinds = [each for each in members if each is not NoneType]
+    members = [member for candidate in types for member in _members(candidate)]
+    kinds = [member for member in members if member is not NoneType]
     null = ["null"] if len(kinds) < len(members) else []
-    if all(each in PLAIN for each in kinds):
-        names = dict.fromkeys(PLAIN[each] for each in kinds)
+    if all(kind in PLAIN for kind in kinds):
+        names = dict.fromkeys(PLAIN[kind] for kind in kinds)
         if "number" in names:
             names.pop("integer", None)  # which is one
         return _typed([*names, *null])
@@ -511,9 +514,9 @@ def _schema(types: Sequence[Any], key: Key) -> dict[str, Any]:
     if origin is Literal:
         return {"enum": [*inner, *([None] if null else [])]}
     if isinstance(kind, type) and issubclass(kind, Enum):
-        return {"enum": [each.value for each in kind]}
+        return {"enum": [member.value for member in kind]}
     is_mapping = isinstance(origin, type) and issubclass(origin, Mapping)
-    if _keys_of(key) is not None and (origin is None or (is_mapping and key.by_key)):
+    if _object_keys(key) is not None and (origin is None or (is_mapping and key.by_key)):
         return _object_schema(kinds, key) | _typed(["object", *null])
     if is_mapping:
         return _typed(["object", *null]) | {"additionalProperties": _item_schema(inner[1], key)}
@@ -544,35 +547,35 @@ def _members(kind: Any) -> list[Any]:
     if get_origin(kind) is Annotated:
         return _members(get_args(kind)[0])
     if get_origin(kind) in (Union, UnionType):
-        return [each for member in get_args(kind) for each in _members(member)]
+        return [inner for member in get_args(kind) for inner in _members(member)]
     return [kind]
 
 
-def _types_of(kinds: Sequence[Any], attribute: str) -> list[Any]:
+def _attribute_types(kinds: Sequence[Any], attribute: str) -> list[Any]:
     """The types of an attribute of objects of these types, where they have it."""
-    found = []
-    for kind in (member for each in kinds for member in _members(each)):
+    types = []
+    for kind in (member for owner in kinds for member in _members(owner)):
         for base in getattr(kind, "__mro__", ()):
             stated = inspect.get_annotations(base).get(attribute)
-            made = vars(base).get(attribute)
+            definition = vars(base).get(attribute)
             for name in ("fget", "func", "make"):  # of a property, a cached and a lazy one
-                if hasattr(made, name):
-                    stated = getattr(made, name).__annotations__["return"]
+                if hasattr(definition, name):
+                    stated = getattr(definition, name).__annotations__["return"]
             if stated is not None:
-                found.append(eval(stated, _names_in(base.__module__)))
+                types.append(eval(stated, _module_names(base.__module__)))
                 break
-    if not found:
+    if not types:
         raise AttributeError(f"{attribute} has no type in {kinds}")
-    return found
+    return types
 
 
 @cache
-def _names_in(module: str) -> dict[str, Any]:
+def _module_names(module: str) -> dict[str, Any]:
     """The names of a module, those among them that it imports for its annotations alone."""
-    found = dict(vars(import_module(module)))
+    names = dict(vars(import_module(module)))
     for node in ast.walk(ast.parse(inspect.getsource(import_module(module)))):
         if isinstance(node, ast.ImportFrom) and node.module is not None:
             others = vars(import_module(node.module))
-            known = (each for each in node.names if each.name in others)
-            found |= {each.asname or each.name: others[each.name] for each in known}
-    return found
+            known = (alias for alias in node.names if alias.name in others)
+            names |= {alias.asname or alias.name: others[alias.name] for alias in known}
+    return names

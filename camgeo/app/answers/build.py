@@ -51,7 +51,7 @@ def poor_findings(design: Design) -> tuple[Finding, ...]:
     """What is found in a design and in its parts beyond a limit, or worth a warning; what makes a
     part impossible is left to its files.
     """
-    bad = tuple(each for each in design.findings if each.severity != "ok")
+    bad = tuple(finding for finding in design.findings if finding.severity != "ok")
     if not design.judgement.has_outline:
         return bad
     from camgeo.design.judged_part import poor_findings  # a cam without outline has no part
@@ -71,19 +71,19 @@ def build(
 ) -> Build:
     """Write the files, as `Design.write` does; none for a cam that has no outline.
 
-    `findings` are those of `told`, where they are known; `progress` is called with the name of each
-    step. Raises as `Design.write`.
+    `findings` are those of `poor_findings`, where they are known; `progress` is called with the
+    name of each step. Raises as `Design.write`.
     """
     output = design.scene.output
-    asked = output.tolerance if tolerance is None else tolerance
+    limit = output.tolerance if tolerance is None else tolerance
     bad = poor_findings(design) if findings is None else findings
     scene, where = design.scene, str(folder)
     if not design.judgement.has_outline:
-        return Build(scene, asked, bad, where)
+        return Build(scene, limit, bad, where)
     names = output.formats if formats is None else tuple(formats)
-    report = write_files(design.discs, folder, names, asked, force=force, progress=progress)
-    watched = tuple(finding for each in report.files for finding in each.findings)
-    return Build(scene, asked, bad + watched, where, report.files, report.paths[-1].name)
+    report = write_files(design.discs, folder, names, limit, force=force, progress=progress)
+    watched = tuple(finding for file in report.files for finding in file.findings)
+    return Build(scene, limit, bad + watched, where, report.files, report.paths[-1].name)
 
 
 # -- document -------------------------------------------------------------------------------------
@@ -143,8 +143,8 @@ def _size(file: FileReport, unit: LengthUnit) -> str:
     size = f"{counted(file.size, 'byte'):>16}"
     if file.deviation is None:
         return size
-    off, tolerance = file.deviation / MM_PER[unit], file.tolerance / MM_PER[unit]
-    return f"{size}, at most {off:.3g} {unit} off (tolerance {tolerance:g} {unit})"
+    deviation, tolerance = file.deviation / MM_PER[unit], file.tolerance / MM_PER[unit]
+    return f"{size}, at most {deviation:.3g} {unit} off (tolerance {tolerance:g} {unit})"
 
 
 # -- command line ----------------------------------------------------------------------------------
@@ -176,7 +176,7 @@ def run(arguments: argparse.Namespace) -> int:
     if formats is not None:
         formats = tuple(name.strip() for name in formats.split(",") if name.strip())
     settle(Path(arguments.output), arguments)
-    found = build(
+    answer = build(
         design,
         arguments.output,
         formats,
@@ -185,8 +185,8 @@ def run(arguments: argparse.Namespace) -> int:
         findings=findings,
         progress=arguments.progress,
     )
-    if found.certificate is None:
+    if answer.certificate is None:
         notify("nothing was written: the cam has no outline")
-    for line in finding_lines(each for file in found.files for each in file.findings):
+    for line in finding_lines(finding for file in answer.files for finding in file.findings):
         notify(line)
-    return show(found, arguments)
+    return show(answer, arguments)

@@ -133,23 +133,23 @@ class Check(Answer):
     def everything(self) -> tuple[Finding, ...]:
         """All findings: on the cam, on effects, parts, programs and formats."""
         milling = () if self.machining is None else self.machining.findings
-        parts = (each.findings for each in self.parts.values())
-        own = (*self.effects.values(), *parts, milling, self.formats)
-        return tuple(chain(self.findings, *own))
+        parts = (part.findings for part in self.parts.values())
+        groups = (*self.effects.values(), *parts, milling, self.formats)
+        return tuple(chain(self.findings, *groups))
 
 
 def check(design: Design, *, machining: bool = True) -> Check:
     """Compare a design with its limits; without its milling programs if not `machining`."""
     cams = zip((design.name, f"{design.name}-{RETURN}"), design.judgement.cams, strict=False)
-    found = design.findings
-    wrong = any(finding.severity == "invalid" for finding in found)
+    findings = design.findings
+    wrong = any(finding.severity == "invalid" for finding in findings)
     named = () if wrong else design.scene.effects
-    parts = _parts(design) if design.judgement.cams and not forbidding(found) else {}
-    milled = machining and design.scene.milling is not None and not forbidding(found)
+    parts = _parts(design) if design.judgement.cams and not forbidding(findings) else {}
+    milled = machining and design.scene.milling is not None and not forbidding(findings)
     milled = milled and not design.scene.lacking([find_format(PROGRAM)])
     return Check(
         design.scene,
-        found,
+        findings,
         {name: cam.disc for name, cam in cams},
         design.judgement.cures,
         {name: design.effects.findings(name) for name in named},
@@ -457,8 +457,8 @@ def text(answer: Check) -> str:
     if answer.cures:
         lines += ["", CURES]
         lines += [f"  {cure.statement}" for cure in answer.cures]
-    for name, found in answer.effects.items():
-        lines += ["", f"{name}:", *finding_lines(found)]
+    for name, findings in answer.effects.items():
+        lines += ["", f"{name}:", *finding_lines(findings)]
     several = len(answer.parts) > 1
     for name, part in answer.parts.items():
         lines += ["", f"part of {name}:" if several else "part:", *_part(part)]
@@ -471,23 +471,25 @@ def text(answer: Check) -> str:
 
 def _part(found: PartAssessment) -> list[str]:
     """Size, mass and moments of inertia of a part."""
-    told = [f"section through the {each.name} {each.area:.6g} mm^2" for each in found.layers]
+    lines = [f"section through the {layer.name} {layer.area:.6g} mm^2" for layer in found.layers]
     if found.body is not None:
-        told += _body(found.body)
-    return [*finding_lines(found.findings), *(f"{'':8}{line}" for line in told)]
+        lines += _body(found.body)
+    return [*finding_lines(found.findings), *(f"{'':8}{line}" for line in lines)]
 
 
 def _body(body: Body) -> list[str]:
-    centre = ", ".join(_shown(each, body.solid.centre_error) for each in body.solid.centre)
+    centre = ", ".join(
+        _coordinate_text(coordinate, body.solid.centre_error) for coordinate in body.solid.centre
+    )
     lines = [f"volume {body.solid.volume:.6g} mm^3, centre of mass ({centre}) mm"]
     if body.axial_inertia is None or body.inertia is None:
         return [*lines, "no mass: the scene states no density"]
-    about = ", ".join(f"{each:.6g}" for each in body.inertia.diagonal())
+    moments = ", ".join(f"{moment:.6g}" for moment in body.inertia.diagonal())
     axial = f"moment of inertia about the cam axis {body.axial_inertia:.6g} kg mm^2"
-    return [*lines, f"{axial}; about x, y, z through the centre of mass {about} kg mm^2"]
+    return [*lines, f"{axial}; about x, y, z through the centre of mass {moments} kg mm^2"]
 
 
-def _shown(value: float, error: float) -> str:
+def _coordinate_text(value: float, error: float) -> str:
     """A coordinate that its error may be all of is 0."""
     return "0" if abs(value) <= error else f"{value:.6g}"
 
@@ -498,20 +500,27 @@ def _machining_text(found: Machining) -> list[str]:
     several = len(found.programs) > 1
     for name, program in found.programs.items():
         head = f"milling of {name}:" if several else "milling:"
-        told = finding_lines(program.findings)
-        lines += ["", head, *told] if told else ["", f"{head} simulated, nothing found"]
-        lines += [f"{'':8}{each.operation}: {each.sentence}" for each in program.roughing]
-    timed = {name: each for name, each in found.programs.items() if each.operations is not None}
+        findings = finding_lines(program.findings)
+        lines += ["", head, *findings] if findings else ["", f"{head} simulated, nothing found"]
+        lines += [
+            f"{'':8}{engagement.operation}: {engagement.sentence}"
+            for engagement in program.roughing
+        ]
+    timed = {
+        name: timed_program
+        for name, timed_program in found.programs.items()
+        if timed_program.operations is not None
+    }
     if not timed:
         return lines
-    total = clock(math.fsum(each.seconds or 0.0 for each in timed.values()))
+    total = clock(math.fsum(timed_program.seconds or 0.0 for timed_program in timed.values()))
     lines += ["", f"machining on {found.machine}: {total}, tool changes left out"]
     for name, program in timed.items():
         times = program.operations or ()
         lines += [f"  {name}: {clock(program.seconds or 0.0)}"] if several else []
-        width = max((len(each.name) for each in times), default=0)
+        width = max((len(operation.name) for operation in times), default=0)
         lead = "    " if several else "  "
-        lines += [f"{lead}{each.name:{width}}  {_time(each)}" for each in times]
+        lines += [f"{lead}{operation.name:{width}}  {_time(operation)}" for operation in times]
     return lines
 
 

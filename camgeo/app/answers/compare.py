@@ -11,8 +11,8 @@ from typing import Any, Final, Literal
 
 from camgeo.app.answers.answer import MARKS, Answer, Key, aligned
 from camgeo.app.answers.check import check
-from camgeo.app.answers.sweep import shown_in
-from camgeo.app.cli.command import Argument, design_in, picture_options, repeated_option, show
+from camgeo.app.answers.sweep import display_value
+from camgeo.app.cli.command import Argument, load_design, picture_options, repeated_option, show
 from camgeo.check.finding import Finding
 from camgeo.check.judge import worst
 from camgeo.design.design import Design
@@ -73,12 +73,12 @@ class Cell:
     reason: str = ""
     verdict: str = ""
 
-    def told(self, length: LengthUnit) -> tuple[str, str]:
+    def words(self, length: LengthUnit) -> tuple[str, str]:
         """What it says in a unit of length, and the severity of a finding that is not "ok"."""
         severity = "" if self.severity == "ok" else self.severity
         if self.value is None:
             return "" if severity else self.verdict or "-", severity
-        return " ".join(filter(None, shown_in(length, self.value, self.unit))), severity
+        return " ".join(filter(None, display_value(length, self.value, self.unit))), severity
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,9 +126,9 @@ def compare(designs: Sequence[tuple[str, Design]], ask: Sequence[str] = ()) -> C
         columns = [_answers(design, ask, designs) for _, design in designs]
         verdicts = [""] * len(designs)
     else:
-        found = [_everything(label, design) for label, design in designs]
-        columns = [_findings(each) for each in found]
-        verdicts = [worst(each) for each in found]
+        checked = [_everything(label, design) for label, design in designs]
+        columns = [_findings(findings) for findings in checked]
+        verdicts = [worst(findings) for findings in checked]
     names = dict.fromkeys(name for column in columns for name in column)
     lines = tuple(
         Line(name, tuple(column.get(name, Cell()) for column in columns)) for name in names
@@ -150,31 +150,33 @@ def _everything(label: str, design: Design) -> tuple[Finding, ...]:
 
 def _findings(findings: Sequence[Finding]) -> dict[str, Cell]:
     """The first finding of each name."""
-    found: dict[str, Cell] = {}
-    for each in findings:
-        value = None if each.value is None else float(each.value)
-        found.setdefault(each.name, Cell(value, each.unit, each.severity, "", each.verdict))
-    return found
+    cells: dict[str, Cell] = {}
+    for finding in findings:
+        value = None if finding.value is None else float(finding.value)
+        cells.setdefault(
+            finding.name, Cell(value, finding.unit, finding.severity, "", finding.verdict)
+        )
+    return cells
 
 
 def _answers(
     design: Design, ask: Sequence[str], designs: Sequence[tuple[str, Design]]
 ) -> dict[str, Cell]:
     """What a design answers; of a name that only others know, nothing."""
-    found: dict[str, Cell] = {}
+    cells: dict[str, Cell] = {}
     for word in ask:
         try:
-            (asked,) = asked_of(design, [word])
+            (question,) = asked_of(design, [word])
         except (UnknownNameError, GeometryError) as error:
             if not any(_knows(other, word) for _, other in designs):
                 raise
             unknown = isinstance(error, UnknownNameError)
             reason = "has no such finding or column" if unknown else str(error)
-            found[canonical(word)] = Cell(reason=reason)
+            cells[canonical(word)] = Cell(reason=reason)
         else:
-            reading = read(design, asked)
-            found[asked.word] = Cell(reading.value, reading.unit, "", reading.reason)
-    return found
+            reading = read(design, question)
+            cells[question.word] = Cell(reading.value, reading.unit, "", reading.reason)
+    return cells
 
 
 def _knows(design: Design, word: str) -> bool:
@@ -189,12 +191,12 @@ def _differing(designs: Sequence[Design]) -> tuple[DifferingKey, ...]:
     """The keys at which the scenes do not all state the same."""
     stated = [dict(_leaves(design.scene.values)) for design in designs]
     paths = dict.fromkeys(path for values in stated for path in values)
-    found = []
+    keys = []
     for path in paths:
         values = [values.get(path) for values in stated]
         if path != NAME and any(value != values[0] for value in values):
-            found.append(DifferingKey(spelled(path), tuple(map(_shown, values))))
-    return tuple(found)
+            keys.append(DifferingKey(spelled(path), tuple(map(_value_text, values))))
+    return tuple(keys)
 
 
 def _leaves(values: Any, path: KeyPath = ()) -> Iterator[tuple[KeyPath, Any]]:
@@ -209,7 +211,7 @@ def _leaves(values: Any, path: KeyPath = ()) -> Iterator[tuple[KeyPath, Any]]:
         yield path, values
 
 
-def _shown(value: Any) -> str:
+def _value_text(value: Any) -> str:
     if value is None:
         return ""
     if isinstance(value, bool):
@@ -289,7 +291,7 @@ LONGEST: Final = 40
 
 def text(answer: Compare) -> str:
     """Keys in which the scenes differ, then the findings, a column for each design."""
-    labels = [each.label for each in answer.designs]
+    labels = [design.label for design in answer.designs]
     rows = [["", *labels]]
     for key in answer.keys[:MOST_KEYS]:
         rows.append([key.key, *(shortened(value, LONGEST) or "-" for value in key.values)])
@@ -297,22 +299,22 @@ def text(answer: Compare) -> str:
     if rest > 0:
         rows.append([f"and {counted(rest, 'other key')}", *("" for _ in labels)])
     rows.append(["" for _ in rows[0]])
-    if any(each.verdict for each in answer.designs):
-        rows.append(["verdict", *(each.verdict for each in answer.designs)])
-    units = [each.design.scene.unit for each in answer.designs]
+    if any(design.verdict for design in answer.designs):
+        rows.append(["verdict", *(design.verdict for design in answer.designs)])
+    units = [design.design.scene.unit for design in answer.designs]
     rows += [[line.name, *map(_cell, line.cells, units)] for line in answer.lines]
     lines = aligned(rows)
-    told = dict.fromkeys(
+    reasons = dict.fromkeys(
         f"{label}: {line.name}: {in_unit(cell.reason, unit)}"
         for line in answer.lines
         for label, cell, unit in zip(labels, line.cells, units, strict=True)
         if cell.reason
     )
-    return "\n".join([*lines, *(["", *told] if told else [])])
+    return "\n".join([*lines, *(["", *reasons] if reasons else [])])
 
 
 def _cell(cell: Cell, length: LengthUnit) -> str:
-    words, severity = cell.told(length)
+    words, severity = cell.words(length)
     return " ".join(filter(None, (words, MARKS[severity] if severity else "")))
 
 
@@ -320,7 +322,7 @@ def figure(answer: Compare) -> Figure:
     """The designs over each other."""
     from camgeo.pictures.sweep import of_designs
 
-    return of_designs([(each.label, each.design) for each in answer.designs])
+    return of_designs([(compared.label, compared.design) for compared in answer.designs])
 
 
 # -- command line ----------------------------------------------------------------------------------
@@ -343,13 +345,13 @@ ARGUMENTS: Final = (
 
 def run(arguments: argparse.Namespace) -> int:
     """Compare, and print or draw the results."""
-    designs = [design_in(name, arguments) for name in arguments.scenes]
-    labels = labels_of(arguments.scenes)
-    found = compare(list(zip(labels, designs, strict=True)), names_in(arguments.ask))
-    return show(found, arguments, contents="flanks, motion, acceleration, mu")
+    designs = [load_design(name, arguments) for name in arguments.scenes]
+    labels = scene_labels(arguments.scenes)
+    answer = compare(list(zip(labels, designs, strict=True)), names_in(arguments.ask))
+    return show(answer, arguments, contents="flanks, motion, acceleration, mu")
 
 
-def labels_of(names: Sequence[str]) -> list[str]:
+def scene_labels(names: Sequence[str]) -> list[str]:
     """The stems of files, or their paths if two stems are the same."""
     stems = [Path(name).stem for name in names]
     return stems if len(set(stems)) == len(stems) else list(names)

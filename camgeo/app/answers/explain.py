@@ -18,7 +18,7 @@ from camgeo.check.judge import Judgement
 from camgeo.design.design import Design
 from camgeo.design.drawn import DrawnDisc
 from camgeo.design.milled import MilledDisc
-from camgeo.lazy import Run, built, lazy
+from camgeo.lazy import Computation, built, lazy
 from camgeo.scene.scene import Scene
 from camgeo.units import counted
 
@@ -48,7 +48,7 @@ class Explanation(Answer):
 
     scene: Scene
     goal: str
-    computed: tuple[Run, ...]
+    computed: tuple[Computation, ...]
     reasons: Mapping[str, str]
     left_alone: tuple[str, ...]
     findings: Mapping[str, tuple[Finding, ...]]
@@ -56,27 +56,27 @@ class Explanation(Answer):
 
 def explain(design: Design, goal: str = "check") -> Explanation:
     """Do what a command of `GOALS` does with a new design, and report what that took."""
-    made = GOALS[goal](design)
+    answer = GOALS[goal](design)
     runs = tuple(design.ledger.runs)
-    ran = {_plain(each.name) for each in runs}
-    effects = sorted({each.name for each in runs if each.name.startswith(EFFECTS)})
+    ran = {_plain(computed.name) for computed in runs}
+    effects = sorted({computed.name for computed in runs if computed.name.startswith(EFFECTS)})
     reasons = {name: _reason(design, name) for name in effects}
     alone = tuple(name for name in quantities() if name not in ran)
-    found = _found(design, made) if BY_CHECK in ran else {}
-    return Explanation(design.scene, goal, runs, reasons, alone, found)
+    findings = _findings_by_quantity(design, answer) if BY_CHECK in ran else {}
+    return Explanation(design.scene, goal, runs, reasons, alone, findings)
 
 
-def _found(design: Design, made: object) -> dict[str, tuple[Finding, ...]]:
+def _findings_by_quantity(design: Design, made: object) -> dict[str, tuple[Finding, ...]]:
     """The findings of each check, effect and part, by the names of the quantities."""
-    found = {f"{FINDINGS}{name}": own for name, own in design.judgement.by_check.items()}
+    findings = {f"{FINDINGS}{name}": group for name, group in design.judgement.by_check.items()}
     if isinstance(made, Check):
-        found |= {f"{FINDINGS}{EFFECTS}{name}": own for name, own in made.effects.items()}
+        findings |= {f"{FINDINGS}{EFFECTS}{name}": group for name, group in made.effects.items()}
         if made.parts:
-            own = (each.findings for each in made.parts.values())
-            found[OF_PART] = tuple(chain.from_iterable(own))
+            part_findings = (part.findings for part in made.parts.values())
+            findings[OF_PART] = tuple(chain.from_iterable(part_findings))
         if made.machining is not None:
-            found[OF_MILLING] = made.machining.findings
-    return found
+            findings[OF_MILLING] = made.machining.findings
+    return findings
 
 
 def _table(design: Design) -> None:
@@ -110,11 +110,11 @@ def quantities() -> tuple[str, ...]:
 
 def lazy_names(owner: type) -> tuple[str, ...]:
     """Names of the lazy quantities of a class, in the order of their definition."""
-    found = [
-        name for each in reversed(owner.__mro__) for name, value in vars(each).items()
+    names = [
+        name for base in reversed(owner.__mro__) for name, value in vars(base).items()
         if isinstance(value, lazy) and not isinstance(value, built)
     ]  # fmt: skip
-    return tuple(dict.fromkeys(found))
+    return tuple(dict.fromkeys(names))
 
 
 def _plain(quantity: str) -> str:
@@ -145,9 +145,12 @@ DOCUMENT: Final = Key(
             "The quantities that were computed, in order of completion.",
             {
                 "name": "Name of the quantity.",
-                "asked_by": "The quantity for which it was computed; empty if the command asked.",
+                "asked_by": Key(
+                    "The quantity for which it was computed; empty if the command asked.",
+                    of="requester",
+                ),
                 "seconds": "Time taken, including everything that it asked for.",
-                "own_seconds": "Of these, without what it asked for.",
+                "own_seconds": Key("Of these, without what it asked for.", of="net_seconds"),
                 "failed": "Whether it has no answer.",
             },
         ),
@@ -180,7 +183,7 @@ INDENT: Final = "  "
 
 def text(answer: Explanation) -> str:
     """The quantities as a tree, with their times, and what was not computed."""
-    total = sum(each.own_seconds for each in answer.computed)
+    total = sum(quantity.net_seconds for quantity in answer.computed)
     number = counted(len(answer.computed), "quantity", "quantities")
     command = f"camgeo {answer.goal}"
     return "\n".join(
@@ -201,36 +204,39 @@ def text(answer: Explanation) -> str:
 
 def tree_lines(answer: Explanation) -> list[str]:
     """One line per quantity, below the one that requested it first."""
-    below: dict[str, list[Run]] = {}
-    for each in answer.computed:
-        below.setdefault(each.asked_by, []).append(each)
-    shown: set[str] = set()
+    below: dict[str, list[Computation]] = {}
+    for quantity in answer.computed:
+        below.setdefault(quantity.requester, []).append(quantity)
+    expanded: set[str] = set()
 
     def lines(asker: str, depth: int) -> list[str]:
-        found = []
-        for each in below.get(asker, []):
-            notes = (answer.reasons.get(each.name, ""), "has no answer" if each.failed else "")
-            note = "; ".join(filter(None, notes))
-            told = each.name in answer.findings
-            name = INDENT * depth + each.name
-            found.append(
-                f"{MILLI * each.seconds:10.3f}{MILLI * each.own_seconds:10.3f}  {name}"
-                + (f"  ({note})" if note else "")
-                + (f": {found_words(answer.findings[each.name])}" if told else "")
+        rows = []
+        for quantity in below.get(asker, []):
+            notes = (
+                answer.reasons.get(quantity.name, ""),
+                "has no answer" if quantity.failed else "",
             )
-            if each.name not in shown:
-                shown.add(each.name)
-                found += lines(each.name, depth + 1)
-        return found
+            note = "; ".join(filter(None, notes))
+            has_findings = quantity.name in answer.findings
+            name = INDENT * depth + quantity.name
+            rows.append(
+                f"{MILLI * quantity.seconds:10.3f}{MILLI * quantity.net_seconds:10.3f}  {name}"
+                + (f"  ({note})" if note else "")
+                + (f": {findings_text(answer.findings[quantity.name])}" if has_findings else "")
+            )
+            if quantity.name not in expanded:
+                expanded.add(quantity.name)
+                rows += lines(quantity.name, depth + 1)
+        return rows
 
     return lines("", 0)
 
 
-def found_words(findings: Iterable[Finding]) -> str:
+def findings_text(findings: Iterable[Finding]) -> str:
     """The names of findings, with the severities of those that are not "ok"."""
     counts = Counter(
-        each.name if each.severity == "ok" else f"{each.name} ({each.severity})"
-        for each in findings
+        finding.name if finding.severity == "ok" else f"{finding.name} ({finding.severity})"
+        for finding in findings
     )
     words = (name if count == 1 else f"{count} {name}" for name, count in counts.items())
     return ", ".join(words) or "none"
@@ -258,5 +264,5 @@ ARGUMENTS: Final = (
 def run(arguments: argparse.Namespace) -> int:
     """Compute what the command would, and print how long each quantity took."""
     design = opened(arguments)
-    found = explain(design, arguments.command)
-    return show(found, arguments)
+    answer = explain(design, arguments.command)
+    return show(answer, arguments)

@@ -16,13 +16,13 @@ from camgeo.app.answers.answer import (
     SCENE,
     Answer,
     Key,
+    display_unit,
     exit_code,
     finding_lines,
     named_line,
     read_named,
     scaled,
     small_extreme,
-    unit_of,
     whose_lift,
 )
 from camgeo.app.cli.command import (
@@ -30,7 +30,7 @@ from camgeo.app.cli.command import (
     TABLE_OR_PICTURE,
     Argument,
     CallError,
-    from_0,
+    non_negative,
     opened,
     positive,
     show,
@@ -68,8 +68,8 @@ from camgeo.units import (
     LengthUnit,
     at_cam_angles,
     cam_angle,
+    cam_angle_range,
     counted,
-    over_cam_angles,
     small,
 )
 
@@ -91,7 +91,7 @@ class LiftEffect:
     Attributes
     ----------
     errors : over the cam angle [mm or rad].
-    of : "rocker" behind a linkage, else "follower".
+    member : "rocker" behind a linkage, else "follower".
     unit : that of the scene, or "deg".
     factor : `unit` per mm or rad.
     extremes : smallest and largest error.
@@ -99,7 +99,7 @@ class LiftEffect:
     """
 
     errors: LiftErrors
-    of: str
+    member: str
     unit: str
     factor: float
     extremes: Extremes
@@ -211,7 +211,7 @@ def inspect(
     measured = read_points(
         read_named(path, TABLE, "MEASURED"), path.name, unit or design.scene.unit
     )
-    return of_points(
+    return inspect_points(
         disc,
         side,
         measured,
@@ -223,7 +223,7 @@ def inspect(
     )
 
 
-def of_points(
+def inspect_points(
     disc: Product,
     side: Flank,
     measured: MeasuredPoints,
@@ -286,8 +286,10 @@ def _effect(disc: Product, exact: ExactFlank, deviations: Deviations) -> LiftEff
     """The effect on the follower, in the unit of the scene."""
     cam = disc.cam
     errors = LiftErrors.of(exact, deviations, clearance=cam.clearance)
-    unit, factor = unit_of(disc.scene.unit, is_angle=cam.lift_unit == "rad")
-    low, high = (scaled(each, factor) for each in (errors.extremes.lowest, errors.extremes.highest))
+    unit, factor = display_unit(disc.scene.unit, is_angle=cam.lift_unit == "rad")
+    low, high = (
+        scaled(extreme, factor) for extreme in (errors.extremes.lowest, errors.extremes.highest)
+    )
     worst = high if high.value >= -low.value else low
     leverage = abs(float(exact.curve.pitch.leverage(np.array([worst.place]))[0]))
     uncertainty = math.inf if leverage == 0.0 else deviations.uncertainty * factor / leverage
@@ -295,8 +297,8 @@ def _effect(disc: Product, exact: ExactFlank, deviations: Deviations) -> LiftEff
 
 
 def _profile(deviations: Deviations, tolerance: float | None) -> Finding:
-    found = deviations.extremes
-    worst = max(found.highest, found.lowest, key=lambda each: abs(each.value))
+    extremes = deviations.extremes
+    worst = max(extremes.highest, extremes.lowest, key=lambda each: abs(each.value))
     what = "more" if worst.value > 0.0 else "less"
     statement = (
         f"all points lie in a zone {small(deviations.profile, 'mm')} wide; most off"
@@ -308,7 +310,7 @@ def _profile(deviations: Deviations, tolerance: float | None) -> Finding:
 def _coverage(deviations: Deviations) -> Finding:
     width, start = deviations.widest.width, deviations.widest.place
     degrees = math.degrees(width)
-    where = over_cam_angles(start, start + width)
+    where = cam_angle_range(start, start + width)
     if width <= WIDEST_GAP:
         sentence = f"at most {degrees:.3g} deg between points, {where}"
         return Finding("coverage", "ok", sentence, degrees, unit="deg", cam_angle=start)
@@ -344,7 +346,7 @@ def _form(alignment: Alignment, deviations: Deviations) -> Iterator[Finding]:
     form = deviations.form
     if alignment.align is Align.DATUM or form < LEAST_FORM:
         return
-    shift, turn = (form * each for each in alignment.sway)
+    shift, turn = (form * sway for sway in alignment.sway)
     bounds = [small(shift, "mm")] * (alignment.align is Align.FREE)
     bounds += [small(math.degrees(turn), "deg")] * (turn > 0.0)
     sentence = (
@@ -360,52 +362,54 @@ def _axes(
     exact: ExactFlank, measured: MeasuredPoints, deviations: Deviations, ball: float
 ) -> Iterator[Finding]:
     """Other axes in which points fit that are grossly off."""
-    found = other_axes(exact, measured.points, deviations.root_mean_square, ball)
-    if found is None:
+    other_fit = other_axes(exact, measured.points, deviations.root_mean_square, ball)
+    if other_fit is None:
         return
-    frame = found.frame
+    frame = other_fit.frame
     part = (
         f"shifted by {small(frame.shift.real, 'mm')} and {small(frame.shift.imag, 'mm')} and turned"
         f" by {small(math.degrees(frame.turn), 'deg')}"
     )
-    left = f"to {small(found.left, 'mm')} (root mean square)"
+    left = f"to {small(other_fit.left, 'mm')} (root mean square)"
     sentence = (
         f"the points fit {left} with the part {part}: they are not in the axes of the scene's cam;"
         " measure from bore and key, or align by free"
     )
-    if found.mirrored:
+    if other_fit.mirrored:
         sentence = (
             f"with y reversed the points fit {left}, the part {part}: they were measured from the"
             " other side of the disc"
         )
-    yield Finding("axes", "warning", sentence, found.left, unit="mm")
+    yield Finding("axes", "warning", sentence, other_fit.left, unit="mm")
 
 
 def _normals(alignment: Alignment, measured: MeasuredPoints) -> Iterator[Finding]:
     if measured.normals is None:
         return
     feet = alignment.feet
-    found = stated_normals(feet, alignment.frame.turn, measured.normals)
-    off, limit = math.degrees(found.largest.value), math.degrees(TELLING)
-    place = found.largest.place
-    if found.radial:
+    stated = stated_normals(feet, alignment.frame.turn, measured.normals)
+    largest, limit = math.degrees(stated.largest.value), math.degrees(TELLING)
+    place = stated.largest.place
+    if stated.radial:
         share = float(np.max(false_share(off_radius(feet))))
         sentence = (
-            f"those of the file point along the radius, up to {off:.3g} deg off the true ones at"
-            f" cam angle {cam_angle(place)} deg: if the ball was compensated along them, the flank"
-            f" seems to have up to {share:.3g} mm too much material per mm of the ball's radius;"
-            " measure with the normals of camgeo probe, or inspect the ball's centres with --ball"
+            f"those of the file point along the radius, up to {largest:.3g} deg off the true ones"
+            f" at cam angle {cam_angle(place)} deg: if the ball was compensated along them, the"
+            f" flank seems to have up to {share:.3g} mm too much material per mm of the ball's"
+            " radius; measure with the normals of camgeo probe, or inspect the ball's centres with"
+            " --ball"
         )
-        yield Finding("radial-normals", "warning", sentence, off, limit, "deg", place)
-    elif found.largest.value > TELLING:
+        yield Finding("radial-normals", "warning", sentence, largest, limit, "deg", place)
+    elif stated.largest.value > TELLING:
         sentence = (
-            f"those of the file are up to {off:.3g} deg off the true ones, {at_cam_angles(place)}"
+            f"those of the file are up to {largest:.3g} deg off the true ones,"
+            f" {at_cam_angles(place)}"
         )
-        yield Finding("normals", "warning", sentence, off, limit, "deg", place)
+        yield Finding("normals", "warning", sentence, largest, limit, "deg", place)
     else:
-        sentence = f"those of the file are within {small(off, 'deg')} of the true ones"
-        yield Finding("normals", "ok", sentence, off, limit, "deg", place)
-    if found.into_material:
+        sentence = f"those of the file are within {small(largest, 'deg')} of the true ones"
+        yield Finding("normals", "ok", sentence, largest, limit, "deg", place)
+    if stated.into_material:
         yield Finding(
             "normals-inward", "warning", "those of the file point into the material", None
         )
@@ -420,7 +424,7 @@ MOST: Final = 50_000
 
 NORMALS: Final = (NumberColumn("nx", ("nx", "i")), NumberColumn("ny", ("ny", "j")))
 
-ASKED: Final = Asked(LENGTHS, NORMALS, FEWEST, MOST)
+POINT_COLUMNS: Final = Asked(LENGTHS, NORMALS, FEWEST, MOST)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -458,19 +462,19 @@ def read_points(data: bytes | str, file: str, unit: LengthUnit = "mm") -> Measur
         With file and line, if the table is not as described, x and y have different units, a
         coordinate is too large or a normal is zero, or there are fewer than 12 different points.
     """
-    found = read_columns(data, file, ASKED)
-    points = places_of(found, file, unit)
-    stated = found.values[len(LENGTHS) :]
+    columns = read_columns(data, file, POINT_COLUMNS)
+    points = places_of(columns, file, unit)
+    stated = columns.values[len(LENGTHS) :]
     if len(np.unique(points)) < FEWEST:
         message = f"fewer than {FEWEST} different points; allowed: {FEWEST} or more"
-        raise fault(file, found.lines[-1], "", message)
+        raise fault(file, columns.lines[-1], "", message)
     if not len(stated):
         return MeasuredPoints(points)
     size = np.hypot(*stated)
     normals = np.divide(stated[0] + 1j * stated[1], size, out=np.zeros_like(points), where=size > 0)
     if not np.all(size > 0.0):
         row = int(np.flatnonzero(size == 0.0)[0])
-        raise fault(file, found.lines[row], "", "a normal of no length; allowed: a direction")
+        raise fault(file, columns.lines[row], "", "a normal of no length; allowed: a direction")
     return MeasuredPoints(points, normals)
 
 
@@ -499,6 +503,7 @@ LIFT: Final = Key(
     {
         "of": Key(
             "Whose lift: that of the rocker of a linkage, or of the follower.",
+            of="member",
             type=Literal["follower", "rocker"],
         ),
         "unit": Key('Unit of the lift, "deg" for a swing.', type=Literal["mm", "inch", "deg"]),
@@ -608,32 +613,34 @@ def text(answer: Inspection) -> str:
     """The deviations, the frame that was fitted, and what the follower does."""
     points = counted(answer.count, "point" if answer.ball == 0.0 else "centre")
     head = f"{answer.disc.name}: {points} of the {answer.flank} flank, {answer.file}"
-    found, sure = answer.deviations, f"{100.0 * answer.confidence:g} %"
-    scatter = f"{small(found.scatter, 'mm')} of a reading; all deviations within"
+    deviations, sure = answer.deviations, f"{100.0 * answer.confidence:g} %"
+    scatter = f"{small(deviations.scatter, 'mm')} of a reading; all deviations within"
     lines = [
         f"{head}, {_fitted(answer)}",
-        named_line("more material", small_extreme(found.extremes.highest, "mm")),
-        named_line("less material", small_extreme(found.extremes.lowest, "mm")),
-        named_line("profile", f"{small(found.profile, 'mm')}, twice the larger of the two"),
-        named_line("root mean square", small(found.root_mean_square, "mm")),
-        named_line("scatter", f"{scatter} {small(found.uncertainty, 'mm')} ({sure})"),
+        named_line("more material", small_extreme(deviations.extremes.highest, "mm")),
+        named_line("less material", small_extreme(deviations.extremes.lowest, "mm")),
+        named_line("profile", f"{small(deviations.profile, 'mm')}, twice the larger of the two"),
+        named_line("root mean square", small(deviations.root_mean_square, "mm")),
+        named_line("scatter", f"{scatter} {small(deviations.uncertainty, 'mm')} ({sure})"),
     ]
     alignment = answer.alignment
     if (shift := answer.shift) is not None and alignment.shift_uncertainty is not None:
-        for name, value, off in zip(
+        for name, value, uncertainty in zip(
             "xy", (shift.real, shift.imag), alignment.shift_uncertainty, strict=True
         ):
-            within = f"± {small(off, 'mm')} ({sure})"
+            bound = f"± {small(uncertainty, 'mm')} ({sure})"
             lines.append(
-                named_line(f"shift in {name}", f"{small(value, 'mm', signed=True)} {within}")
+                named_line(f"shift in {name}", f"{small(value, 'mm', signed=True)} {bound}")
             )
     if answer.turn is not None and alignment.turn_uncertainty is not None:
-        off = math.degrees(alignment.turn_uncertainty)
-        within = f"± {small(off, 'deg')} ({sure})" if math.isfinite(off) else "± unknown"
+        uncertainty = math.degrees(alignment.turn_uncertainty)
+        bound = (
+            f"± {small(uncertainty, 'deg')} ({sure})" if math.isfinite(uncertainty) else "± unknown"
+        )
         turn = small(math.degrees(answer.turn), "deg", signed=True)
         delay = math.degrees(answer.delay or 0.0)
         when = f"the motion comes {small(abs(delay), 'deg')} {'late' if delay > 0.0 else 'early'}"
-        lines.append(named_line("turn", f"{turn} {within}; {when}"))
+        lines.append(named_line("turn", f"{turn} {bound}; {when}"))
     if answer.lift is not None:
         lines += _lift_lines(answer.lift, sure)
     return "\n".join([*lines, *finding_lines(answer.findings)])
@@ -682,7 +689,7 @@ def _fitted(answer: Inspection) -> str:
 def _lift_lines(lift: LiftEffect, sure: str) -> list[str]:
     low, high = lift.extremes.lowest, lift.extremes.highest
     return [
-        named_line("lift error", f"{small_extreme(high, lift.unit)}, of the {lift.of}"),
+        named_line("lift error", f"{small_extreme(high, lift.unit)}, of the {lift.member}"),
         named_line(
             "", f"{small_extreme(low, lift.unit)}; ± {small(lift.uncertainty, lift.unit)} ({sure})"
         ),
@@ -730,7 +737,7 @@ ARGUMENTS: Final = (
     Argument(
         "--ball",
         metavar="MM",
-        type=from_0,
+        type=non_negative,
         default=0.0,
         help="the points are centres of a ball of this radius",
     ),
@@ -748,7 +755,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Compare, and print or write the results."""
     if arguments.robust and arguments.align == Align.DATUM:
         raise CallError("--robust: allowed with --align rotation or free only")
-    found = inspect(
+    answer = inspect(
         opened(arguments),
         arguments.measured,
         arguments.flank,
@@ -758,4 +765,4 @@ def run(arguments: argparse.Namespace) -> int:
         ball=arguments.ball,
         tolerance=arguments.tolerance,
     )
-    return show(found, arguments, contents="deviations, lift errors")
+    return show(answer, arguments, contents="deviations, lift errors")

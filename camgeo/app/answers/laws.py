@@ -100,33 +100,36 @@ class Laws(Answer):
     places: bool = False
 
     @classmethod
-    def of(cls, law: Law) -> Laws:
+    def from_law(cls, law: Law) -> Laws:
         """One law alone."""
         return cls((LawRow(entry_of(law)),))
 
     @property
     def cells(self) -> list[list[str]]:
         """The laws with their parameters and characteristic values, below a heading."""
-        found = [["law", "parameters", *HEAD]]
+        table = [["law", "parameters", *HEAD]]
         for row in self.rows or ():
             entry = row.entry
-            given = ", ".join(f"{name} {value:.6g}" for name, value in row.parameters.items())
+            parameters = ", ".join(f"{name} {value:.6g}" for name, value in row.parameters.items())
             values = [entry.reason, *[""] * (len(HEAD) - 1)]
             if entry.law is not None:
-                values = [_spelled(entry.bounded(each), ".6g") for each in QUANTITIES]
-            found.append([entry.name, given, *values])
-        return found
+                values = [_spelled(entry.bounded(quantity), ".6g") for quantity in QUANTITIES]
+            table.append([entry.name, parameters, *values])
+        return table
 
     @property
     def physical_cells(self) -> list[list[str]]:
         """The same values of the move at its speed; nothing without one."""
         symbols = zip(PHYSICAL_HEAD, UNITS, strict=True)
-        found = [["law", *(f"{name} [{unit}]" for name, unit in symbols)]]
+        table = [["law", *(f"{name} [{unit}]" for name, unit in symbols)]]
         for row in self.rows or ():
             if row.physical is not None:
-                values = (None if each is None else each.value for each in row.physical.values())
-                found.append([row.entry.name, *(_spelled(each, ".5g") for each in values)])
-        return found if len(found) > 1 else []
+                values = (
+                    None if physical is None else physical.value
+                    for physical in row.physical.values()
+                )
+                table.append([row.entry.name, *(_spelled(value, ".5g") for value in values)])
+        return table if len(table) > 1 else []
 
 
 def laws_of_task(
@@ -144,10 +147,10 @@ def laws_of_task(
     SceneError
         If none of the laws is possible, with the reason for each.
     """
-    found = compare(task, given, names)
-    if all(entry.law is None for entry in found):
-        raise SceneError(_impossible(found))
-    rows = tuple(LawRow(each, _physical(each, running)) for each in found)
+    entries = compare(task, given, names)
+    if all(entry.law is None for entry in entries):
+        raise SceneError(_impossible(entries))
+    rows = tuple(LawRow(entry, _physical(entry, running)) for entry in entries)
     return Laws(rows, running, places=places)
 
 
@@ -182,12 +185,13 @@ def laws_of_all_tasks(names: Sequence[str] = ()) -> Laws:
 def _physical(entry: Entry, running: Running | None) -> dict[str, Physical | None] | None:
     if running is None or entry.values is None:
         return None
-    found: dict[str, Physical | None] = {}
+    values: dict[str, Physical | None] = {}
     for quantity, unit in zip(QUANTITIES, UNITS, strict=True):
         value = entry.bounded(quantity)
-        physical = None if value is None else Physical(running.physical(quantity, value), unit)
-        found[quantity] = physical
-    return found
+        values[quantity] = (
+            None if value is None else Physical(running.physical(quantity, value), unit)
+        )
+    return values
 
 
 # -- document -------------------------------------------------------------------------------------
@@ -316,11 +320,11 @@ def figure(answer: Laws) -> Figure:
 
 
 def _tasks(tasks: Sequence[TaskLaws]) -> list[str]:
-    ends = [" to ".join(each.ends) for each in tasks]
+    ends = [" to ".join(task.ends) for task in tasks]
     width = max(map(len, ends)) + 2
     return [
-        f"{each.task:6}{end:{width}}{', '.join(each.families) or 'none of these'}"
-        for each, end in zip(tasks, ends, strict=True)
+        f"{task.task:6}{end:{width}}{', '.join(task.families) or 'none of these'}"
+        for task, end in zip(tasks, ends, strict=True)
     ]
 
 
@@ -329,17 +333,22 @@ def _compared(rows: Sequence[LawRow], width: int, *, places: bool) -> list[str]:
     second = max(len("parameters"), *map(len, parameters)) + 2
     head = "".join(f"{name:>{CELL}}" for name in HEAD)
     lines = [f"{'law':{width}}{'parameters':{second}}{head}  remarks"]
-    for row, given in zip(rows, parameters, strict=True):
+    for row, row_parameters in zip(rows, parameters, strict=True):
         name, values = row.entry.name, row.values
         if values is None:
             lines.append(f"{name:{width}}not possible: {row.entry.reason}")
             continue
         extremes = [values[quantity] for quantity in QUANTITIES]
-        cells = "".join(_cell(None if each is None else each.value, ".5f") for each in extremes)
-        lines.append(f"{name:{width}}{given:{second}}{cells}  {_remarks(row.entry)}".rstrip())
+        cells = "".join(
+            _cell(None if extreme is None else extreme.value, ".5f") for extreme in extremes
+        )
+        lines.append(
+            f"{name:{width}}{row_parameters:{second}}{cells}  {_remarks(row.entry)}".rstrip()
+        )
         if places:
             cells = "".join(
-                _cell(None if each is None else each.place, ".5f", "-") for each in extremes
+                _cell(None if extreme is None else extreme.place, ".5f", "-")
+                for extreme in extremes
             )
             lines.append(f"{'':{width}}{'  at z':{second}}{cells}")
     return lines
@@ -356,7 +365,8 @@ def _physical_table(rows: Sequence[LawRow], running: Running, width: int) -> lis
     for row in rows:
         if row.physical is not None:
             cells = (
-                _cell(None if each is None else each.value, ".5g") for each in row.physical.values()
+                _cell(None if value is None else value.value, ".5g")
+                for value in row.physical.values()
             )
             lines.append(f"{row.entry.name:{width}}" + "".join(cells))
     return lines
@@ -376,13 +386,13 @@ def _parameters(row: LawRow) -> str:
 
 def _remarks(entry: Entry) -> str:
     """Shocks and jerks with their z, and whether the move runs back or overshoots."""
-    found = []
+    remarks = []
     for word, places in (("shock", entry.shocks), ("jerk", entry.jerks)):
         if places:
-            found.append(f"{word} at z = {', '.join(f'{place:.6g}' for place in places)}")
+            remarks.append(f"{word} at z = {', '.join(f'{place:.6g}' for place in places)}")
     if entry.runs_back:
-        found.append("overshoots" if entry.overshoots else "runs back")
-    return "; ".join(found)
+        remarks.append("overshoots" if entry.overshoots else "runs back")
+    return "; ".join(remarks)
 
 
 def _notes(entries: Sequence[Entry]) -> list[str]:
@@ -397,15 +407,15 @@ def _notes(entries: Sequence[Entry]) -> list[str]:
         (f"ignored, no parameters for {entries[0].task}", ignored),
         ("not given, taken as 0", assumed),
     )
-    found = [
+    notes = [
         f"{start}: {', '.join(keys)} ({', '.join(names)})"
         for start, groups in kinds
         for keys, names in groups.items()
         if keys
     ]
     listed = {entry.name for entry in entries}
-    found += [f"{alias} is {name}" for alias, name in ALIASES.items() if name in listed]
-    return ["", *found] if found else []
+    notes += [f"{alias} is {name}" for alias, name in ALIASES.items() if name in listed]
+    return ["", *notes] if notes else []
 
 
 # -- law options ----------------------------------------------------------------------------------
@@ -452,12 +462,12 @@ def law_arguments(*, several: bool = False) -> ArgumentGroup:
     )
 
 
-def given_options(arguments: argparse.Namespace) -> list[str]:
+def stated_options(arguments: argparse.Namespace) -> list[str]:
     """The options given among the task and the parameters."""
     return [f"--{name}" for name in ("task", *PARAMETERS) if getattr(arguments, name) is not None]
 
 
-def parameters_from(arguments: argparse.Namespace) -> dict[str, float]:
+def law_parameters(arguments: argparse.Namespace) -> dict[str, float]:
     """The parameters that are given, by the names that `make_law` takes."""
     parameters = {key: getattr(arguments, key) for key in PARAMETERS}
     return {key: value for key, value in parameters.items() if value is not None}
@@ -500,24 +510,24 @@ def run(arguments: argparse.Namespace) -> int:
     """Print the comparison, or write its picture."""
     names, running = arguments.law or (), _running(arguments)
     if arguments.task == EVERY_TASK:
-        only_with_one = given_options(arguments)[1:]
+        only_with_one = stated_options(arguments)[1:]
         only_with_one += [f"--{name}" for name in RUNNING if running is not None]
         only_with_one += ["--places"] * arguments.places + ["-o"] * (arguments.output is not None)
         if only_with_one:
             raise CallError(f"{', '.join(only_with_one)}: allowed with one task only, not with all")
         return show(laws_of_all_tasks(names), arguments)
-    found = laws_of_task(
+    answer = laws_of_task(
         arguments.task or DEFAULT_TASK,
-        parameters_from(arguments),
+        law_parameters(arguments),
         names,
         running=running,
         places=arguments.places,
     )
-    count = sum(row.entry.law is not None for row in found.rows or ())
+    count = sum(row.entry.law is not None for row in answer.rows or ())
     contents = f"{counted(count, 'law')} for {arguments.task or DEFAULT_TASK}"
-    files = output_files(found, arguments, contents)
+    files = output_files(answer, arguments, contents)
     write_files(files, arguments)
-    return found.exit_code if files and not arguments.json else show(found, arguments)
+    return answer.exit_code if files and not arguments.json else show(answer, arguments)
 
 
 def _running(arguments: argparse.Namespace) -> Running | None:

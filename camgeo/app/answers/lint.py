@@ -19,7 +19,7 @@ from camgeo.design.linting import Bench, LineFinding, Linted
 from camgeo.design.product import Product, find_disc, product_sides
 from camgeo.errors import Fault, FileError, SceneError, unreadable
 from camgeo.milling.machine import Machine, load
-from camgeo.reading import PROGRAM, read_within
+from camgeo.reading import PROGRAM, read_limited
 from camgeo.scene.scene import Scene
 from camgeo.units import LengthUnit, counted, in_unit, shortened
 
@@ -30,17 +30,17 @@ class Placed:
 
     Attributes
     ----------
-    found : the finding.
+    finding : on the line.
     text : of the line; empty if it concerns the whole program.
     """
 
-    found: LineFinding
+    finding: LineFinding
     text: str
 
     @property
     def line(self) -> int | None:
         """Its number; None if it concerns the whole program."""
-        return self.found.line or None
+        return self.finding.line or None
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,12 +51,12 @@ class Program:
     ----------
     path : of the file.
     damage : why it cannot be read; empty if it can.
-    found : what was found in it; None if it cannot be read.
+    linted : the program with its findings; None if it cannot be read.
     """
 
     path: Path
     damage: str = ""
-    found: Linted | None = None
+    linted: Linted | None = None
 
     @property
     def file(self) -> str:
@@ -65,19 +65,21 @@ class Program:
 
     @property
     def moves(self) -> int:
-        return 0 if self.found is None else self.found.moves
+        return 0 if self.linted is None else self.linted.moves
 
     @property
     def complete(self) -> bool:
-        return self.found is not None and self.found.complete
+        return self.linted is not None and self.linted.complete
 
     @property
     def findings(self) -> tuple[Placed, ...]:
         """By line, those of the whole program last."""
-        found = self.found
-        if found is None:
+        linted = self.linted
+        if linted is None:
             return ()
-        return tuple(Placed(each, found.texts.get(each.line, "")) for each in found.findings)
+        return tuple(
+            Placed(finding, linted.texts.get(finding.line, "")) for finding in linted.findings
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,12 +102,12 @@ class Lint(Answer):
     @property
     def clean(self) -> bool:
         """Whether all files could be read and nothing was found in any."""
-        return all(each.found is not None and not each.findings for each in self.programs)
+        return all(program.linted is not None and not program.findings for program in self.programs)
 
     @property
     def exit_code(self) -> int:
         """2 if a file cannot be read, 1 if something was found, else 0."""
-        if any(each.damage for each in self.programs):
+        if any(program.damage for program in self.programs):
             return WRONG
         return FINE if self.clean else BROKEN
 
@@ -141,15 +143,15 @@ def lint(
     if second_side and design is not None and len(product_sides(design.disc)) == 1:
         raise SceneError([Fault("second_side", "", "is not stated")], design.scene.source.file)
 
-    def of(path: Path) -> Product | None:
+    def milled_product(path: Path) -> Product | None:
         """What a program mills."""
         if design is None:
             return None
         disc = find_disc(design.discs, path.stem)
         return product_sides(disc)[-1] if second_side else disc
 
-    found = tuple(_program(path, profile, work, runs, of(path)) for path in paths)
-    return Lint(profile, work, found, None if design is None else design.scene)
+    programs = tuple(_program(path, profile, work, runs, milled_product(path)) for path in paths)
+    return Lint(profile, work, programs, None if design is None else design.scene)
 
 
 class Linter(Protocol):
@@ -168,32 +170,36 @@ class WorkJudge(Protocol):
 
 def _installed(group: str, what: str) -> Any:
     """What is registered for programs in a group of entry points; FileError if nothing is."""
-    found = entry_points(group=group, name="gcode")
-    if not found:
+    registered = entry_points(group=group, name="gcode")
+    if not registered:
         raise FileError(f"the {what} of programs is not installed: install camgeo again")
-    return next(iter(found)).load()
+    return next(iter(registered)).load()
 
 
 def _program(
     path: Path, machine: Machine, bench: Bench, runs: Linter, product: Product | None
 ) -> Program:
     try:
-        data = read_within(path, PROGRAM)
-        found = runs.lint(data, machine, bench)
+        data = read_limited(path, PROGRAM)
+        linted = runs.lint(data, machine, bench)
         if product is not None:
             judge: WorkJudge = _installed("camgeo.verifiers", "verifier")
-            found = _with(found, judge.worked(product, data, machine), data)
-        return Program(path, found=found)
+            linted = _add_findings(linted, judge.worked(product, data, machine), data)
+        return Program(path, linted=linted)
     except FileError as error:
         return Program(path, str(error))
     except (OSError, ValueError) as error:  # the latter for a path that no file can have
         return Program(path, f"cannot be read: {unreadable(error)}")
 
 
-def _with(found: Linted, further: tuple[LineFinding, ...], data: bytes) -> Linted:
+def _add_findings(found: Linted, further: tuple[LineFinding, ...], data: bytes) -> Linted:
     """The same with further findings, and the texts of their lines."""
     lines = data.decode("utf-8", "replace").splitlines()
-    texts = {each.line: lines[each.line - 1] for each in further if 0 < each.line <= len(lines)}
+    texts = {
+        finding.line: lines[finding.line - 1]
+        for finding in further
+        if 0 < finding.line <= len(lines)
+    }
     both = sorted((*found.findings, *further), key=lambda each: each.line or math.inf)
     return replace(found, findings=tuple(both), texts={**texts, **found.texts})
 
@@ -229,18 +235,19 @@ DOCUMENT: Final = Key(
                         ),
                         "text": "Text of the line.",
                         "rule": Key(
-                            "Name of the rule that is broken, as in docs/lint.md.", of="found.rule"
+                            "Name of the rule that is broken, as in docs/lint.md.",
+                            of="finding.rule",
                         ),
                         "concerns": Key(
                             "What it concerns.",
-                            of="found.concerns",
+                            of="finding.concerns",
                             type=Literal[
                                 "words", "path", "form", "safety", "frame", "limits", "work"
                             ],
                         ),
-                        "what": Key("What is wrong.", of="found.what"),
-                        "value": Key("What was found.", of="found.value", optional=True),
-                        "allowed": Key("What would be right.", of="found.allowed", optional=True),
+                        "what": Key("What is wrong.", of="finding.what"),
+                        "value": Key("What was found.", of="finding.value", optional=True),
+                        "allowed": Key("What would be right.", of="finding.allowed", optional=True),
                     },
                 ),
             },
@@ -267,19 +274,22 @@ def text(answer: Lint) -> str:
     lines: list[str] = []
     unit = "mm" if answer.scene is None else answer.scene.unit
     for program in answer.programs:
-        lines += _of(program, answer.machine.name, unit)
+        lines += _program_lines(program, answer.machine.name, unit)
     return "\n".join(lines)
 
 
-def _of(program: Program, machine: str, unit: LengthUnit) -> list[str]:
+def _program_lines(program: Program, machine: str, unit: LengthUnit) -> list[str]:
     if program.damage:
         return [f"{program.path}: cannot be used: {program.damage}"]
-    found = program.findings
-    count = counted(len(found), "finding") if found else "nothing found"
+    findings = program.findings
+    count = counted(len(findings), "finding") if findings else "nothing found"
     lines = [f"{program.path}: {count}, {counted(program.moves, 'move')}, as for {machine}"]
-    for _, group in groupby(found, lambda each: each.line):
+    for _, group in groupby(findings, lambda each: each.line):
         placed = list(group)
-        lines += [_place(placed[0]), *(line for each in placed for line in _said(each, unit))]
+        lines += [
+            _place(placed[0]),
+            *(line for finding in placed for line in _finding_lines(finding, unit)),
+        ]
     if not program.complete:
         lines.append("  and perhaps more: the program was not read further")
     return lines
@@ -292,12 +302,12 @@ def _place(each: Placed) -> str:
     return f"  line {each.line:<5} {shortened(each.text.strip(), LONGEST)}".rstrip()
 
 
-def _said(each: Placed, unit: LengthUnit) -> list[str]:
+def _finding_lines(each: Placed, unit: LengthUnit) -> list[str]:
     """What is wrong in it, in that unit before a line may end between a number and its unit."""
-    found = each.found
-    said = f"{found.rule}: {found.what}"
-    said += f", {found.value}" if found.value else ""
-    said += f"; allowed: {found.allowed}" if found.allowed else ""
+    finding = each.finding
+    said = f"{finding.rule}: {finding.what}"
+    said += f", {finding.value}" if finding.value else ""
+    said += f"; allowed: {finding.allowed}" if finding.allowed else ""
     return textwrap.wrap(
         in_unit(said, unit), WIDTH, initial_indent=INDENT, subsequent_indent=INDENT + "  "
     )

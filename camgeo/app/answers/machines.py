@@ -30,8 +30,8 @@ class Listed:
     @property
     def evidence(self) -> Mapping[str, int]:
         """Number of its statements of each kind, the best evidence first."""
-        found = Counter(each.kind for each in self.machine.evidence)
-        return {kind: found[kind] for kind in EVIDENCE if found[kind]}
+        counts = Counter(statement.kind for statement in self.machine.evidence)
+        return {kind: counts[kind] for kind in EVIDENCE if counts[kind]}
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,21 +59,21 @@ class Machines(Answer):
     Attributes
     ----------
     listed : all profiles of camgeo; None if one is shown.
-    shown : that profile; None for the list.
+    selected : that profile; None for the list.
     """
 
     listed: tuple[Listed, ...] | None = None
-    shown: Listed | None = None
+    selected: Listed | None = None
 
     @property
     def keys(self) -> tuple[ProfileKey, ...] | None:
         """Those of the profile that is shown, in the order of the schema."""
-        return None if self.shown is None else tuple(keys_of(self.shown.machine))
+        return None if self.selected is None else tuple(profile_keys(self.selected.machine))
 
     @property
     def evidence(self) -> tuple[Evidence, ...] | None:
         """That of the profile that is shown."""
-        return None if self.shown is None else self.shown.machine.evidence
+        return None if self.selected is None else self.selected.machine.evidence
 
 
 def machines() -> Machines:
@@ -83,10 +83,10 @@ def machines() -> Machines:
 
 def machine(name: str) -> Machines:
     """One profile, by its name or its file; SceneError with all its faults."""
-    return Machines(shown=Listed(name, load(name, "PROFILE")))
+    return Machines(selected=Listed(name, load(name, "PROFILE")))
 
 
-def keys_of(
+def profile_keys(
     owner: Any, node: Mapping[str, Any] | None = None, path: str = ""
 ) -> Iterator[ProfileKey]:
     """The keys of a profile or of one of its tables that have a value, but its evidence."""
@@ -95,22 +95,24 @@ def keys_of(
         value, key = getattr(owner, field.name), f"{path}{field.name}"
         if value is None or key == "evidence":
             continue
-        own = nodes[field.name]
+        schema_node = nodes[field.name]
         if is_dataclass(value):
-            yield from keys_of(value, own, f"{key}.")
+            yield from profile_keys(value, schema_node, f"{key}.")
         elif isinstance(value, Mapping):
             for name, item in value.items():
                 quoted = name if name.replace("_", "").isalnum() else json.dumps(name)
-                yield ProfileKey(f"{key}.{quoted}", _toml(item), "", own["description"])
+                yield ProfileKey(f"{key}.{quoted}", _toml(item), "", schema_node["description"])
         else:
-            yield ProfileKey(key, _toml(value), own.get("x-unit", ""), own["description"])
+            yield ProfileKey(
+                key, _toml(value), schema_node.get("x-unit", ""), schema_node["description"]
+            )
 
 
 def _toml(value: object) -> str:
     if isinstance(value, bool | str):
         return json.dumps(value)
     if isinstance(value, tuple):
-        return f"[{', '.join(_toml(each) for each in value)}]"
+        return f"[{', '.join(_toml(entry) for entry in value)}]"
     return f"{value:.15g}"
 
 
@@ -136,7 +138,7 @@ DOCUMENT: Final = Key(
         "machines": Key(
             "All profiles, by name, if none was named.", PROFILE, of="listed", optional=True
         ),
-        "profile": Key("The profile that was named.", PROFILE, of="shown", optional=True),
+        "profile": Key("The profile that was named.", PROFILE, of="selected", optional=True),
         "keys": Key(
             "Its keys that have a value, in the order of docs/machines.md.",
             {
@@ -180,32 +182,33 @@ def text(answer: Machines) -> str:
     """One line per profile, or the keys of one with what they rest on."""
     if answer.listed is not None:
         return "\n".join(_list(answer.listed))
-    assert answer.shown is not None
-    shown, machine = answer.shown, answer.shown.machine
-    lines = [f"{shown.profile}: {machine.controller}", ""]
+    assert answer.selected is not None
+    profile, machine = answer.selected, answer.selected.machine
+    lines = [f"{profile.profile}: {machine.controller}", ""]
     lines += _keys(answer.keys or ())
     if machine.evidence:
         lines += ["", "what it rests on"]
-    for each in machine.evidence:
-        lines.append(f"  {WORDS[each.kind]}: {', '.join(each.about)}")
-        lines.append(f"    {each.text}")
-        lines += [f"    {each.source}"] if each.source else []
+    for statement in machine.evidence:
+        lines.append(f"  {WORDS[statement.kind]}: {', '.join(statement.about)}")
+        lines.append(f"    {statement.text}")
+        lines += [f"    {statement.source}"] if statement.source else []
     return "\n".join(lines)
 
 
 def _list(listed: Sequence[Listed]) -> list[str]:
     rows = []
-    for each in listed:
-        counts = (f"{count} {WORDS[kind]}" for kind, count in each.evidence.items())
-        machine = each.machine
-        rows.append((each.profile, machine.extension, machine.controller, ", ".join(counts)))
+    for profile in listed:
+        counts = (f"{count} {WORDS[kind]}" for kind, count in profile.evidence.items())
+        machine = profile.machine
+        rows.append((profile.profile, machine.extension, machine.controller, ", ".join(counts)))
     return aligned(rows)
 
 
 def _keys(keys: Sequence[ProfileKey]) -> list[str]:
-    width = max(len(each.key) for each in keys)
+    width = max(len(entry.key) for entry in keys)
     return [
-        f"{each.key:{width}} = {each.value}{f' {each.unit}' if each.unit else ''}" for each in keys
+        f"{entry.key:{width}} = {entry.value}{f' {entry.unit}' if entry.unit else ''}"
+        for entry in keys
     ]
 
 
@@ -227,5 +230,5 @@ ARGUMENTS: Final = (
 
 def run(arguments: argparse.Namespace) -> int:
     """Print the list, or the profile that is named."""
-    found = machines() if arguments.profile is None else machine(arguments.profile)
-    return show(found, arguments)
+    answer = machines() if arguments.profile is None else machine(arguments.profile)
+    return show(answer, arguments)

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Final, Literal
 
 from camgeo.app.answers.answer import BROKEN, FINE, STOPPED, Answer, Key, aligned
-from camgeo.app.answers.sweep import csv_of, shown, shown_in
+from camgeo.app.answers.sweep import display_value, encode_csv, value_text
 from camgeo.app.cli.command import (
     FORCE,
     IMAGES,
@@ -20,8 +20,7 @@ from camgeo.app.cli.command import (
     CallError,
     Written,
     document,
-    drawn,
-    ending_in,
+    draw_figure,
     engine_for,
     notify,
     number,
@@ -29,6 +28,7 @@ from camgeo.app.cli.command import (
     repeated_option,
     require_new,
     show,
+    suffix_type,
     write_files,
 )
 from camgeo.pictures.model import Figure
@@ -36,7 +36,7 @@ from camgeo.scene.scene import Scene, load_scene
 from camgeo.scene.values import Value
 from camgeo.studies.optimise.optimise import Found, Trial, optimise, task_of
 from camgeo.studies.sweep.family import Range, Variable, names_in
-from camgeo.units import counted, shortened, unit_in
+from camgeo.units import counted, shortened, unit_and_divisor
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,7 +71,7 @@ class Bound:
 class Objective:
     """What was sought, and in which unit it is stated."""
 
-    asked: str
+    question: str
     sense: str
     unit: str
 
@@ -82,92 +82,92 @@ class Optimum(Answer):
 
     Attributes
     ----------
-    found : the task, all trials and the best.
+    search : the task, all trials and the best.
     """
 
-    found: Found
+    search: Found
 
     @property
     def scene(self) -> Scene:
         """The scene that the search starts from."""
-        return self.found.task.family.scene
+        return self.search.task.family.scene
 
     @property
     def objectives(self) -> tuple[Objective, ...]:
         """In their order."""
-        asked = self.found.task.asked
+        questions = self.search.task.asked
         return tuple(
-            Objective(goal.asked.word, goal.sense, self.units[asked.index(goal.asked)])
-            for goal in self.found.task.goals
+            Objective(goal.asked.word, goal.sense, self.units[questions.index(goal.asked)])
+            for goal in self.search.task.goals
         )
 
     @property
     def units(self) -> tuple[str, ...]:
         """Of what was asked; empty where no design has an answer."""
-        places = range(len(self.found.task.asked))
-        rows = [each.units for each in self.found.trials if each.units]
+        places = range(len(self.search.task.asked))
+        rows = [trial.units for trial in self.search.trials if trial.units]
         return tuple(next((row[place] for row in rows if row[place]), "") for place in places)
 
     @property
     def limits(self) -> tuple[str, ...]:
         """Stated with the call."""
-        return tuple(map(str, self.found.task.limits))
+        return tuple(map(str, self.search.task.limits))
 
     @property
     def ignored(self) -> tuple[str, ...]:
         """Findings whose limits in the scene were left out of account."""
-        return tuple(sorted(self.found.task.ignored))
+        return tuple(sorted(self.search.task.ignored))
 
     @property
     def bounds(self) -> tuple[Bound, ...]:
         """Of the variables."""
-        return tuple(map(_bound, self.found.task.family.variables))
+        return tuple(map(_bound, self.search.task.family.variables))
 
     @property
     def evaluations(self) -> int:
         """Designs that were tried."""
-        return len(self.found.trials)
+        return len(self.search.trials)
 
     @property
-    def kept(self) -> int:
+    def feasible_count(self) -> int:
         """Designs that keep all limits."""
-        return sum(each.feasible for each in self.found.trials)
+        return sum(trial.feasible for trial in self.search.trials)
 
     @property
     def start(self) -> Tried | None:
         """The design of the scene; None if it is not within the bounds."""
-        return None if self.found.start is None else self.tried(self.found.start)
+        return None if self.search.start is None else self.tried(self.search.start)
 
     @property
     def best(self) -> Tried:
         """The best design as the search found it, or, if none keeps the limits, the nearest."""
-        return self.tried(self.found.best)
+        return self.tried(self.search.best)
 
     @property
     def written(self) -> Tried | None:
         """The best design with short numbers, as it is written; None if none keeps the limits."""
-        return None if self.found.made is None else self.tried(self.found.made)
+        return None if self.search.made is None else self.tried(self.search.made)
 
     @property
     def remarks(self) -> tuple[str, ...]:
         """Limits of the scene that the design breaks, and that were left out of account."""
-        return () if self.found.made is None else self.found.made.remarks
+        return () if self.search.made is None else self.search.made.remarks
 
     @property
     def front(self) -> tuple[Tried, ...]:
         """Of several objectives, the designs that no other one beats; else none."""
-        several = len(self.found.task.goals) > 1
-        return tuple(map(self.tried, self.found.front)) if several else ()
+        several = len(self.search.task.goals) > 1
+        return tuple(map(self.tried, self.search.front)) if several else ()
 
     @property
     def exit_code(self) -> int:
         """1 if no design keeps the limits."""
-        return BROKEN if self.found.made is None else FINE
+        return BROKEN if self.search.made is None else FINE
 
     def tried(self, trial: Trial) -> Tried:
         """A design with its keys and what was asked."""
-        words = [each.word for each in self.found.task.asked]
-        values = self.found.task.family.edits(trial.point)
+        words = [question.word for question in self.search.task.asked]
+        values = self.search.task.family.edits(trial.point)
         answers = dict(zip(words, trial.values, strict=True))
         return Tried(trial.number, values, answers, trial.broken)
 
@@ -212,7 +212,9 @@ DOCUMENT: Final = Key(
         "objectives": Key(
             "What was sought.",
             {
-                "asked": "Name of a finding, or of a column after min:, max: or peak:.",
+                "asked": Key(
+                    "Name of a finding, or of a column after min:, max: or peak:.", of="question"
+                ),
                 "sense": Key("What it should be.", type=Literal["least", "largest"]),
                 "unit": "Unit of its answers; empty if it has none, or if no design has an answer.",
             },
@@ -230,11 +232,11 @@ DOCUMENT: Final = Key(
                 "values": "What could be chosen, a value for each key; empty for a range.",
             },
         ),
-        "seed": Key("Of what was drawn.", of="found.seed"),
+        "seed": Key("Of what was drawn.", of="search.seed"),
         "evaluations": "Designs that were tried.",
-        "allowed": Key("Designs that could be tried.", of="found.most"),
-        "kept": "Designs that keep all limits.",
-        "ended": Key("Why no more were tried.", of="found.ended"),
+        "allowed": Key("Designs that could be tried.", of="search.most"),
+        "kept": Key("Designs that keep all limits.", of="feasible_count"),
+        "ended": Key("Why no more were tried.", of="search.ended"),
         "start": Key(
             "The design of the scene; null if it was not tried, as it is not within the bounds.",
             TRIED,
@@ -272,8 +274,8 @@ LONGEST: Final = 140
 
 def text(answer: Optimum) -> str:
     """The best design beside that of the scene, the front, and what the search was."""
-    sought = [f"{each.sense} {each.asked}" for each in answer.objectives]
-    lines = [f"{answer.scene.name}: {', '.join(sought)}"]
+    goals = [f"{objective.sense} {objective.question}" for objective in answer.objectives]
+    lines = [f"{answer.scene.name}: {', '.join(goals)}"]
     if answer.limits:
         lines.append(f"limits, besides the other ones of the scene: {', '.join(answer.limits)}")
     if answer.ignored:
@@ -283,11 +285,11 @@ def text(answer: Optimum) -> str:
         lines.append("no design that was tried keeps all limits; the nearest violates:")
         lines += _broken(answer.best)
         lines.append("")
-    lines += [f"beyond a limit that does not count: {each}" for each in answer.remarks]
+    lines += [f"beyond a limit that does not count: {remark}" for remark in answer.remarks]
     if answer.front:
         lines += [f"{counted(len(answer.front), 'design')} that no other beats:", *_front(answer)]
         lines.append("")
-    lines += [_searched(answer), *(f"  {_bounds(each)}" for each in answer.bounds)]
+    lines += [_searched(answer), *(f"  {_bounds(bound)}" for bound in answer.bounds)]
     return "\n".join(lines)
 
 
@@ -300,46 +302,49 @@ def _designs(answer: Optimum) -> list[str]:
         columns.insert(0, ("scene", answer.start))
     rows = [["", *(name for name, _ in columns)]]
     for key in best.values:
-        rows.append([key, *(shown(each.values[key]) for _, each in columns)])
+        rows.append([key, *(value_text(design.values[key]) for _, design in columns)])
     for word, unit in zip(best.answers, answer.units, strict=True):
-        texts = [shown_in(length, each.answers[word], unit) for _, each in columns]
-        shown_unit = texts[0][1]
-        rows.append([f"{word} [{shown_unit}]" if unit else word, *(text for text, _ in texts)])
+        texts = [display_value(length, design.answers[word], unit) for _, design in columns]
+        display_unit = texts[0][1]
+        rows.append([f"{word} [{display_unit}]" if unit else word, *(text for text, _ in texts)])
     if answer.start is not None and answer.start.violated:
-        kept = ["no" if each.violated else "yes" for _, each in columns]
-        rows.append(["keeps all limits", *kept])
+        verdicts = ["no" if design.violated else "yes" for _, design in columns]
+        rows.append(["keeps all limits", *verdicts])
     return aligned(rows)
 
 
 def _broken(design: Tried) -> list[str]:
-    found = [f"  {shortened(each, LONGEST)}" for each in design.violated[:MOST_BROKEN]]
+    lines = [f"  {shortened(limit, LONGEST)}" for limit in design.violated[:MOST_BROKEN]]
     rest = len(design.violated) - MOST_BROKEN
-    return [*found, f"  and {rest} more"] if rest > 0 else found
+    return [*lines, f"  and {rest} more"] if rest > 0 else lines
 
 
 def _front(answer: Optimum) -> list[str]:
-    words = [each.asked for each in answer.objectives]
-    length, units = answer.scene.unit, {each.asked: each.unit for each in answer.objectives}
-    heads = [f"{word} [{unit_in(unit, length)[0]}]" if unit else word
+    words = [objective.question for objective in answer.objectives]
+    length, units = (
+        answer.scene.unit,
+        {objective.question: objective.unit for objective in answer.objectives},
+    )
+    heads = [f"{word} [{unit_and_divisor(unit, length)[0]}]" if unit else word
              for word, unit in units.items()]  # fmt: skip
     rows = [[*heads, *answer.best.values]]
     designs = answer.front
     if len(designs) > MOST_FRONT:  # evenly spaced, both ends among them
         last = len(designs) - 1
         designs = tuple(designs[k * last // (MOST_FRONT - 1)] for k in range(MOST_FRONT))
-    for each in designs:
-        answers = (shown_in(length, each.answers[word], units[word])[0] for word in words)
-        rows.append([*answers, *(shown(value) for value in each.values.values())])
+    for design in designs:
+        answers = (display_value(length, design.answers[word], units[word])[0] for word in words)
+        rows.append([*answers, *(value_text(value) for value in design.values.values())])
     more = len(answer.front) - len(designs)
-    told = [f"  and {counted(more, 'design')} between these"] if more else []
-    return [*(f"  {line}" for line in aligned(rows)), *told]
+    notes = [f"  and {counted(more, 'design')} between these"] if more else []
+    return [*(f"  {line}" for line in aligned(rows)), *notes]
 
 
 def _searched(answer: Optimum) -> str:
     count = counted(answer.evaluations, "design")
     return (
-        f"tried {count} with seed {answer.found.seed}, {answer.kept:,} of them within all limits;"
-        f" ended: {answer.found.ended}"
+        f"tried {count} with seed {answer.search.seed}, {answer.feasible_count:,} of them"
+        f" within all limits; ended: {answer.search.ended}"
     )
 
 
@@ -347,7 +352,7 @@ def _bounds(bound: Bound) -> str:
     keys = ", ".join(bound.keys)
     if bound.start is not None and bound.stop is not None:
         return f"{keys} from {bound.start:g} to {bound.stop:g}"
-    values = ["/".join(map(shown, dict.fromkeys(row))) for row in bound.values]
+    values = ["/".join(map(value_text, dict.fromkeys(row))) for row in bound.values]
     if len(values) > 8:
         values = [*values[:3], "...", values[-1]]
     return f"{keys} one of {', '.join(values)}"
@@ -355,22 +360,22 @@ def _bounds(bound: Bound) -> str:
 
 def comma_separated(answer: Optimum) -> bytes:
     """All designs that were tried as CSV in UTF-8, in their order."""
-    words = [each.word for each in answer.found.task.asked]
+    words = [question.word for question in answer.search.task.asked]
     heads = [f"{word} [{unit}]" if unit else word
              for word, unit in zip(words, answer.units, strict=True)]  # fmt: skip
-    family = answer.found.task.family
+    family = answer.search.task.family
     rows: list[list[object]] = [["number", *family.keys, *heads, "violation", "violated"]]
-    for trial in answer.found.trials:
+    for trial in answer.search.trials:
         cells = (*family.edits(trial.point).values(), *trial.values)
         rows.append([trial.number, *cells, trial.violation, "; ".join(trial.broken)])
-    return csv_of(rows)
+    return encode_csv(rows)
 
 
 def figure(answer: Optimum) -> Figure:
     """The front of several objectives, or how one became better."""
     from camgeo.pictures.sweep import of_search
 
-    return of_search(answer.found, answer.units)
+    return of_search(answer.search, answer.units)
 
 
 # -- command line ----------------------------------------------------------------------------------
@@ -423,7 +428,7 @@ ARGUMENTS: Final = (
         "FILE",
         "the scene of the best design, .toml; the record, .json; all designs that were tried,"
         " .csv; the front or the course of the search, .png, .svg, .pdf; may be repeated",
-        ending_in(SUFFIXES),
+        suffix_type(SUFFIXES),
         "output",
     ),
     FORCE,
@@ -449,7 +454,7 @@ def run(arguments: argparse.Namespace) -> int:
         keep=arguments.keep,
         ignore=names_in(arguments.ignore),
     )
-    found = optimise(
+    optimum = optimise(
         task,
         seed=arguments.seed,
         evaluations=arguments.evaluations,
@@ -457,22 +462,22 @@ def run(arguments: argparse.Namespace) -> int:
         engine=engine_for(arguments.workers),
         progress=arguments.progress,
     )
-    answer = Optimum(found)
-    if found.made is not None:
+    answer = Optimum(optimum)
+    if optimum.made is not None:
         write_files([_written(answer, path) for path in files], arguments)
     elif files:
         notify("nothing was written: no design that was tried keeps all limits")
     code = show(answer, arguments)
-    return STOPPED + signal.SIGINT if found.interrupted else code
+    return STOPPED + signal.SIGINT if optimum.interrupted else code
 
 
 def _written(answer: Optimum, path: Path) -> Written:
     if path.suffix == ".toml":
-        scene = answer.found.scene
+        scene = answer.search.scene
         assert scene is not None  # as something is written
         return path, scene.to_toml().encode(), "the best design"
     if path.suffix == ".csv":
         return path, comma_separated(answer), counted(answer.evaluations, "row")
     if path.suffix == ".json":
         return path, document(answer).encode(), "the record"
-    return path, drawn(figure(answer), path.suffix), "picture"
+    return path, draw_figure(figure(answer), path.suffix), "picture"

@@ -21,11 +21,11 @@ from camgeo.app.cli.command import (
     Written,
     check_step,
     decimal,
-    from_0,
+    non_negative,
     opened,
     output_options,
     positive,
-    require_beside,
+    require_same_folder,
     show,
     table_file,
 )
@@ -101,7 +101,7 @@ class Probing(Answer):
     @property
     def exit_code(self) -> int:
         """1 if the ball does not fit somewhere."""
-        return exit_code(finding for each in self.flanks for finding in each.findings)
+        return exit_code(finding for flank in self.flanks for finding in flank.findings)
 
 
 def probe(
@@ -130,21 +130,21 @@ def probe(
     """
     if spacing is None:
         step = STEP if step is None else step
-    found = []
+    probed = []
     for disc in design.discs:
         sides = disc.cam.contact.flanks if flank is None else (Flank(flank),)
         for side in sides:
             exact = ExactFlank(disc.cam.disc.outline(side).path, side)
             if spacing is not None:
-                points = evenly(exact, spacing, ball)
+                points = evenly_spaced_points(exact, spacing, ball)
             else:
                 points = points_at_cam_angles(exact, np.radians(cam_angles(step or STEP)), ball)
             lifts = disc.cam.drive.motion.jet(points.places.phi, "right", 1)[0]
             findings = tuple(_findings(points))
-            length = length_of(exact)
-            found.append(ProbedFlank(disc, side, points, length, lifts, findings))
+            length = flank_length(exact)
+            probed.append(ProbedFlank(disc, side, points, length, lifts, findings))
     return Probing(
-        design.scene, step, spacing, ball, tolerance, tuple(found), _lift_curve(design, step)
+        design.scene, step, spacing, ball, tolerance, tuple(probed), _lift_curve(design, step)
     )
 
 
@@ -172,7 +172,7 @@ def _findings(points: ProbePoints) -> Iterator[Finding]:
             )
             yield Finding("ball", "broken", sentence, points.ball, None, "mm", blocked.place)
         if points.feigned > 0.0:
-            delta = points.off_radius
+            delta = points.largest_radial_angle
             sentence = (
                 f"along the radius instead of the normal, {math.degrees(delta.value):.3g} deg off"
                 f" {places(delta.place)}, this ball would feign {points.feigned:.3g} mm of material"
@@ -225,11 +225,11 @@ class ProbePoints:
     @property
     def centres(self) -> ComplexArray:
         """(n,) complex [mm] of the ball when it touches the points."""
-        found: ComplexArray = self.places.points + self.ball * self.places.normals
-        return found
+        ball_centres: ComplexArray = self.places.points + self.ball * self.places.normals
+        return ball_centres
 
     @property
-    def off_radius(self) -> Extreme:
+    def largest_radial_angle(self) -> Extreme:
         """The largest angle [rad] between a normal and the radius, with its cam angle."""
         angles = np.abs(off_radius(self._feet))
         worst = int(np.argmax(angles))
@@ -273,7 +273,7 @@ def points_at_cam_angles(flank: ExactFlank, phi: FloatArray, ball: float = 0.0) 
     return ProbePoints(flank, places, int(np.count_nonzero(~there)), ball)
 
 
-def evenly(flank: ExactFlank, spacing: float, ball: float = 0.0) -> ProbePoints:
+def evenly_spaced_points(flank: ExactFlank, spacing: float, ball: float = 0.0) -> ProbePoints:
     """Points as far apart along the flank as possible, at most `spacing` [mm], all equally.
 
     The first one is at the start of the path, or half a spacing from it where that is a corner.
@@ -301,7 +301,7 @@ def evenly(flank: ExactFlank, spacing: float, ball: float = 0.0) -> ProbePoints:
     return ProbePoints(flank, flank.at(course), 0, ball)
 
 
-def length_of(flank: ExactFlank) -> float:
+def flank_length(flank: ExactFlank) -> float:
     """Length of the flank [mm]."""
     return float(_lengths(flank)[-1])
 
@@ -321,16 +321,16 @@ def _integrals(flank: ExactFlank, low: FloatArray, high: FloatArray) -> FloatArr
 def _paces(flank: ExactFlank, course: FloatArray) -> FloatArray:
     """(n,) length per position u [mm/rad]."""
     element, along = flank.element_at(course)
-    found = np.empty(len(course))
-    for number, each in enumerate(flank.path.elements):
+    paces = np.empty(len(course))
+    for number, piece in enumerate(flank.path.elements):
         which = element == number
         if not np.any(which):
             continue
-        if isinstance(each, Stretch):
-            found[which] = flank.curve.traced(each.start + along[which])[2]
+        if isinstance(piece, Stretch):
+            paces[which] = flank.curve.traced(piece.start + along[which])[2]
         else:
-            found[which] = abs(each.distance)
-    return found
+            paces[which] = abs(piece.distance)
+    return paces
 
 
 # -- document -------------------------------------------------------------------------------------
@@ -350,7 +350,7 @@ FLANK: Final = Key(
                 "angle_deg": Key("That angle.", of="value"),
                 "cam_angle_deg": Key("Cam angle of the value.", of="place"),
             },
-            of="points.off_radius",
+            of="points.largest_radial_angle",
         ),
         "findings": Key("What is to be known, worst first.", FINDING),
     },
@@ -379,18 +379,18 @@ DOCUMENT: Final = Key(
 def text(answer: Probing) -> str:
     """The points of each flank, summed up."""
     lines = []
-    for each in answer.flanks:
+    for flank in answer.flanks:
         spaced = "evenly along it" if answer.step is None else f"every {answer.step} deg"
         lines.append(
-            f"{each.disc.name}: {counted(each.count, 'point')} of the {each.flank} flank, {spaced},"
-            f" {each.length:.6g} mm long"
+            f"{flank.disc.name}: {counted(flank.count, 'point')} of the {flank.flank} flank,"
+            f" {spaced}, {flank.length:.6g} mm long"
         )
-        off = each.points.off_radius
+        angle = flank.points.largest_radial_angle
         lines.append(
-            f"        {'normals':26}up to {math.degrees(off.value):.4g} deg off the radius,"
-            f" {at_cam_angles(off.place)}"
+            f"        {'normals':26}up to {math.degrees(angle.value):.4g} deg off the radius,"
+            f" {at_cam_angles(angle.place)}"
         )
-        lines += finding_lines(each.findings)
+        lines += finding_lines(flank.findings)
     return "\n".join(lines)
 
 
@@ -482,7 +482,7 @@ ARGUMENTS: Final = (
     Argument(
         "--ball",
         metavar="MM",
-        type=from_0,
+        type=non_negative,
         default=0.0,
         help="radius of the measuring ball: also list its centres, and check that it fits",
     ),
@@ -504,8 +504,8 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.step is not None and arguments.spacing is not None:
         raise CallError("--step and --spacing are both given; only one of them is allowed")
     check_step(arguments.step, SMALLEST_STEP, LARGEST_STEP)
-    require_beside("--lift", arguments.lift, arguments.output)
-    found = probe(
+    require_same_folder("--lift", arguments.lift, arguments.output)
+    answer = probe(
         opened(arguments),
         arguments.flank,
         step=arguments.step,
@@ -513,14 +513,14 @@ def run(arguments: argparse.Namespace) -> int:
         ball=arguments.ball,
         tolerance=arguments.tolerance,
     )
-    files = list(_points(found, arguments.output))
+    files = list(_points(answer, arguments.output))
     if arguments.lift is not None:
-        lift = lift_table(found)
+        lift = lift_table(answer)
         report = f"lift curve, {counted(len(lift.values), 'row')}"
         files.append((Path(arguments.lift), lift.encoded(), report))
     if len({path for path, _, _ in files}) < len(files):
         raise CallError("--lift names the file of a flank")
-    return show(found, arguments, files)
+    return show(answer, arguments, files)
 
 
 def _points(found: Probing, output: str | None) -> Iterator[Written]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
-from camgeo.app.answers.answer import BROKEN, WRONG, Answer, Key, faults_of
+from camgeo.app.answers.answer import BROKEN, WRONG, Answer, Key, error_faults
 from camgeo.errors import CamgeoError, Fault, UndercutError, UnsafeError
 
 
@@ -37,7 +37,7 @@ def refusal(error: CamgeoError) -> Refusal:
     if isinstance(error, UndercutError | UnsafeError):
         message = f"{error.message}; nothing was written"
         return Refusal(name, message, "", (Fault("", "", message),), BROKEN)
-    return Refusal(name, message, getattr(error, "file", ""), faults_of(error))
+    return Refusal(name, message, getattr(error, "file", ""), error_faults(error))
 
 
 # -- document -------------------------------------------------------------------------------------

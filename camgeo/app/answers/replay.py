@@ -18,10 +18,10 @@ from camgeo.app.answers.answer import (
     Answer,
     Key,
     Keys,
+    display_unit,
     named_line,
     read_named,
     scaled,
-    unit_of,
     whose_lift,
 )
 from camgeo.app.cli.command import (
@@ -30,7 +30,7 @@ from camgeo.app.cli.command import (
     Argument,
     check_step,
     decimal,
-    from_0,
+    non_negative,
     notify,
     opened,
     origin_option,
@@ -112,7 +112,7 @@ class DiscReplay:
     note : which contour of a file was chosen; empty if it has only one.
     notes : what of the file was left out, is not exact or may be meant otherwise.
     replay : the motion itself [mm or rad].
-    of : "rocker" behind a linkage, else "follower".
+    member : "rocker" behind a linkage, else "follower".
     unit : that of the scene, or "deg".
     factor : `unit` per mm or rad.
     lost_stroke : the largest, see `Replay`.
@@ -130,7 +130,7 @@ class DiscReplay:
     note: str
     notes: tuple[str, ...]
     replay: Replay
-    of: str
+    member: str
     unit: str
     factor: float
     lost_stroke: Extreme
@@ -192,15 +192,15 @@ def replay(
         As `replay_contour` and `replay_outline`.
     """
     side, reading = Flank(flank or design.cam.contact.main), reading or Reading()
-    found = tuple(
+    replays = tuple(
         _replayed(disc, file, side, math.radians(step), reading, progress)
         for disc, file in _discs(design, side, tuple(map(Path, files)))
     )
     closing = None
-    if len(found) == 2:
-        main, other = (each.replay for each in found)
+    if len(replays) == 2:
+        main, other = (disc.replay for disc in replays)
         closing = _closing(design.cam, main, other)
-    return FollowerReplay(design.scene, side, step, found, closing)
+    return FollowerReplay(design.scene, side, step, replays, closing)
 
 
 def _discs(
@@ -235,25 +235,25 @@ def _replayed(
     cam, pitch = disc.cam, disc.cam.disc.pitch_curve
     if file is None:
         outline = cam.disc.outline(flank).path
-        found = replay_outline(pitch, outline, step=step, clearance=cam.clearance)
-        return _result(disc, "the real outline", "", (), found)
-    chosen, plain, note, notes = outline_in(file, disc, flank, reading, progress)
+        replay = replay_outline(pitch, outline, step=step, clearance=cam.clearance)
+        return _result(disc, "the real outline", "", (), replay)
+    chosen, plain, note, notes = read_contour(file, disc, flank, reading, progress)
     corner = max(reading.corner, CORNER)
     try:
         if isinstance(chosen, SplineContour) and pitch.follower.has_pitch_curve:
             try:
-                found = replay_spline(pitch, chosen, flank, step=step, corner=corner)
-                return _result(disc, file.name, note, notes, found)
+                replay = replay_spline(pitch, chosen, flank, step=step, corner=corner)
+                return _result(disc, file.name, note, notes, replay)
             except GeometryError:  # it is curved more tightly than that follows
                 pass
-        found = replay_contour(pitch, plain, flank, step=step, corner=corner)
+        replay = replay_contour(pitch, plain, flank, step=step, corner=corner)
     except GeometryError as error:
         if error.key:  # it is the call's
             raise
         raise SceneError([Fault("CONTOUR", str(file), error.message)]) from error
     if plain is not chosen:
         notes.append(f"{file.name}: splines are followed by arcs within {ARCS:g} mm")
-    return _result(disc, file.name, note, notes, found)
+    return _result(disc, file.name, note, notes, replay)
 
 
 def _result(
@@ -261,22 +261,22 @@ def _result(
 ) -> DiscReplay:
     """The result of a replay, in the unit of the scene."""
     cam = disc.cam
-    unit, factor = unit_of(disc.scene.unit, is_angle=cam.lift_unit == "rad")
+    unit, factor = display_unit(disc.scene.unit, is_angle=cam.lift_unit == "rad")
     falls = bool(len(replay.drops))
 
     def peak(actual: Extreme | None, demanded: float) -> Peak:
         return Peak(None if actual is None else scaled(actual, factor), demanded * factor)
 
-    ripple, off, most = None, replay.largest_acceleration_error, replay.demanded_acceleration
-    if off is not None and most > 0.0:
-        ripple = Extreme(abs(off.value) / most, off.place)
+    ripple, error, most = None, replay.largest_acceleration_error, replay.demanded_acceleration
+    if error is not None and most > 0.0:
+        ripple = Extreme(abs(error.value) / most, error.place)
     return DiscReplay(
         disc=disc,
         contour=contour,
         note=note,
         notes=tuple(notes),
         replay=replay,
-        of=whose_lift(cam),
+        member=whose_lift(cam),
         unit=unit,
         factor=factor,
         lost_stroke=scaled(replay.largest_loss, factor),
@@ -287,7 +287,7 @@ def _result(
         shocks=replay.shocks.scaled(factor),
         drops=replay.drops.scaled(factor),
         contact=_contact(cam, replay),
-        in_time=None if falls else _in_time(cam, replay, factor),
+        in_time=None if falls else _time_peaks(cam, replay, factor),
     )
 
 
@@ -324,22 +324,22 @@ def _closing(cam: Cam, main: Replay, other: Replay) -> Extremes:
     def travel(play: Extreme) -> Extreme:
         return Extreme(scale * play.value + 0.0, play.place % TURN)
 
-    found = closing_error(main, other)
-    return Extremes(travel(found.lowest), travel(found.highest))
+    gap = closing_error(main, other)
+    return Extremes(travel(gap.lowest), travel(gap.highest))
 
 
-def _in_time(cam: Cam, replay: Replay, factor: float) -> dict[str, float] | None:
+def _time_peaks(cam: Cam, replay: Replay, factor: float) -> dict[str, float] | None:
     """Largest velocity and acceleration per second, actual and demanded at the samples."""
     course = cam.drive.time_course
     if course is None:
         return None
-    out = {}
+    peaks = {}
     for name, jet in (("actual", replay.actual), ("demanded", replay.demanded)):
         full = np.vstack((jet, np.zeros_like(jet[:1])))
         timed = np.abs(in_time(full, course, replay.phi)) * factor
-        out[f"{name}_velocity"] = float(np.max(timed[1]))
-        out[f"{name}_acceleration"] = float(np.max(timed[2][replay.smooth]))
-    return out
+        peaks[f"{name}_velocity"] = float(np.max(timed[1]))
+        peaks[f"{name}_acceleration"] = float(np.max(timed[2][replay.smooth]))
+    return peaks
 
 
 # -- document -------------------------------------------------------------------------------------
@@ -363,6 +363,7 @@ DISC: Final[Keys] = {
     ),
     "of": Key(
         "Whose motion this is: that of the rocker of a linkage, or of the follower.",
+        of="member",
         type=Literal["follower", "rocker"],
     ),
     "unit": Key(
@@ -501,10 +502,10 @@ TOUCHING: Final = 1e-9
 def text(answer: FollowerReplay) -> str:
     """What the follower does on each disc, and how a pair closes."""
     lines = []
-    for each in answer.discs:
-        what = each.disc.cam.follower.touching
-        lines.append(f"{each.disc.name}: the {what} on {each.contour}, {answer.flank} flank")
-        lines += _lines(each)
+    for disc in answer.discs:
+        what = disc.disc.cam.follower.touching
+        lines.append(f"{disc.disc.name}: the {what} on {disc.contour}, {answer.flank} flank")
+        lines += _lines(disc)
     if answer.closing is not None:
         lines += [f"{answer.scene.name}: both discs", *_closing_lines(answer.closing)]
     return "\n".join(lines)
@@ -529,7 +530,7 @@ def table(answer: FollowerReplay) -> Table:
         f"s'' demanded [{unit}/rad^2]": demanded[2],
     }
     if answer.closing is not None:
-        main, other = (each.replay for each in answer.discs)
+        main, other = (disc.replay for disc in answer.discs)
         columns[f"play [{unit}]"] = play(main, other, phi) * first.factor
     return Table(tuple(columns), np.column_stack(tuple(columns.values())))
 
@@ -551,45 +552,47 @@ def figure(answer: FollowerReplay) -> Figure:
 def _lines(disc: DiscReplay) -> Iterator[str]:
     """What the follower does, a line each."""
     unit = disc.unit
-    yield named_line("lost stroke", _at(disc.lost_stroke, unit))
-    yield named_line("lift error", _at(disc.lift_error, unit))
+    yield named_line("lost stroke", _extreme_text(disc.lost_stroke, unit))
+    yield named_line("lift error", _extreme_text(disc.lift_error, unit))
     for name, peak, per in (
         ("velocity", disc.velocity, "rad"),
         ("acceleration", disc.acceleration, "rad^2"),
     ):
-        actual = "unbounded" if peak.actual is None else _at(peak.actual, f"{unit}/{per}")
+        actual = "unbounded" if peak.actual is None else _extreme_text(peak.actual, f"{unit}/{per}")
         yield named_line(name, f"{actual}; demanded {peak.demanded:.6g}")
     if disc.ripple is not None:
         share = f"{_percent(disc.ripple.value)} of the demanded peak acceleration"
         yield named_line("ripple", f"{share}, at {_place(disc.ripple)}")
     shocks, largest = "none", disc.shocks.largest
     if largest is not None:
-        shocks = f"{len(disc.shocks)}, the largest {_at(largest, f'{unit}/rad')}"
+        shocks = f"{len(disc.shocks)}, the largest {_extreme_text(largest, f'{unit}/rad')}"
         if disc.replay.largest_shock is not None:
             shocks += f", {_percent(disc.replay.largest_shock)} of the demanded peak velocity"
     yield named_line("shocks", shocks)
     if (drop := disc.drops.largest) is not None:
         count = len(disc.drops)
         often = "once," if count == 1 else f"{count} times, the largest"
-        yield named_line("falls off an edge", f"{often} {_at(drop, unit)}")
+        yield named_line("falls off an edge", f"{often} {_extreme_text(drop, unit)}")
     if (contact := disc.contact) is not None:
-        ends = " to ".join(_at(each, "mm") for each in (contact.lowest, contact.highest))
+        ends = " to ".join(_extreme_text(end, "mm") for end in (contact.lowest, contact.highest))
         beyond = "; it leaves the face, as if it were longer" if contact.leaves_face else ""
         yield named_line("contact on the face", f"{ends}{beyond}")
     if (timed := disc.in_time) is not None:
         for name, per in (("velocity", "s"), ("acceleration", "s^2")):
-            actual, demanded = (f"{timed[f'{of}_{name}']:.6g}" for of in ("actual", "demanded"))
+            actual, demanded = (f"{timed[f'{case}_{name}']:.6g}" for case in ("actual", "demanded"))
             yield named_line(f"{name} in time", f"{actual} {unit}/{per}; demanded {demanded}")
 
 
 def _closing_lines(closing: Extremes) -> Iterator[str]:
     """Play, and squeeze where it is negative."""
-    for name, each in (("largest play", closing.highest), ("smallest play", closing.lowest)):
-        tail = ": the rollers are squeezed there" if each.value < -TOUCHING else ""
-        yield named_line(name, f"{_at(each, 'mm')}, as travel of the main roller{tail}")
+    for name, extreme in (("largest play", closing.highest), ("smallest play", closing.lowest)):
+        tail = ": the rollers are squeezed there" if extreme.value < -TOUCHING else ""
+        yield named_line(
+            name, f"{_extreme_text(extreme, 'mm')}, as travel of the main roller{tail}"
+        )
 
 
-def _at(extreme: Extreme, unit: str) -> str:
+def _extreme_text(extreme: Extreme, unit: str) -> str:
     return f"{extreme.value:.6g} {unit} at {_place(extreme)}"
 
 
@@ -660,7 +663,7 @@ class Reading:
     origin: complex = 0j
 
 
-def outline_in(
+def read_contour(
     file: Path, disc: Product, flank: Flank, reading: Reading, progress: Progress
 ) -> tuple[Contour | SplineContour, Contour, str, list[str]]:
     """The contour of the file whose area is nearest to that of the flank, about the cam axis; the
@@ -684,8 +687,8 @@ def outline_in(
         gap=reading.gap,
         progress=progress,
     ).about(reading.origin)
-    own = abs(area(dict(zip(Flank, disc.cam.disc.untrimmed_paths, strict=True))[flank]))
-    chosen = min(read.contours, key=lambda contour: abs(contour.area - own))
+    flank_area = abs(area(dict(zip(Flank, disc.cam.disc.untrimmed_paths, strict=True))[flank]))
+    chosen = min(read.contours, key=lambda contour: abs(contour.area - flank_area))
     size = in_unit(f"{chosen.area:.6g} mm^2", disc.unit)
     note = f"{file.name}: {counted(len(read.contours), 'contour')}; the one of {size} is used"
     note = note if len(read.contours) > 1 else ""
@@ -699,8 +702,8 @@ def outline_in(
         message += elsewhere or "say with --origin where the axis is"
     if message:
         raise SceneError([Fault("CONTOUR", str(file), message, note)])
-    told = [f"{file.name}: {elsewhere} puts the cam axis there, not into the origin"]
-    return chosen, plain, note, [*read.notes, *(told if elsewhere else ())]
+    notes = [f"{file.name}: {elsewhere} puts the cam axis there, not into the origin"]
+    return chosen, plain, note, [*read.notes, *(notes if elsewhere else ())]
 
 
 # -- command line ----------------------------------------------------------------------------------
@@ -732,7 +735,7 @@ ARGUMENTS: Final = (
     Argument(
         "--gap",
         metavar="MM",
-        type=from_0,
+        type=non_negative,
         default=GAP,
         help=f"end points of a drawing up to this far apart are joined; default {GAP:g}",
     ),
@@ -740,7 +743,7 @@ ARGUMENTS: Final = (
     Argument(
         "--corner",
         metavar="DEG",
-        type=from_0,
+        type=non_negative,
         default=FLAT,
         help=f"corners of CONTOUR up to this angle are ignored; default {FLAT:g}",
     ),
@@ -764,7 +767,7 @@ def run(arguments: argparse.Namespace) -> int:
     corner = math.radians(arguments.corner)
     origin = complex(*arguments.origin)
     reading = Reading(arguments.layer, arguments.unit, arguments.gap, corner, origin)
-    found = replay(
+    answer = replay(
         opened(arguments),
         arguments.contours,
         arguments.flank,
@@ -772,7 +775,7 @@ def run(arguments: argparse.Namespace) -> int:
         reading=reading,
         progress=arguments.progress,
     )
-    for each in found.discs:
-        for note in filter(None, (each.note, *each.notes)):
+    for disc in answer.discs:
+        for note in filter(None, (disc.note, *disc.notes)):
             notify(note)
-    return show(found, arguments, contents="lift, velocity, acceleration")
+    return show(answer, arguments, contents="lift, velocity, acceleration")

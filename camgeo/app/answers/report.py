@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from camgeo.app.answers.answer import FINDING, MANY, MARKS, SCENE, Answer, Key, in_a_line
+from camgeo.app.answers.answer import FINDING, MANY, MARKS, SCENE, Answer, Key, one_line
 from camgeo.app.answers.check import Check, check
 from camgeo.app.cli.command import SCENE_FILE, Argument, opened, output_options, show, write_files
 from camgeo.check.cures.remedies import Cure
@@ -53,12 +53,12 @@ class Advised:
 
     Attributes
     ----------
-    about : what was judged: the cam, an effect, a part or a program.
+    subject : what was judged: the cam, an effect, a part or a program.
     finding : the finding.
     step : the next step; empty if there is none.
     """
 
-    about: str
+    subject: str
     finding: Finding
     step: str
 
@@ -80,7 +80,7 @@ class Report(Answer):
     solids : binary STL files of the bodies, coarser than they are made, by their names; empty if
         the part has no thickness.
     certificate : of the files that the scene asks for, as it would be beside them; None likewise.
-    left_out : what the page lacks, and why.
+    omissions : what the page lacks, and why.
     """
 
     scene: Scene
@@ -92,7 +92,7 @@ class Report(Answer):
     prices: Survey | None
     solids: Mapping[str, bytes]
     certificate: Mapping[str, Any] | None
-    left_out: tuple[str, ...]
+    omissions: tuple[str, ...]
 
     @property
     def certified(self) -> str | None:
@@ -120,23 +120,23 @@ def report(design: Design, *, quick: bool = False, progress: Progress = lambda _
     """
     progress("findings")
     checked = check(design)
-    left_out: list[str] = []
+    omissions: list[str] = []
 
     def tried(what: str, make: Callable[[], Any]) -> Any:
         progress(what)
         try:
             return make()
         except CamgeoError as error:
-            left_out.append(f"{what}: {in_a_line(error)}")
+            omissions.append(f"{what}: {one_line(error)}")
             return None
 
     turn = None
     if design.scene.follower is None:
-        left_out.append("mechanism: the scene has no follower, so there is no disc")
+        omissions.append("mechanism: the scene has no follower, so there is no disc")
     else:
         turn = tried("mechanism", lambda: animation(design.disc))
     wanted = [(MOTION_TITLE, partial(motion_diagram, design))]
-    wanted += tried("diagrams of the disc", lambda: [*_of_discs(design)]) or ()
+    wanted += tried("diagrams of the disc", lambda: [*_disc_charts(design)]) or ()
     charts = [
         Chart(what, figure, readings(figure))
         for what, make in wanted
@@ -148,7 +148,7 @@ def report(design: Design, *, quick: bool = False, progress: Progress = lambda _
         solids = tried("solid", lambda: coarse_solids(design, progress)) or {}
     prices = certificate = None
     if quick:
-        left_out.append("price list of accuracy and certificate: --quick leaves them out")
+        omissions.append("price list of accuracy and certificate: --quick leaves them out")
     elif turn is not None:
         prices = tried("price list of accuracy", lambda: _prices(design, progress))
         certificate = tried("certificate", lambda: _certificate(design, progress))
@@ -162,11 +162,11 @@ def report(design: Design, *, quick: bool = False, progress: Progress = lambda _
         prices,
         solids,
         certificate,
-        tuple(left_out),
+        tuple(omissions),
     )
 
 
-def _of_discs(design: Design) -> Iterator[tuple[str, Callable[[], Figure]]]:
+def _disc_charts(design: Design) -> Iterator[tuple[str, Callable[[], Figure]]]:
     """The title of each diagram that needs a disc, and what makes it."""
     if design.scene.follower is None:
         return
@@ -183,12 +183,13 @@ def advised(found: Check) -> tuple[Advised, ...]:
     groups += [(f"part {name}", part.findings) for name, part in found.parts.items()]
     if found.machining is not None:
         groups += [
-            (f"program {name}", each.findings) for name, each in found.machining.programs.items()
+            (f"program {name}", program.findings)
+            for name, program in found.machining.programs.items()
         ]
     groups.append(("formats", found.formats))
     return tuple(
-        Advised(about, finding, next_step(finding, found.cures))
-        for about, findings in groups
+        Advised(subject, finding, next_step(finding, found.cures))
+        for subject, findings in groups
         for finding in findings
     )
 
@@ -214,8 +215,8 @@ def _certificate(design: Design, progress: Progress) -> dict[str, Any]:
     """Of the files that the scene asks for; none of them is written."""
     output = design.scene.output
     contents, _ = make_files(design.discs, output.formats, output.tolerance, progress=progress)
-    found: dict[str, Any] = json.loads(contents[CERTIFICATE])
-    return found
+    certificate: dict[str, Any] = json.loads(contents[CERTIFICATE])
+    return certificate
 
 
 # -- document -------------------------------------------------------------------------------------
@@ -230,7 +231,9 @@ DOCUMENT: Final = Key(
         "findings": Key(
             "All findings, each with its next step.",
             {
-                "about": "What was judged: the cam, an effect, a part or a program.",
+                "about": Key(
+                    "What was judged: the cam, an effect, a part or a program.", of="subject"
+                ),
                 "finding": FINDING,
                 "step": "What to do about it; empty if there is nothing to do.",
             },
@@ -257,7 +260,7 @@ DOCUMENT: Final = Key(
             "SHA-256 of the scene in the certificate of its files; null if none was made.",
             of="certified",
         ),
-        "left_out": "What the page lacks, and why.",
+        "left_out": Key("What the page lacks, and why.", of="omissions"),
     },
     type=Report,
 )
@@ -269,16 +272,18 @@ DOCUMENT: Final = Key(
 
 def text(answer: Report) -> str:
     """The verdict, what the page has, what it lacks, and the next steps."""
-    verdicts = Counter[str](each.finding.verdict for each in answer.advised)
-    several = (each for each in MARKS if verdicts[each])
-    found = ", ".join(counted(verdicts[each], MARKS[each], MANY[each]) for each in several)
-    lines = [f"{answer.scene.name}: {counted(len(answer.advised), 'finding')}: {found}"]
+    verdicts = Counter[str](entry.finding.verdict for entry in answer.advised)
+    several = (verdict for verdict in MARKS if verdicts[verdict])
+    summary = ", ".join(
+        counted(verdicts[verdict], MARKS[verdict], MANY[verdict]) for verdict in several
+    )
+    lines = [f"{answer.scene.name}: {counted(len(answer.advised), 'finding')}: {summary}"]
     lines += [f"  {chart.title}: {chart.sentence}" for chart in answer.charts]
-    lines += [f"  left out: {each}" for each in answer.left_out]
+    lines += [f"  left out: {omission}" for omission in answer.omissions]
     lines += [
-        f"{MARKS[each.finding.severity]:8}{each.finding.name}: {each.step}"
-        for each in answer.advised
-        if each.step
+        f"{MARKS[entry.finding.severity]:8}{entry.finding.name}: {entry.step}"
+        for entry in answer.advised
+        if entry.step
     ]
     return "\n".join(lines)
 
@@ -356,13 +361,13 @@ def next_step(finding: Finding, cures: Sequence[Cure]) -> str:
     """
     if finding.severity == "ok":
         return ""
-    about = finding.name.removeprefix(f"{RETURN}: ")
-    faults = [fault for name, fault in FAULTS.items() if about.startswith(name)]
+    base_name = finding.name.removeprefix(f"{RETURN}: ")
+    faults = [fault for name, fault in FAULTS.items() if base_name.startswith(name)]
     works = [cure.sentence for cure in cures if cure.works and cure.fault in faults]
     if works:
         return f"{works[0][:1].upper()}{works[0][1:]}; camgeo check tells what else cures it."
-    found = [name for name in BY_NAME if about.startswith(name)]
-    return BY_NAME[max(found, key=len)] if found else OTHERWISE[finding.severity]
+    names = [name for name in BY_NAME if base_name.startswith(name)]
+    return BY_NAME[max(names, key=len)] if names else OTHERWISE[finding.severity]
 
 
 # -- triangles ------------------------------------------------------------------------------------
@@ -408,11 +413,11 @@ def run(arguments: argparse.Namespace) -> int:
     """Print the summary, or write the page."""
     from importlib.metadata import entry_points
 
-    found = report(opened(arguments), quick=arguments.quick, progress=arguments.progress)
+    answer = report(opened(arguments), quick=arguments.quick, progress=arguments.progress)
     if arguments.output is None or arguments.json:
-        code = show(found, arguments)
+        code = show(answer, arguments)
     if arguments.output is not None:
-        page: bytes = entry_points(group=PAGES)["report"].load()(found)
+        page: bytes = entry_points(group=PAGES)["report"].load()(answer)
         write_files([(Path(arguments.output), page, "report")], arguments)
-        code = found.exit_code
+        code = answer.exit_code
     return code

@@ -24,7 +24,7 @@ from camgeo.app.answers.answer import (
 )
 from camgeo.app.cli.command import (
     SCENE_FILE,
-    drawn,
+    draw_figure,
     notify_main_disc,
     opened,
     output_options,
@@ -104,7 +104,7 @@ class SetupSheet(Answer):
     blank, holding, zero, traverses : in words; lengths in the unit of the scene.
     tools : each once, in the order in which they are called.
     steps : the operations.
-    told : of the sequence, a sentence each: what is not milled, and what is left to be done.
+    remarks : of the sequence, a sentence each: what is not milled, and what is left to be done.
     flaws : of the simulated program, with what is to be watched.
     features : of the part, with the operations of all its sides; empty of a second side.
     side : which side this is, and how the work lies, in words; None if there is but one.
@@ -120,7 +120,7 @@ class SetupSheet(Answer):
     traverses: str
     tools: tuple[Tool, ...]
     steps: tuple[Step, ...]
-    told: tuple[str, ...]
+    remarks: tuple[str, ...]
     flaws: tuple[Flaw, ...]
     features: tuple[Feature, ...] = ()
     side: str | None = None
@@ -141,7 +141,7 @@ class SetupSheet(Answer):
     def exit_code(self) -> int:
         """1 if the program must not be run."""
         watched = (flaw.watched for sheet in self.sheets for flaw in sheet.flaws)
-        spoilt = any(each.severity == "broken" for each in self.features)
+        spoilt = any(feature.severity == "broken" for feature in self.features)
         return FINE if all(watched) and not spoilt else BROKEN
 
 
@@ -162,12 +162,12 @@ def setup_sheet(design: Design, tolerance: float | None = None) -> SetupSheet:
     if not others:
         return sheet
     (second,) = others
-    about = second.milled.zero.turned
+    axis = second.milled.zero.turned
     return replace(
         sheet,
         side="first side",
         second=replace(
-            _sheet(design, second, tolerance), side=f"second side, the work {HOW[about]}"
+            _sheet(design, second, tolerance), side=f"second side, the work {HOW[axis]}"
         ),
     )
 
@@ -179,7 +179,9 @@ def _sheet(design: Design, product: Product, tolerance: float) -> SetupSheet:
     assert spec is not None  # for there is a program
     machine, options = load(milled.gcode.machine), milled.gcode
     zero, unit = milled.zero, design.scene.unit
-    told = (each.sentence for each in milled.sequence.findings if each.name != SEQUENCE)
+    sentences = (
+        finding.sentence for finding in milled.sequence.findings if finding.name != SEQUENCE
+    )
     return SetupSheet(
         design.scene,
         machine.name,
@@ -197,7 +199,7 @@ def _sheet(design: Design, product: Product, tolerance: float) -> SetupSheet:
             zero,
             unit,
         ),
-        (*told, *_programs(product, machine)),
+        (*sentences, *_programs(product, machine)),
         milled.flaws(toolpath, tolerance),
         compared(milled),
     )
@@ -211,37 +213,37 @@ def _steps(
     zero: Zero,
     unit: LengthUnit,
 ) -> tuple[Step, ...]:
-    seconds = {} if times is None else {each.name: each.seconds for each in times}
-    engaged = {each.operation: each for each in found}
+    seconds = {} if times is None else {operation.name: operation.seconds for operation in times}
+    engaged = {engagement.operation: engagement for engagement in found}
     words = machine.compensation
-    told = {
-        name: limit.sentence(words, lambda mm: f"{shown(mm, unit)} {unit}")
+    notes = {
+        name: limit.sentence(words, lambda mm: f"{length_text(mm, unit)} {unit}")
         for name, limit in limits_of(toolpath.operations).items()
         if words is not None
     }
     return tuple(
-        Step(each, seconds.get(name), engaged.get(name), told.get(name, ""), zero.z)
-        for name, each in ((each.name, each) for each in toolpath.operations)
+        Step(operation, seconds.get(name), engaged.get(name), notes.get(name, ""), zero.z)
+        for name, operation in ((operation.name, operation) for operation in toolpath.operations)
     )
 
 
 def _programs(side: Product, machine: Machine) -> Iterator[str]:
     """Which operations are in which file, where a machine needs a program for each tool."""
     products = side_programs(side)
-    for each in products if len(products) > 1 else ():
-        names = ", ".join(cut.name for cut in each.milled.cuts)
-        tool = each.milled.cuts[0].tool.number
-        yield f"{each.name}{machine.extension}: {names}, with tool {tool} in the spindle"
+    for program in products if len(products) > 1 else ():
+        names = ", ".join(cut.name for cut in program.milled.cuts)
+        tool = program.milled.cuts[0].tool.number
+        yield f"{program.name}{machine.extension}: {names}, with tool {tool} in the spindle"
 
 
 def _tools(toolpath: Toolpath) -> tuple[Tool, ...]:
-    found: dict[int, Tool] = {}
+    tools: dict[int, Tool] = {}
     for operation in toolpath.operations:
-        found.setdefault(operation.tool.number, operation.tool)
-    return tuple(found.values())
+        tools.setdefault(operation.tool.number, operation.tool)
+    return tuple(tools.values())
 
 
-def shown(mm: float, unit: LengthUnit) -> str:
+def length_text(mm: float, unit: LengthUnit) -> str:
     """A length in the unit of the scene, to a ten-thousandth of a millimetre."""
     return f"{round(mm / MM_PER[unit], DECIMALS[unit]) + 0.0:g}"
 
@@ -250,7 +252,7 @@ def _holding(holding: Holding | None, zero: Zero, unit: LengthUnit) -> str:
     """The holding in words, from the program's zero."""
     if holding is None:
         return "not stated; no cut goes through"
-    length = partial(shown, unit=unit)
+    length = partial(length_text, unit=unit)
     tabs, skin = holding.tabs, holding.skin
     words = {
         FIXTURE: "from below: vacuum, tape, soft jaws or a chuck",
@@ -260,7 +262,7 @@ def _holding(holding: Holding | None, zero: Zero, unit: LengthUnit) -> str:
         CLAMPS: "clamps",
         SCREWS: "screws",
     }[holding.kind]  # fmt: skip
-    places = "; ".join(_clamp(each, zero, unit) for each in holding.clamps)
+    places = "; ".join(_clamp(clamp, zero, unit) for clamp in holding.clamps)
     through = holding.through
     below = f"; cuts go {length(through)} {unit} below the part" if through else ""
     return f"{words}{': ' if places else ''}{places}{below}"
@@ -268,7 +270,7 @@ def _holding(holding: Holding | None, zero: Zero, unit: LengthUnit) -> str:
 
 def _clamp(clamp: Clamp, zero: Zero, unit: LengthUnit) -> str:
     """Where it stands, from the program's zero, and when."""
-    length, place = partial(shown, unit=unit), zero.of(clamp.place)
+    length, place = partial(length_text, unit=unit), zero.of(clamp.place)
     where = f"{clamp.what} at {length(place.real)}, {length(place.imag)} {unit}"
     since = f", from {clamp.since} on" if clamp.since else ""
     until = f", until {clamp.until}" if clamp.until else ""
@@ -278,7 +280,7 @@ def _clamp(clamp: Clamp, zero: Zero, unit: LengthUnit) -> str:
 def _traverses(heights: Heights, zero: Zero, unit: LengthUnit) -> str:
     """Their heights in words, from the program's zero."""
     clearance, retract = (
-        shown(each - zero.z, unit) for each in (heights.clearance, heights.retract)
+        length_text(height - zero.z, unit) for height in (heights.clearance, heights.retract)
     )
     if retract == clearance:
         return f"at Z {clearance}"
@@ -363,7 +365,7 @@ SHEET: Final[Keys] = {
     ),
     "tools": Key("Each once, in the order in which they are called.", TOOL),
     "operations": Key("In their order.", OPERATION, of="steps"),
-    "told": "Of the sequence: what is not milled, and what is left to be done.",
+    "told": Key("Of the sequence: what is not milled, and what is left to be done.", of="remarks"),
     "flaws": Key(
         "Of the simulated program, with what is to be watched; empty if there is nothing.", FLAW
     ),
@@ -440,11 +442,11 @@ def _side_text(answer: SetupSheet) -> str:
     lines += ["", *_columns(TOOLS, [_tool(tool, unit) for tool in answer.tools])]
     steps = [_step(k, step, unit) for k, step in enumerate(answer.steps, 1)]
     lines += ["", *_columns(STEPS, steps), _units(unit)]
-    lines += [f"   {each}" for each in _remarks(answer)]
+    lines += [f"   {remark}" for remark in _remarks(answer)]
     marks = {True: MARKS["warning"], False: "FLAW"}
     flaws = [f"{marks[flaw.watched]:8}{flaw.name:10}{flaw.sentence}" for flaw in answer.flaws]
     lines += [""] * bool(answer.features)
-    lines += [f"{MARKS[each.severity]:8}{each.sentence}" for each in answer.features]
+    lines += [f"{MARKS[feature.severity]:8}{feature.sentence}" for feature in answer.features]
     lines += ["", *flaws]
     return "\n".join(lines if answer.flaws else [*lines, _verdict(answer)])
 
@@ -474,14 +476,14 @@ def _side_html(answer: SetupSheet) -> str:
     facts = "".join(
         f"<dt>{escape(key)}</dt><dd>{escape(value)}</dd>" for key, value in _facts(answer)
     )
-    remarks = "".join(f"<li>{escape(each)}</li>" for each in _remarks(answer))
+    remarks = "".join(f"<li>{escape(remark)}</li>" for remark in _remarks(answer))
     listed = f"<ul>{remarks}</ul>" if remarks else ""
     unit = answer.scene.unit
     features = "".join(
-        _item(each.sentence, unit, flaw=each.severity != "ok") for each in answer.features
+        _item(feature.sentence, unit, flaw=feature.severity != "ok") for feature in answer.features
     )
     part = f"<h2>Part</h2>\n<ul>{features}</ul>\n" if features else ""
-    flaws = "".join(_item(each.sentence, unit, flaw=True) for each in answer.flaws)
+    flaws = "".join(_item(flaw.sentence, unit, flaw=True) for flaw in answer.flaws)
     verdict = f"<ul>{flaws}</ul>" if flaws else f"<p>{escape(_verdict(answer))}</p>"
     steps = [_step(k, step, unit) for k, step in enumerate(answer.steps, 1)]
     return f"""<h1>{escape(_head(answer))}</h1>
@@ -514,7 +516,7 @@ def svg_element(data: bytes) -> str:
 
 
 def _facts(answer: SetupSheet) -> list[tuple[str, str]]:
-    found = [
+    facts = [
         ("blank" if answer.second is not None or answer.side is None else "work", answer.blank),
         ("zero", answer.zero),
         ("offset", answer.work_offset),
@@ -522,13 +524,13 @@ def _facts(answer: SetupSheet) -> list[tuple[str, str]]:
         ("traverses", answer.traverses),
     ]
     if answer.seconds is not None:
-        found.append(("time", f"{clock(answer.seconds)}, tool changes left out"))
-    return found
+        facts.append(("time", f"{clock(answer.seconds)}, tool changes left out"))
+    return facts
 
 
 def _verdict(answer: SetupSheet) -> str:
     steps = counted(len(answer.steps), "operation")
-    unlike = any(each.severity == "broken" for each in answer.features)
+    unlike = any(feature.severity == "broken" for feature in answer.features)
     gouge = "more is taken off than the part states" if unlike else "no gouge"
     return f"Simulated: {steps}, {gouge}, no rest, nothing comes loose."
 
@@ -538,10 +540,10 @@ def _remarks(answer: SetupSheet) -> Iterator[str]:
     for step in answer.steps:
         yield from (f"stop before {step.operation.name}: {note}" for note in step.stops)
         name, notes = step.operation.name, (step.compensation, step.operation.cut.note)
-        yield from (f"{name}: {each}" for each in notes if each)
+        yield from (f"{name}: {remark}" for remark in notes if remark)
         if step.engaged is not None:
             yield f"{name}: {step.engaged.sentence}"
-    yield from answer.told
+    yield from answer.remarks
 
 
 def _units(unit: LengthUnit) -> str:
@@ -550,7 +552,7 @@ def _units(unit: LengthUnit) -> str:
 
 def _tool(tool: Tool, unit: LengthUnit) -> list[str]:
     def length(mm: float | None) -> str:
-        return NONE if mm is None else shown(mm, unit)
+        return NONE if mm is None else length_text(mm, unit)
 
     kind = tool.kind.replace("-", " ")
     return [
@@ -566,7 +568,7 @@ def _tool(tool: Tool, unit: LengthUnit) -> list[str]:
 
 def _step(number: int, step: Step, unit: LengthUnit) -> list[str]:
     tool, scale = step.operation.tool, 1.0 / MM_PER[unit]
-    feeds = (f"{each * scale:.{FEED[unit]}f}" for each in (tool.feed, tool.plunge_feed))
+    feeds = (f"{feed * scale:.{FEED[unit]}f}" for feed in (tool.feed, tool.plunge_feed))
     return [
         f"{number}",
         step.operation.name,
@@ -609,7 +611,7 @@ def run(arguments: argparse.Namespace) -> int:
     design = opened(arguments)
     sheet = setup_sheet(design)
     if arguments.output is not None:
-        picture = svg_element(drawn(backplot.figure(design.disc), ".svg"))
+        picture = svg_element(draw_figure(backplot.figure(design.disc), ".svg"))
         page = html(sheet, picture).encode("utf-8")
         write_files([(Path(arguments.output), page, "setup sheet")], arguments)
     notify_main_disc(design, "operations")

@@ -21,7 +21,7 @@ from camgeo.app.cli.command import (
     number,
     opened,
     picture_options,
-    require_beside,
+    require_same_folder,
     show,
 )
 from camgeo.cam.cam import Cam
@@ -51,18 +51,18 @@ class Side:
     task : what was sized; its follower has the arm that was found, if one was looked for.
     sizing : the requirement, and the smallest cams that meet it.
     unit : of length in the scene.
-    made : the answer with its sizes rounded up, as they are written; None if there is none.
+    rounded : the answer with its sizes rounded up, as they are written; None if there is none.
     """
 
     task: Placing
     sizing: Sizing
     unit: LengthUnit
-    made: RoundedMechanism | None = None
+    rounded: RoundedMechanism | None = None
 
     @property
     def written(self) -> Rating | None:
         """What the rounded sizes result in."""
-        return None if self.made is None else rated(self.made.cam)
+        return None if self.rounded is None else rated(self.rounded.cam)
 
     @property
     def arm_side(self) -> str | None:
@@ -84,14 +84,14 @@ class Side:
         if self.sizing.hopeless is not None:
             return f"infeasible at any size: {self.sizing.hopeless}"
         if self.sizing.radius is None:
-            return self._of_roller(self.sizing)
+            return self._roller_infeasibility(self.sizing)
         return (
             "infeasible: with its pivot there, no base radius gives a convex cam that goes round"
             " its axis and keeps the transmission angle over the whole turn; move the pivot, or"
             " make follower.face_offset smaller"
         )
 
-    def _of_roller(self, sizing: Sizing) -> str:
+    def _roller_infeasibility(self, sizing: Sizing) -> str:
         if sizing.nearest_angle is not None:
             nearest = math.degrees(sizing.nearest_angle)
             return (
@@ -153,16 +153,16 @@ class CamSize(Answer):
         )
 
     @property
-    def own(self) -> Side:
+    def scene_side(self) -> Side:
         """The scene's own side."""
         return self.sides[0]
 
     @property
     def longer_face(self) -> tuple[float, float] | None:
         """The face [mm] that the sizes which are written need; None if it is long enough."""
-        if self.best.made is None or "face" not in self.best.made.lengths:
+        if self.best.rounded is None or "face" not in self.best.rounded.lengths:
             return None
-        follower: Any = self.best.made.cam.follower
+        follower: Any = self.best.rounded.cam.follower
         ends: tuple[float, float] = follower.face
         return ends
 
@@ -176,7 +176,7 @@ class CamSize(Answer):
     @property
     def exit_code(self) -> int:
         """1 if nothing meets the requirement, or nothing that can be written down."""
-        return FINE if self.best.made is not None else BROKEN
+        return FINE if self.best.rounded is not None else BROKEN
 
     @property
     def edits(self) -> dict[str, Any]:
@@ -186,13 +186,15 @@ class CamSize(Answer):
         widened or narrowed by as much as both of its sides move. A return disc on a carriage
         stays as it is, because its roller does; a return arm stays on its side of the main arm.
         """
-        scene, made = self.scene, self.best.made
-        if made is None:
+        scene, rounded = self.scene, self.best.rounded
+        if rounded is None:
             return {}
-        edits: dict[str, Any] = {f"follower.{key}": each for key, each in made.lengths.items()}
-        before = scene.follower
-        assert before is not None  # it was sized
-        side, was = (getattr(each, "arm_side", None) for each in (made.cam.follower, before))
+        edits: dict[str, Any] = {f"follower.{key}": value for key, value in rounded.lengths.items()}
+        present = scene.follower
+        assert present is not None  # it was sized
+        side, was = (
+            getattr(follower, "arm_side", None) for follower in (rounded.cam.follower, present)
+        )
         if side is not None and side != was:
             edits["follower.arm_side"] = ARM_SIDES[side]
             if scene.linkage is not None and scene.stated.has("follower", "direction"):
@@ -203,10 +205,10 @@ class CamSize(Answer):
         breadth = scene.stated.exact("follower", "yoke", "breadth")
         if breadth is not None:
             old = scene.stated.exact("follower", "base_radius") or Decimal(0)
-            wider = 2 * (Decimal(repr(made.lengths["base_radius"])) - old)
+            wider = 2 * (Decimal(repr(rounded.lengths["base_radius"])) - old)
             edits["follower.yoke.breadth"] = float(breadth + wider)
         if scene.stated.has("follower", "return", "spacing"):
-            edits |= _return_roller(scene, made.cam)
+            edits |= _return_roller(scene, rounded.cam)
         return edits
 
 
@@ -238,7 +240,7 @@ def size(
         angle = transmission_angle_limit(cam, limits)
     ratio = limits.radius_ratio if radius_ratio is None else radius_ratio
     unit = design.scene.unit
-    found = sized(cam, angle, ratio, radius_of_curvature, arms, MM_PER[unit])
+    sizings = sized(cam, angle, ratio, radius_of_curvature, arms, MM_PER[unit])
     present = getattr(design.scene.follower, "arm", None)
     sides = tuple(
         Side(
@@ -247,7 +249,7 @@ def size(
             unit,
             RoundedMechanism.from_sizing(task, sizing, ratio, present, MM_PER[unit]),
         )
-        for task, sizing in found
+        for task, sizing in sizings
     )
     answer = CamSize(design.scene, sides, rated(cam))
     return replace(answer, remarks=_remarks(answer)) if answer.edits else answer
@@ -364,13 +366,13 @@ DOCUMENT: Final = Key(
             "Flocke's proposal for the scene's own side; null if its region is empty, and for a"
             " flat face.",
             RATING,
-            of="own.sizing.flocke",
+            of="scene_side.sizing.flocke",
         ),
         "transmission_angle_alone": Key(
             "The smallest on the scene's own side that keeps the transmission angle; null if none"
             " does, and for a flat face.",
             RATING,
-            of="own.sizing.for_angle",
+            of="scene_side.sizing.for_angle",
         ),
         "smallest": Key(
             "The limit: the smallest that keeps all requirements, on the better side of a rocker,"
@@ -482,26 +484,30 @@ def text(answer: CamSize) -> str:
         _row(answer, "present design", answer.present),
     ]
     if sizing.construction is not None:
-        own = answer.own.sizing
+        scene_sizing = answer.scene_side.sizing
         lines += [
-            _row(answer, "Flocke", own.flocke),
-            _row(answer, "mu alone, exact", own.for_angle),
+            _row(answer, "Flocke", scene_sizing.flocke),
+            _row(answer, "mu alone, exact", scene_sizing.for_angle),
         ]
     lines.append(_row(answer, "smallest", best.written))
     for side in answer.sides:
         if side is not best:
-            own_side = side is answer.own
-            name = f"smallest on {'its present' if own_side else 'the other'} side"
+            is_scene_side = side is answer.scene_side
+            name = f"smallest on {'its present' if is_scene_side else 'the other'} side"
             lines.append(_row(answer, name, side.written))
     return "\n".join(
         [
             *lines,
             *_changed(answer),
             answer.best.infeasible
-            or "decided by " + " and ".join(_active(each, sizing) for each in sizing.active),
+            or "decided by "
+            + " and ".join(_active(condition, sizing) for condition in sizing.active),
             *_proved(answer),
-            *(f"camgeo check finds in that scene: {each.sentence}" for each in answer.remarks),
-            *_of_flocke(answer.own.sizing),
+            *(
+                f"camgeo check finds in that scene: {finding.sentence}"
+                for finding in answer.remarks
+            ),
+            *_flocke_lines(answer.scene_side.sizing),
         ]
     )
 
@@ -557,29 +563,33 @@ def _row(answer: CamSize, name: str, rating: Rating | None) -> str:
 
 def _changed(answer: CamSize) -> Iterator[str]:
     """What is not as in the present design, besides the sizes of the rows."""
-    best, own = answer.best, answer.own
+    best, scene_side = answer.best, answer.scene_side
     unit = answer.scene.unit
-    if best is not own and best.sizing.answer is not None:
-        change = f'the smallest has follower.arm_side = "{best.arm_side}", not "{own.arm_side}"'
+    if best is not scene_side and best.sizing.answer is not None:
+        change = (
+            f'the smallest has follower.arm_side = "{best.arm_side}", not "{scene_side.arm_side}"'
+        )
         if answer.scene.linkage is not None:
             change += ", where the linkage moves the follower the other way, inward for outward"
         yield change
-    arms = [getattr(each, "arm", 0.0) for each in (best.task.follower, answer.scene.follower)]
+    arms = [
+        getattr(follower, "arm", 0.0) for follower in (best.task.follower, answer.scene.follower)
+    ]
     if arms[0] != arms[1]:
         length = f"{arms[0] / MM_PER[unit]:.4f} {unit}"
         yield f"all but the present design have an arm of {length}"
     written = best.written
     if written is not None and written.face is not None:
-        low, high = (each.value / MM_PER[unit] for each in written.face)
+        low, high = (end.value / MM_PER[unit] for end in written.face)
         needed = f"the contact runs over the face from {low:.4f} to {high:.4f} {unit}"
-        longer = best.made.lengths.get("face") if best.made is not None else None
+        longer = best.rounded.lengths.get("face") if best.rounded is not None else None
         if longer is not None:
             needed += f", which needs follower.face = {longer}"
         yield needed
 
 
 def _active(active: Active, sizing: Sizing) -> str:
-    at = f"at cam angle {math.degrees(active.cam_angle):.4f} deg"
+    place = f"at cam angle {math.degrees(active.cam_angle):.4f} deg"
     what = {
         "transmission-angle": f"the transmission angle of {math.degrees(sizing.angle):g} deg",
         "radius-ratio": f"r_R/r_K of {sizing.ratio:g}",
@@ -588,7 +598,7 @@ def _active(active: Active, sizing: Sizing) -> str:
         "convexity": "the radius of curvature",
         "face-over-axis": "the face, which reaches the cam axis",
     }
-    return f"{what[active.name]} {at}"
+    return f"{what[active.name]} {place}"
 
 
 def _proved(answer: CamSize) -> list[str]:
@@ -597,12 +607,12 @@ def _proved(answer: CamSize) -> list[str]:
     sizing, unit = side.sizing, MM_PER[side.unit]
     if sizing.answer is None:
         return []
-    if side.made is None:
+    if side.rounded is None:
         return [
             "no sizes near this limit pass the checks when they are rounded up: none is written"
         ]
     limit = f"{sizing.answer.base_radius / unit:.9g} {side.unit}"
-    if sizing.radius == 0.0 and any(each.name == "convexity" for each in sizing.active):
+    if sizing.radius == 0.0 and any(condition.name == "convexity" for condition in sizing.active):
         blunt = "; its radius of curvature comes down to 0: --radius-of-curvature asks for more"
     else:
         blunt = ""
@@ -611,11 +621,11 @@ def _proved(answer: CamSize) -> list[str]:
     below = math.floor(proof.none_below / unit * 1e4) / 1e4
     gap = sizing.answer.base_radius / unit - below
     known = f"nothing below {below:.4f} {side.unit} keeps all of this"
-    within = f"so that the smallest is known within {gap:.2g} {side.unit}"
-    return [f"the limit found is {limit}; it is proved that {known}, {within}"]
+    bounds = f"so that the smallest is known within {gap:.2g} {side.unit}"
+    return [f"the limit found is {limit}; it is proved that {known}, {bounds}"]
 
 
-def _of_flocke(sizing: Sizing) -> Iterator[str]:
+def _flocke_lines(sizing: Sizing) -> Iterator[str]:
     """Where Flocke's proposal is too large, and where it is too optimistic."""
     if sizing.construction is None:
         return
@@ -709,7 +719,7 @@ ARGUMENTS: Final = (
 
 def run(arguments: argparse.Namespace) -> int:
     """Print the answer; write picture and scene, both or none."""
-    require_beside("--scene", arguments.target, arguments.output)
+    require_same_folder("--scene", arguments.target, arguments.output)
     if arguments.arm is not None and arguments.output is not None:
         raise CallError(
             "-o draws places for one arm: write the scene with --scene, and draw that one"
@@ -717,14 +727,14 @@ def run(arguments: argparse.Namespace) -> int:
     design = opened(arguments)
     notify_main_disc(design, "sizes")
     angle, arm, unit = arguments.transmission_angle, arguments.arm, MM_PER[design.scene.unit]
-    found = size(
+    answer = size(
         design,
         transmission_angle=None if angle is None else math.radians(angle),
         radius_ratio=arguments.radius_ratio,
         radius_of_curvature=unit * arguments.radius_of_curvature,
         arms=None if arm is None else (unit * arm[0], unit * arm[1]),
     )
-    return show(found, arguments, _scene_file(found, arguments), "region of the cam axis")
+    return show(answer, arguments, _scene_file(answer, arguments), "region of the cam axis")
 
 
 def _scene_file(found: CamSize, arguments: argparse.Namespace) -> list[Written]:

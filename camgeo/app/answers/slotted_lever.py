@@ -21,7 +21,7 @@ from camgeo.app.cli.command import (
     decimal,
     output_files,
     picture_options,
-    require_beside,
+    require_same_folder,
     show,
     table_file,
     write,
@@ -127,8 +127,8 @@ def _checked(key: str, given: Number, unit: str) -> float:
 def _table(driven: DrivenLever, rows: Rows, printed: bool) -> Table:
     from camgeo.design.value_table import Table
 
-    found = lever_table(driven, *rows)
-    return Table.rounded(NAMES, found.printed()) if printed else Table(NAMES, found.values)
+    exact = lever_table(driven, *rows)
+    return Table.rounded(NAMES, exact.printed()) if printed else Table(NAMES, exact.values)
 
 
 # -- table ---------------------------------------------------------------------------------------
@@ -458,14 +458,14 @@ ARGUMENTS: Final = (
 def run(arguments: argparse.Namespace) -> int:
     """Print extremes or table; write table and picture, both or none."""
     tabled = arguments.table or arguments.csv is not None
-    given = {key: getattr(arguments, key) for key in TABLE_OPTIONS}
-    known = {key: value for key, value in given.items() if value is not None}
+    stated = {key: getattr(arguments, key) for key in TABLE_OPTIONS}
+    known = {key: value for key, value in stated.items() if value is not None}
     if not tabled and (known or arguments.printed):
         names = [f"--{name}" for name in known] + ["--printed"] * arguments.printed
         raise CallError(f"{', '.join(names)}: allowed with --table or --csv only")
-    require_beside("--csv", arguments.csv, arguments.output)
+    require_same_folder("--csv", arguments.csv, arguments.output)
     step, first, last = (TABLE_OPTIONS | known).values()
-    found = slotted_lever(
+    motion = slotted_lever(
         arguments.frame,
         arguments.speed,
         crank=arguments.crank,
@@ -473,11 +473,11 @@ def run(arguments: argparse.Namespace) -> int:
         rows=(step, first, last) if tabled else None,
         printed=arguments.printed,
     )
-    files = output_files(found, arguments, "phi, omega2, eps2")
+    files = output_files(motion, arguments, "phi, omega2, eps2")
     if arguments.csv is not None:
-        files = [table_file(answer.table(found), Path(arguments.csv)), *files]
+        files = [table_file(answer.table(motion), Path(arguments.csv)), *files]
     write_files(files, arguments)
     if arguments.table and not arguments.json:
-        write(answer.table(found).csv())
+        write(answer.table(motion).csv())
         return FINE
-    return show(found, arguments)
+    return show(motion, arguments)

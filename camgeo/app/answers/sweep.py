@@ -21,21 +21,21 @@ from camgeo.app.cli.command import (
     CallError,
     Written,
     document,
-    drawn,
-    ending_in,
+    draw_figure,
     engine_for,
     notify,
     objective_options,
     repeated_option,
     require_new,
     show,
+    suffix_type,
 )
 from camgeo.scene.scene import Scene, load_scene
 from camgeo.scene.values import Value
 from camgeo.studies.sweep.family import Family, Sample, family_of, names_in, questions_of
 from camgeo.studies.sweep.rows import Row, engine_of
 from camgeo.studies.sweep.sweep import Result, sweep
-from camgeo.units import LengthUnit, counted, listed, shortened, unit_in
+from camgeo.units import LengthUnit, counted, listed, shortened, unit_and_divisor
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,18 +126,18 @@ class Sweep(Answer):
         length, common = self.scene.unit, {span.word: span.unit for span in self.spans}
         heads = (headed(span, length) for span in self.spans)
         rows = [[*self.result.family.keys, *heads, REASON]]
-        for each in self.designs:
+        for design in self.designs:
             answers = (
-                " ".join(filter(None, _answer(each, word, common.get(word, ""), length)))
-                for word in each.answers
+                " ".join(filter(None, _answer(design, word, common.get(word, ""), length)))
+                for word in design.answers
             )
-            rows.append([*map(shown, each.values.values()), *answers, each.reason])
+            rows.append([*map(value_text, design.values.values()), *answers, design.reason])
         return rows if self.failed else [row[:-1] for row in rows]
 
 
 def answer_of(result: Result) -> Sweep:
     """The answer from the rows, which are read once."""
-    spans = [_Spanned() for _ in result.asked]
+    tallies = [_SpanTally() for _ in result.asked]
     reasons: dict[str, int] = {}
     failed = count = 0
     for row in result.rows:
@@ -145,16 +145,17 @@ def answer_of(result: Result) -> Sweep:
         if row.failed:
             failed += 1
             reasons[row.reason] = reasons.get(row.reason, 0) + 1
-        for span, value, unit in zip(spans, row.values, row.units, strict=True):
-            span.note(row, value, unit)
+        for tally, value, unit in zip(tallies, row.values, row.units, strict=True):
+            tally.note(row, value, unit)
     ordered = sorted(reasons.items(), key=lambda item: -item[1])
-    found = tuple(
-        span.span(result, asked.word) for span, asked in zip(spans, result.asked, strict=True)
+    spans = tuple(
+        tally.span(result, question.word)
+        for tally, question in zip(tallies, result.asked, strict=True)
     )
-    return Sweep(result, found, dict(ordered), failed, count)
+    return Sweep(result, spans, dict(ordered), failed, count)
 
 
-class _Spanned:
+class _SpanTally:
     """Notes the answers to one question."""
 
     def __init__(self) -> None:
@@ -179,15 +180,15 @@ class _Spanned:
 
     def span(self, result: Result, word: str) -> Span:
         least, greatest = (
-            None if found is None or len(self._units) > 1 else _design(result, found[1])
-            for found in (self._least, self._greatest)
+            None if extreme is None or len(self._units) > 1 else _design(result, extreme[1])
+            for extreme in (self._least, self._greatest)
         )
         words = dict(sorted(self._words.items()))
         return Span(word, tuple(sorted(self._units)), self._count, least, greatest, words)
 
 
 def _design(result: Result, row: Row, mixed: frozenset[str] = frozenset()) -> Design:
-    words = [asked.word for asked in result.asked]
+    words = [question.word for question in result.asked]
     values = result.family.edits(row.point)
     answers = dict(zip(words, row.values, strict=True))
     units = {word: unit for word, unit in zip(words, row.units, strict=True) if word in mixed}
@@ -274,7 +275,7 @@ REASON: Final = "reason"
 
 def text(answer: Sweep) -> str:
     """What the family answers; of a small one all rows."""
-    lines = [f"{answer.scene.name}: {counted(answer.count, 'design')}{_drawn(answer)}"]
+    lines = [f"{answer.scene.name}: {counted(answer.count, 'design')}{_sample_text(answer)}"]
     rows = answer.cells
     if answer.failed:
         rows = [[*row[:-1], shortened(row[-1], LONGEST)] for row in rows]
@@ -293,7 +294,7 @@ def text(answer: Sweep) -> str:
     return "\n".join(lines)
 
 
-def _drawn(answer: Sweep) -> str:
+def _sample_text(answer: Sweep) -> str:
     sample = answer.result.family.sample
     if sample is None:
         return ""
@@ -304,40 +305,40 @@ def _span(span: Span, length: LengthUnit) -> list[str]:
     """The least and the greatest answer to a question, each with its design."""
     head = headed(span, length)
     if span.words:
-        found = ", ".join(f"{word} {count:,}" for word, count in span.words.items())
-        return [f"{head}: {found}"]
+        answer_text = ", ".join(f"{word} {count:,}" for word, count in span.words.items())
+        return [f"{head}: {answer_text}"]
     if span.mixed:
         return [f"{head}: {counted(span.count, 'answer')} in different units, {listed(span.units)}"]
     if span.least is None or span.greatest is None:
         return [f"{head}: no design has an answer"]
     lines = [f"{head}: {counted(span.count, 'answer')}"]
     for what, design in (("least", span.least), ("greatest", span.greatest)):
-        found, _ = shown_in(length, design.answers[span.word], span.unit)
-        values = ", ".join(f"{key} = {shown(value)}" for key, value in design.values.items())
-        lines.append(f"  {what:8}  {found}  at {values}")
+        answer_text, _ = display_value(length, design.answers[span.word], span.unit)
+        values = ", ".join(f"{key} = {value_text(value)}" for key, value in design.values.items())
+        lines.append(f"  {what:8}  {answer_text}  at {values}")
     return lines
 
 
 def headed(span: Span, length: LengthUnit = "mm") -> str:
     """Heading of the answers, with their unit if they have one, in a unit of length."""
-    unit, _ = unit_in(span.unit, length)
+    unit, _ = unit_and_divisor(span.unit, length)
     return f"{span.word} [{unit}]" if unit else span.word
 
 
 def _answer(design: Design, word: str, common: str, length: LengthUnit) -> tuple[str, str]:
     """An answer, with its unit where that is not the `common` one of the column."""
-    own = design.units.get(word, "")
-    found, unit = shown_in(length, design.answers[word], own or common)
-    return found, unit if own else ""
+    design_unit = design.units.get(word, "")
+    answer_text, unit = display_value(length, design.answers[word], design_unit or common)
+    return answer_text, unit if design_unit else ""
 
 
-def shown_in(length: LengthUnit, value: object, unit: str) -> tuple[str, str]:
+def display_value(length: LengthUnit, value: object, unit: str) -> tuple[str, str]:
     """A value and its `unit` for reading, in the unit of length of a scene."""
-    unit, divisor = unit_in(unit, length)
-    return shown(value / divisor if isinstance(value, float) else value), unit
+    unit, divisor = unit_and_divisor(unit, length)
+    return value_text(value / divisor if isinstance(value, float) else value), unit
 
 
-def shown(value: object) -> str:
+def value_text(value: object) -> str:
     """A value for reading."""
     if value is None:
         return "-"
@@ -357,27 +358,27 @@ def comma_separated(answer: Sweep) -> bytes:
         for span in answer.spans:
             heads += [headed(span), *([f"{span.word} unit"] if span.mixed else [])]
         yield [*heads, REASON]
-        for each in answer.designs:
-            cells: list[object] = list(each.values.values())
-            for word, value in each.answers.items():
-                cells += [value, *([each.units[word]] if word in each.units else [])]
-            yield [*cells, each.reason]
+        for design in answer.designs:
+            cells: list[object] = list(design.values.values())
+            for word, value in design.answers.items():
+                cells += [value, *([design.units[word]] if word in design.units else [])]
+            yield [*cells, design.reason]
 
-    return csv_of(rows())
+    return encode_csv(rows())
 
 
-def csv_of(rows: Iterable[Iterable[object]]) -> bytes:
+def encode_csv(rows: Iterable[Iterable[object]]) -> bytes:
     """Rows as CSV in UTF-8, numbers in the shortest form that reads back the same, nothing where
     there is none.
     """
-    found = io.BytesIO()
-    stream = io.TextIOWrapper(found, "utf-8", newline="")
+    buffer = io.BytesIO()
+    stream = io.TextIOWrapper(buffer, "utf-8", newline="")
     spelled = (
         [str(cell).lower() if isinstance(cell, bool) else cell for cell in row] for row in rows
     )
     csv.writer(stream, lineterminator="\n").writerows(spelled)
     stream.flush()
-    return found.getvalue()
+    return buffer.getvalue()
 
 
 # -- command line ----------------------------------------------------------------------------------
@@ -422,13 +423,13 @@ ARGUMENTS: Final = (
         "-o",
         "FILE",
         f"rows, {', '.join(SUFFIXES)}; only a store can be resumed; may be repeated",
-        ending_in(SUFFIXES),
+        suffix_type(SUFFIXES),
         "output",
     ),
     Argument(
         "--picture",
         metavar="FILE",
-        type=ending_in(IMAGES),
+        type=suffix_type(IMAGES),
         help=f"also draw a picture, {', '.join(IMAGES)}",
     ),
     Argument(
@@ -483,13 +484,13 @@ def run(arguments: argparse.Namespace) -> int:
             notify(f"{store}: keeps the rows that were finished{old}; --resume computes the others")
         raise
     try:
-        found = answer_of(result)
+        answer = answer_of(result)
         if store is not None:
-            kept = found.count - result.computed
-            known = f", {kept:,} of them known before" if kept else ""
-            notify(f"{store}: {counted(found.count, 'row')}{known}")
-        written = [_written(found, file) for file in files]
-        return show(found, arguments, [*written, *draw(result)])
+            known_count = answer.count - result.computed
+            known = f", {known_count:,} of them known before" if known_count else ""
+            notify(f"{store}: {counted(answer.count, 'row')}{known}")
+        written = [_written(answer, file) for file in files]
+        return show(answer, arguments, [*written, *draw(result)])
     finally:
         result.close()
 
@@ -520,7 +521,7 @@ def _picture(
             figure = pictures.pareto(result, least, largest)
         else:
             figure = pictures.PICTURES[kind](result)
-        return [(path, drawn(figure, path.suffix), kind)]
+        return [(path, draw_figure(figure, path.suffix), kind)]
 
     return draw
 

@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 
 from camgeo.app.answers.answer import Answer, Key
-from camgeo.app.answers.laws import DEFAULT_TASK, given_options, law_arguments, parameters_from
+from camgeo.app.answers.laws import DEFAULT_TASK, law_arguments, law_parameters, stated_options
 from camgeo.app.cli.command import (
     Argument,
     CallError,
@@ -208,15 +208,15 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.scene is None:
         step = PRINTED_STEP if arguments.step is None else arguments.step
         task = arguments.task or DEFAULT_TASK
-        law = make_law(arguments.law, task, **parameters_from(arguments))
-        found = table_of_law(law, step, printed=arguments.printed)
+        law = make_law(arguments.law, task, **law_parameters(arguments))
+        answer = table_of_law(law, step, printed=arguments.printed)
     else:
-        only_with_law = given_options(arguments) + ["--printed"] * arguments.printed
+        only_with_law = stated_options(arguments) + ["--printed"] * arguments.printed
         if only_with_law:
             raise CallError(f"{', '.join(only_with_law)}: allowed with --law only, not with SCENE")
         check_step(arguments.step, SMALLEST_STEP, LARGEST_STEP)
         design = opened(arguments)
-        found = table_of_scene(design, arguments.step)
+        answer = table_of_scene(design, arguments.step)
         notify_main_disc(design, "curves")
-    text = document(found) if arguments.json else found.table.csv()
-    return deliver(text, arguments, counted(len(found.table.values), "row"))
+    text = document(answer) if arguments.json else answer.table.csv()
+    return deliver(text, arguments, counted(len(answer.table.values), "row"))

@@ -15,9 +15,9 @@ from camgeo.app.answers.answer import (
     Answer,
     Key,
     aligned,
+    display_unit,
     scaled,
     small_extreme,
-    unit_of,
 )
 from camgeo.app.cli.command import (
     CSV,
@@ -112,8 +112,8 @@ class Machines:
     quantile : that of `QUANTILES` with the largest magnitude.
     three_sigma : three times the largest standard deviation over the cam angle.
     largest : of the errors of all machines at all cam angles, the quantile of 99 % of machines.
-    kept, kept_error : share of machines that keep the limit all round, and its standard error;
-        None if there is no limit.
+    conforming, conforming_error : share of machines that keep the limit all round, and its standard
+        error; None if there is no limit.
     acceleration : largest magnitude [unit/rad^2].
     largest_force, smallest_force : of the contact [N]; None if they are not known.
     least_play, most_play : over the turn, of the follower; None on a single flank.
@@ -125,8 +125,8 @@ class Machines:
     quantile: Extreme
     three_sigma: Extreme
     largest: float
-    kept: float | None
-    kept_error: float | None
+    conforming: float | None
+    conforming_error: float | None
     acceleration: Spread
     largest_force: Spread | None
     smallest_force: Spread | None
@@ -145,24 +145,24 @@ class ToleranceAnalysis(Answer):
     linear : the analysis by sensitivities.
     contributions : of the sources to it.
     sampled : random machines; None if there are none.
-    between : the analysis of the play between two sides; None on a single flank.
+    linear_play : the analysis of the play between two sides; None on a single flank.
     """
 
     scene: Scene
     linear: Linear
     contributions: tuple[Contribution, ...]
     sampled: Sampled | None
-    between: Play | None = None
+    linear_play: Play | None = None
 
     @property
-    def of(self) -> str:
+    def member(self) -> str:
         """Whose position it is: the follower's, or that of the far end of the linkage."""
         return str(self.linear.stated.machine.cam.drive.demanded_of)
 
     @property
     def unit(self) -> str:
         """Of the position: that of the scene, or "deg"."""
-        return unit_of(self.scene.unit, is_angle=self._turns)[0]
+        return display_unit(self.scene.unit, is_angle=self._turns)[0]
 
     @property
     def _turns(self) -> bool:
@@ -171,7 +171,7 @@ class ToleranceAnalysis(Answer):
     @property
     def factor(self) -> float:
         """`unit` per mm or rad."""
-        return unit_of(self.scene.unit, is_angle=self._turns)[1]
+        return display_unit(self.scene.unit, is_angle=self._turns)[1]
 
     @property
     def limit(self) -> float | None:
@@ -187,36 +187,38 @@ class ToleranceAnalysis(Answer):
     @property
     def sources(self) -> tuple[Share, ...]:
         """In the order of the scene."""
-        return tuple(self._share(each, self.factor, self.unit) for each in self.contributions)
+        return tuple(self._share(source, self.factor, self.unit) for source in self.contributions)
 
     @property
     def play(self) -> Room | None:
         """Between the two sides that hold the follower; None on a single flank."""
-        if self.between is None:
+        if self.linear_play is None:
             return None
         unit, factor = self.play_unit
-        least, most = (scaled(each, factor) for each in (self.between.least, self.between.most))
-        shares = (self._share(each, factor, unit) for each in self.between.contributions)
+        least, most = (
+            scaled(extreme, factor) for extreme in (self.linear_play.least, self.linear_play.most)
+        )
+        shares = (self._share(source, factor, unit) for source in self.linear_play.contributions)
         return Room(unit, least, most, tuple(shares))
 
     @property
     def play_unit(self) -> tuple[str, float]:
         """Unit of the follower's own motion, and how many of it are 1 mm or rad."""
         turns = self.linear.stated.machine.cam.lift_unit == "rad"
-        return unit_of(self.scene.unit, is_angle=turns)
+        return display_unit(self.scene.unit, is_angle=turns)
 
     def _share(self, found: Contribution, factor: float, of: str) -> Share:
         """What a source does, to what has the unit `of`."""
         source = found.source
-        unit, own = unit_of(self.scene.unit, is_angle=source.is_angle)
+        unit, scale = display_unit(self.scene.unit, is_angle=source.is_angle)
         (low, high), per = source.limits, found.sensitivity
         return Share(
             name=source.name,
             sense=source.sense,
-            limits=(low * own, high * own),
+            limits=(low * scale, high * scale),
             unit=unit,
             distribution=source.shape,
-            sensitivity=replace(per, value=per.value * factor / own),
+            sensitivity=replace(per, value=per.value * factor / scale),
             sensitivity_unit=f"{of}/{unit}",
             spread=scaled(found.spread, factor),
             mean=scaled(found.mean, factor),
@@ -228,37 +230,37 @@ class ToleranceAnalysis(Answer):
     @property
     def machines(self) -> Machines | None:
         """What random machines do; None if there are none."""
-        found, factor = self.sampled, self.factor
-        if found is None:
+        sample, factor = self.sampled, self.factor
+        if sample is None:
             return None
-        forces = _ends(None if found.contact is None else found.contact.nominal, found.forces)
-        at_rest = None if self.between is None else self.between.at_rest
-        plays = _ends(at_rest, found.plays, self.play_unit[1])
+        forces = _ends(None if sample.contact is None else sample.contact.nominal, sample.forces)
+        at_rest = None if self.linear_play is None else self.linear_play.at_rest
+        plays = _ends(at_rest, sample.plays, self.play_unit[1])
         return Machines(
-            count=found.count,
-            seed=found.seed,
-            quantile=scaled(found.worst, factor),
-            three_sigma=scaled(scaled(found.sigma, factor), SIGMAS),
-            largest=float(np.quantile(found.largest, QUANTILES[-1])) * factor,
-            kept=found.kept,
-            kept_error=found.kept_error,
-            acceleration=_spread(found.acceleration * factor, found.accelerations * factor),
+            count=sample.count,
+            seed=sample.seed,
+            quantile=scaled(sample.worst, factor),
+            three_sigma=scaled(scaled(sample.sigma, factor), SIGMAS),
+            largest=float(np.quantile(sample.largest, QUANTILES[-1])) * factor,
+            conforming=sample.kept,
+            conforming_error=sample.kept_error,
+            acceleration=_spread(sample.acceleration * factor, sample.accelerations * factor),
             largest_force=forces[1],
             smallest_force=forces[0],
             least_play=plays[0],
             most_play=plays[1],
-            squeezed=None if found.plays is None else float(np.mean(found.plays[:, 0] < 0.0)),
+            squeezed=None if sample.plays is None else float(np.mean(sample.plays[:, 0] < 0.0)),
         )
 
     @property
-    def within(self) -> bool | None:
+    def keeps_limit(self) -> bool | None:
         """Whether mean and three standard deviations keep the limit; None if there is none."""
         return None if self.limit is None else abs(self.worst.value) <= self.limit
 
     @property
     def exit_code(self) -> int:
         """1 if they do not."""
-        return BROKEN if self.within is False else FINE
+        return BROKEN if self.keeps_limit is False else FINE
 
 
 def _spread(nominal: float, values: FloatArray) -> Spread:
@@ -295,14 +297,14 @@ def tolerance(design: Design, *, count: int = COUNT, seed: int = 0) -> Tolerance
     """
     linear = Linear(Stated.of(design))
     contributions = linear.contributions
-    found = None
-    between = None if linear.stated.second is None else Play(linear.stated)
+    sample = None
+    play = None if linear.stated.second is None else Play(linear.stated)
     if count:
         contact = None
-        if between is None:
+        if play is None:
             contact = contact_forces(design, linear.stated.machine.flank, linear.angles)
-        found = Sampled.of(linear, count, seed, contact, between)
-    return ToleranceAnalysis(design.scene, linear, contributions, found, between)
+        sample = Sampled.of(linear, count, seed, contact, play)
+    return ToleranceAnalysis(design.scene, linear, contributions, sample, play)
 
 
 # -- document -------------------------------------------------------------------------------------
@@ -366,6 +368,7 @@ DOCUMENT: Final = Key(
         "scene": SCENE,
         "of": Key(
             "Whose position it is: that of the follower, or of the far end of the linkage.",
+            of="member",
             type=Literal["follower", "slider", "lever", "crank"],
         ),
         "flank": Key("The flank that carries the follower.", of="linear.stated.machine.flank"),
@@ -375,8 +378,9 @@ DOCUMENT: Final = Key(
             "Cam angle at which the error is set to 0; null if it is not.",
             of="linear.stated.set_at",
         ),
-        "within": (
-            "Whether mean and three standard deviations keep the limit; null if there is none."
+        "within": Key(
+            "Whether mean and three standard deviations keep the limit; null if there is none.",
+            of="keeps_limit",
         ),
         "worst": Key(
             "The largest error over the turn by the linear analysis, of mean and three standard"
@@ -414,11 +418,12 @@ DOCUMENT: Final = Key(
                 "largest": (
                     "Magnitude that the errors of 99 % of machines do not exceed at any cam angle."
                 ),
-                "kept": (
+                "kept": Key(
                     "Share of machines that keep the limit at all cam angles, 0 to 1; null if"
-                    " there is no limit."
+                    " there is no limit.",
+                    of="conforming",
                 ),
-                "kept_error": "Standard error of that share.",
+                "kept_error": Key("Standard error of that share.", of="conforming_error"),
                 "acceleration": Key(
                     "Largest magnitude of the second derivative of the position, in its unit per"
                     " rad^2.",
@@ -481,7 +486,7 @@ def text(answer: ToleranceAnalysis) -> str:
     sources, stated = counted(len(answer.sources), "source"), answer.linear.stated
     worst, flank = small_extreme(answer.worst, answer.unit), stated.machine.flank
     lines = [
-        f"{answer.scene.name}: position of the {answer.of} on the {flank} flank, {sources}",
+        f"{answer.scene.name}: position of the {answer.member} on the {flank} flank, {sources}",
         f"largest error, mean and 3 sigma: {worst}{_verdict(answer)}",
     ]
     if stated.set_at is not None:
@@ -490,12 +495,12 @@ def text(answer: ToleranceAnalysis) -> str:
     lines.append(f"errors in {answer.unit}, cam angles in degrees; {NOTE}")
     room = answer.play
     if room is not None:
-        least, most = (small_extreme(each, room.unit) for each in (room.least, room.most))
+        least, most = (small_extreme(extreme, room.unit) for extreme in (room.least, room.most))
         lines += ["", f"play between both sides, mean and 3 sigma: {least}, {most}"]
         lines += [SQUEEZED, "", *_sources(room.sources), ""]
     if answer.machines is not None:
         lines += ["", *_machines(answer.machines, answer.unit, room), ""]
-    lines += [f"{each.name}: {each.sense}" for each in answer.sources]
+    lines += [f"{source.name}: {source.sense}" for source in answer.sources]
     return "\n".join(lines)
 
 
@@ -512,8 +517,10 @@ def _machines(found: Machines, unit: str, room: Room | None) -> list[str]:
         f"  3 sigma {small_extreme(found.three_sigma, unit)}",
         f"  99 % of machines err nowhere by more than {small(found.largest, unit)}",
     ]
-    if found.kept is not None:
-        lines.append(f"  {found.kept:.2%} keep the limit all round, +- {found.kept_error:.1%}")
+    if found.conforming is not None:
+        lines.append(
+            f"  {found.conforming:.2%} keep the limit all round, +- {found.conforming_error:.1%}"
+        )
     lines += ["", f"what deviations cost: {COST}"]
     lines += _cost("largest acceleration", f"{unit}/rad^2", found.acceleration)
     lines += _cost("largest contact force", "N", found.largest_force)
@@ -528,15 +535,15 @@ def _machines(found: Machines, unit: str, room: Room | None) -> list[str]:
 def _cost(name: str, unit: str, found: Spread | None) -> list[str]:
     if found is None:
         return []
-    machines = ", ".join(f"{each:.5g}" for each in found.machines)
+    machines = ", ".join(f"{quantile:.5g}" for quantile in found.machines)
     return [f"  {name} {found.nominal:.5g} {unit}: {machines}"]
 
 
 def _verdict(answer: ToleranceAnalysis) -> str:
     if answer.limit is None:
         return ""
-    kept = "kept" if answer.within else "BROKEN"
-    return f"; limit {small(answer.limit, answer.unit)}: {kept}"
+    verdict = "kept" if answer.keeps_limit else "BROKEN"
+    return f"; limit {small(answer.limit, answer.unit)}: {verdict}"
 
 
 def _row(each: Share) -> list[str]:
@@ -564,10 +571,10 @@ def table(answer: ToleranceAnalysis) -> Table:
         f"mean - 3 sigma [{unit}]": low * factor,
         f"mean + 3 sigma [{unit}]": high * factor,
     }
-    if answer.between is not None:
+    if answer.linear_play is not None:
         unit_of_play, per = answer.play_unit
-        edges = zip(("-", "+"), answer.between.band, strict=True)
-        columns |= {f"play {sign} 3 sigma [{unit_of_play}]": each * per for sign, each in edges}
+        edges = zip(("-", "+"), answer.linear_play.band, strict=True)
+        columns |= {f"play {sign} 3 sigma [{unit_of_play}]": edge * per for sign, edge in edges}
     for source, variance in zip(linear.stated.sources, linear.variances, strict=True):
         columns[f"3 sigma of {source.name} [{unit}]"] = SIGMAS * np.sqrt(variance) * factor
     if answer.sampled is not None:
@@ -612,5 +619,5 @@ ARGUMENTS: Final = (
 def run(arguments: argparse.Namespace) -> int:
     """Analyse, print the answer, and write it."""
     count = COUNT if arguments.count is None else arguments.count
-    found = tolerance(opened(arguments), count=count, seed=arguments.seed)
-    return show(found, arguments, contents="errors over the cam angle")
+    answer = tolerance(opened(arguments), count=count, seed=arguments.seed)
+    return show(answer, arguments, contents="errors over the cam angle")

@@ -23,7 +23,7 @@ from camgeo.app.cli.command import (
     Argument,
     CallError,
     notify,
-    number_from,
+    number_type,
     origin_option,
     settle,
     show,
@@ -42,10 +42,10 @@ from camgeo.design.writing import (
     write_set,
 )
 from camgeo.errors import CamgeoError, Fault, FileError, SceneError, unreadable
-from camgeo.reading import VERIFIED, Limits, read_within
+from camgeo.reading import VERIFIED, Limits, read_limited
 from camgeo.scene.formats.format import LARGEST_TOLERANCE
 from camgeo.scene.scene import hashes_of, load_scene
-from camgeo.units import LengthUnit, in_unit, unit_in
+from camgeo.units import LengthUnit, in_unit, unit_and_divisor
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,16 +100,16 @@ def verify(
     return Verification(paths, verify_files(paths, _scenes(scene), wanted or Wanted()))
 
 
-def _scenes(named: str | Path | None) -> Callable[[Path, str], Against]:
+def _scenes(named: str | Path | None) -> Callable[[Path, str], Reference]:
     """A function that finds the scene of a file; each scene is read once."""
 
     @cache
-    def load(path: Path) -> Against:
+    def load(path: Path) -> Reference:
         design = Design(load_scene(path))
         scene = design.scene
-        return Against(design.discs, scene.output.tolerance, scene.made_before)
+        return Reference(design.discs, scene.output.tolerance, scene.made_before)
 
-    def find(folder: Path, sha256: str) -> Against:
+    def find(folder: Path, sha256: str) -> Reference:
         if named is not None:
             return load(Path(named))
         return load(scene_file((folder, folder / "..", Path()), sha256))
@@ -149,28 +149,28 @@ class Wanted:
 
 
 @dataclass(frozen=True, slots=True)
-class Against:
+class Reference:
     """What files are compared with.
 
     Attributes
     ----------
     discs : of the design, the main one first.
     tolerance : of its scene [mm].
-    hash_before : hash of the scene's text, which files of earlier versions name; empty if it has
+    text_hash : hash of the scene's text, which files of earlier versions name; empty if it has
         no text.
     """
 
     discs: Sequence[Product]
     tolerance: float
-    hash_before: str = ""
+    text_hash: str = ""
 
     def hash_like(self, named: str) -> str:
         """The scene's hash: that of its text if a file or certificate names that one."""
-        before = self.hash_before
-        return before if named and before.startswith(named) else self.discs[0].scene_hash
+        earlier = self.text_hash
+        return earlier if named and earlier.startswith(named) else self.discs[0].scene_hash
 
 
-Scenes = Callable[[Path, str], Against]
+Scenes = Callable[[Path, str], Reference]
 """Folder of a file, and the hash of its scene, or its first digits, or nothing -> the design;
 raises SceneError if it is not found."""
 
@@ -182,17 +182,17 @@ def endings() -> tuple[str, ...]:
 
 def _ending(path: Path) -> str:
     """The end of a file's name that is one of `endings`, the longest; else its suffix."""
-    known = [each for each in endings() if path.name.lower().endswith(each)]
+    known = [ending for ending in endings() if path.name.lower().endswith(ending)]
     return path.name[-len(max(known, key=len)) :] if known else path.suffix
 
 
-def files_in(folder: Path) -> tuple[Path, ...]:
+def verifiable_files(folder: Path) -> tuple[Path, ...]:
     """The files of `folder` that can be verified or that its certificate names, sorted."""
     known = endings()
-    found = {p for p in folder.iterdir() if p.name.lower().endswith(known) and p.is_file()}
-    certificate = certificate_in(folder)
+    readable = {p for p in folder.iterdir() if p.name.lower().endswith(known) and p.is_file()}
+    certificate = read_certificate(folder)
     named = certificate.hashes if certificate is not None else {}
-    return tuple(sorted(found | {folder / name for name in named if Path(name).name == name}))
+    return tuple(sorted(readable | {folder / name for name in named if Path(name).name == name}))
 
 
 def verify_files(paths: tuple[Path, ...], scenes: Scenes, wanted: Wanted) -> tuple[Verdict, ...]:
@@ -204,7 +204,7 @@ def verify_files(paths: tuple[Path, ...], scenes: Scenes, wanted: Wanted) -> tup
         If no file can be judged except by its bytes, because its format cannot be read, or its
         scene is not found or wrong.
     """
-    certificates = {folder: certificate_in(folder) for folder in {path.parent for path in paths}}
+    certificates = {folder: read_certificate(folder) for folder in {path.parent for path in paths}}
     verdicts: list[Verdict] = []
     refused: list[SceneError] = []
     judged = False
@@ -212,7 +212,7 @@ def verify_files(paths: tuple[Path, ...], scenes: Scenes, wanted: Wanted) -> tup
         verifier: Verifier | None = None
         try:
             certificate = certificates[path.parent]
-            verifier = _verifier(path, certificate)
+            verifier = _find_verifier(path, certificate)
             verdict = _verdict(path, verifier, certificate, scenes, wanted)
             judged = judged or verifier is not None
         except SceneError as error:
@@ -240,15 +240,15 @@ def _format(path: Path, verifier: Verifier | None) -> str:
     return _ending(path).removeprefix(".").lower() if verifier is None else verifier.format
 
 
-def _verifier(path: Path, certificate: Certificate | None) -> Verifier | None:
+def _find_verifier(path: Path, certificate: Certificate | None) -> Verifier | None:
     """The verifier of a file, by its ending or by the format that its certificate names."""
-    found = entry_points(group=GROUP, name=_ending(path).removeprefix(".").lower())
-    if found:
-        verifier: Verifier = next(iter(found)).load()
+    registered = entry_points(group=GROUP, name=_ending(path).removeprefix(".").lower())
+    if registered:
+        verifier: Verifier = next(iter(registered)).load()
         return verifier
     form = "" if certificate is None else certificate.formats.get(path.name, "")
     known = (entry.load() for entry in entry_points(group=GROUP)) if form else ()
-    return next((each for each in known if each.format == form), None)
+    return next((verifier for verifier in known if verifier.format == form), None)
 
 
 def _verdict(
@@ -290,13 +290,13 @@ def _verdict(
     named = origin.scene
     if certificate is not None and (not named or certificate.scene.startswith(named)):
         named = certificate.scene  # in full, where the file has only its first digits
-    against = scenes(path.parent, named)
+    reference = scenes(path.parent, named)
     product, present = (
-        find_disc(against.discs, path.name.removesuffix(_ending(path))),
-        against.hash_like(named),
+        find_disc(reference.discs, path.name.removesuffix(_ending(path))),
+        reference.hash_like(named),
     )
     checks += _scene(product, present, origin, certificate)
-    tolerance = _tolerance(path.name, wanted, origin, certificate, against)
+    tolerance = _tolerance(path.name, wanted, origin, certificate, reference)
     certain = None if certificate is None else certificate.tolerances.get(path.name)
     if origin.tolerance is not None and certain is not None:
         note = f"the file names a different tolerance from {CERTIFICATE}"
@@ -305,7 +305,7 @@ def _verdict(
         stated = origin.tolerance or certain
         checks.append(
             _written_again(
-                path.name, verifier, data, origin, against, stated, vouched=checks[0].ok is True
+                path.name, verifier, data, origin, reference, stated, vouched=checks[0].ok is True
             )
         )
     reading = Reading(path.name, wanted.layer, wanted.unit, wanted.origin)
@@ -313,15 +313,15 @@ def _verdict(
         checks += verifier.checks(product, data, reading, tolerance[0])
     except CamgeoError as error:
         checks.append(failed("deviation", str(error)))
-    scene, unit = (product.name, present), against.discs[0].unit
-    told = tuple(each.in_unit(unit) for each in checks)
-    return Verdict(path.name, kind, sha256, size, scene, tolerance, told, length=unit)
+    scene, unit = (product.name, present), reference.discs[0].unit
+    restated = tuple(check.in_unit(unit) for check in checks)
+    return Verdict(path.name, kind, sha256, size, scene, tolerance, restated, length=unit)
 
 
 def _contents(path: Path, verifier: Verifier | None) -> tuple[bytes, int, str]:
     """Bytes, size and SHA-256 of a file; no bytes of one that is not measured."""
     if verifier is not None:
-        data = read_within(path, VERIFIED)
+        data = read_limited(path, VERIFIED)
         return data, len(data), hashlib.sha256(data).hexdigest()
     with path.open("rb") as stream:
         if not path.is_file():  # a device may have no end
@@ -378,7 +378,7 @@ def _tolerance(
     wanted: Wanted,
     origin: Origin,
     certificate: Certificate | None,
-    against: Against,
+    against: Reference,
 ) -> tuple[float, str]:
     """The tolerance that applies to the file [mm], and where it is from."""
     certain = None if certificate is None else certificate.tolerances.get(name)
@@ -433,9 +433,9 @@ class Verdict:
     @property
     def deviation(self) -> float | None:
         """Largest proved deviation [mm]; None if one could not be proved, or there is none."""
-        found = [check.value for check in self.checks if check.name == "deviation"]
-        numbers = [value for value in found if isinstance(value, float)]
-        return max(numbers) if numbers and len(numbers) == len(found) else None
+        values = [check.value for check in self.checks if check.name == "deviation"]
+        numbers = [value for value in values if isinstance(value, float)]
+        return max(numbers) if numbers and len(numbers) == len(values) else None
 
     def record(self) -> dict[str, Any]:
         """As data."""
@@ -466,7 +466,7 @@ WRITTEN: Final = "written again"
 NUMBER: Final = re.compile(r"([A-Za-z]?)([-+]?(?:\d++(?:\.\d*+)?|\.\d++)(?:[eE][-+]?\d++)?)")
 """A number, behind the letter of its word if it has one; read once, however long it is."""
 
-SHOWN: Final = 60
+LONGEST_TOKEN: Final = 60
 """Characters of a token that are shown."""
 
 
@@ -475,7 +475,7 @@ def _written_again(
     verifier: Verifier,
     data: bytes,
     origin: Origin,
-    against: Against,
+    against: Reference,
     tolerance: float | None,
     *,
     vouched: bool,
@@ -493,21 +493,23 @@ def _written_again(
         return reported(WRITTEN, "no", note=note)
     if not (origin.scene and product.scene_hash.startswith(origin.scene)):
         return reported(WRITTEN, "no", note="it is not of this scene: only measured")
-    found: list[Difference] = []
+    differences: list[Difference] = []
     try:
         writer = find_writer(origin.format or verifier.format)
-        pieces = [each for disc in against.discs for each in file_products(writer, disc)]
+        pieces = [piece for disc in against.discs for piece in file_products(writer, disc)]
         ending = writer.format.ending(product.options)
         # One of another name may be any of them.
-        pieces = [each for each in pieces if each.name + ending == name] or pieces
+        pieces = [piece for piece in pieces if piece.name + ending == name] or pieces
         for piece in pieces:
             written = writer.write(piece, tolerance or against.tolerance).data
             difference = first_difference(verifier, data, written)
             if difference is None:
                 return Check(WRITTEN, "", "the same", ok=True)
-            found.append(difference)
+            differences.append(difference)
         note = (
-            max(found, key=lambda each: each.number).sentence if found else "there is no such file"
+            max(differences, key=lambda each: each.number).sentence
+            if differences
+            else "there is no such file"
         )
     except CamgeoError as error:
         note = f"the scene cannot be written: {error}"
@@ -526,21 +528,21 @@ class Difference:
     ----------
     number : of the token, from 0.
     place : of it.
-    found, written : the token in the file, and in the one that is written again.
+    token, written : the token in the file, and in the one that is written again.
     """
 
     number: int
     place: str
-    found: str
+    token: str
     written: str
 
     @property
     def sentence(self) -> str:
         """Place, and both tokens."""
-        found, written = (
-            repr(each[:SHOWN]) if each else "the end" for each in (self.found, self.written)
+        token, written = (
+            repr(text[:LONGEST_TOKEN]) if text else "the end" for text in (self.token, self.written)
         )
-        return f"{self.place}: {found} where camgeo writes {written}"
+        return f"{self.place}: {token} where camgeo writes {written}"
 
 
 def first_difference(verifier: Verifier, data: bytes, written: bytes) -> Difference | None:
@@ -552,18 +554,18 @@ def first_difference(verifier: Verifier, data: bytes, written: bytes) -> Differe
     if data == written:
         return None
     pairs = zip_longest(verifier.tokens(data), verifier.tokens(written), fillvalue=("", ""))
-    for number, ((place, found), (other, expected)) in enumerate(pairs):
-        if found != expected and not _alike(found, expected, verifier.slack):
-            return Difference(number, place or other, found, expected)
+    for number, ((place, token), (other, expected)) in enumerate(pairs):
+        if token != expected and not _alike(token, expected, verifier.slack):
+            return Difference(number, place or other, token, expected)
     return None
 
 
 def _alike(one: str, other: str, slack: float) -> bool:
     """Whether two words are the same letter with numbers that agree within the slack."""
-    found, expected = NUMBER.fullmatch(one), NUMBER.fullmatch(other)
-    if found is None or expected is None or found[1] != expected[1]:
+    word, expected = NUMBER.fullmatch(one), NUMBER.fullmatch(other)
+    if word is None or expected is None or word[1] != expected[1]:
         return False
-    value, wanted = float(found[2]), float(expected[2])
+    value, wanted = float(word[2]), float(expected[2])
     return abs(value - wanted) <= slack * max(1.0, abs(wanted))
 
 
@@ -581,12 +583,12 @@ def scene_file(folders: tuple[Path, ...], sha256: str) -> Path:
         If there is none.
     """
     if sha256:
-        certificate = certificate_in(folders[0])
+        certificate = read_certificate(folders[0])
         known = {} if certificate is None else certificate.scene_files
         for folder in dict.fromkeys(folder.resolve() for folder in folders):
             for path in sorted(folder.glob("*.toml")):
                 try:
-                    if any(found.startswith(sha256) for found in hashes_of(path, known)):
+                    if any(digest.startswith(sha256) for digest in hashes_of(path, known)):
                         return path
                 except (OSError, ValueError):  # it, or a file that it names, is not readable
                     continue
@@ -629,12 +631,12 @@ class Certificate:
     damage: str = ""
 
 
-def certificate_in(folder: Path) -> Certificate | None:
+def read_certificate(folder: Path) -> Certificate | None:
     """The certificate in `folder`; None if there is none."""
     if interrupted(folder):
         return Certificate(damage="is not valid: a run that wrote here was interrupted")
     try:
-        data = read_within(folder / CERTIFICATE, CERTIFIED)
+        data = read_limited(folder / CERTIFICATE, CERTIFIED)
     except FileNotFoundError:
         return None
     except FileError as error:
@@ -778,34 +780,34 @@ def _headline(path: Path, verdict: Verdict) -> str:
     if verdict.tolerance is None:
         return f"{path}: {word}, {'bytes only' if verdict.passed else 'not measured'}"
     tolerance, who = verdict.tolerance
-    off = verdict.deviation
-    text = "deviation not proved" if off is None else f"at most {off:.3g} mm off"
+    deviation = verdict.deviation
+    text = "deviation not proved" if deviation is None else f"at most {deviation:.3g} mm off"
     return f"{path}: {word}, {text} (tolerance {tolerance:g} mm, by {who})"
 
 
 def _divided(check: Check, length: LengthUnit) -> Check:
     """The check with its numbers in the unit of length of the scene."""
-    unit, divisor = unit_in(check.unit, length)
+    unit, divisor = unit_and_divisor(check.unit, length)
 
-    def shown(value: Any) -> Any:
+    def convert(value: Any) -> Any:
         return value / divisor if isinstance(value, float) and divisor != 1.0 else value
 
-    figures = {name: shown(getattr(check, name)) for name in ("value", "expected", "limit")}
+    figures = {name: convert(getattr(check, name)) for name in ("value", "expected", "limit")}
     return replace(check, **figures, unit=unit)
 
 
 def _line(check: Check) -> str:
     """One check: what, found, allowed, verdict, note."""
     name = f"{check.name} {check.of}".rstrip()
-    found = _text(check.value, check.unit)
+    value = _text(check.value, check.unit)
     if check.expected is not None:
-        found, allowed = _long(check.value), _long(check.expected)
+        value, allowed = _long(check.value), _long(check.expected)
         if check.limit is not None:
             allowed += f" +- {check.limit:.3g} {check.unit}"
     else:
         allowed = "" if check.limit is None else f"<= {_text(check.limit, '')}"
     columns = "".join(
-        f"{text:{width}} " for text, width in zip((name, found, allowed), WIDTHS, strict=True)
+        f"{text:{width}} " for text, width in zip((name, value, allowed), WIDTHS, strict=True)
     )
     return f"  {columns}{MARKS[check.ok]:5}{check.note}".rstrip()
 
@@ -844,7 +846,7 @@ ARGUMENTS: Final = (
     Argument(
         "--tolerance",
         metavar="MM",
-        type=number_from(math.ulp(0.0), math.inf, "a length above 0"),
+        type=number_type(math.ulp(0.0), math.inf, "a length above 0"),
         help="largest deviation; default: from the file, certificate.json or the scene",
     ),
     Argument(
@@ -876,10 +878,10 @@ def run(arguments: argparse.Namespace) -> int:
         target = folders.pop() / VERIFICATION
     origin = complex(*arguments.origin)
     wanted = Wanted(arguments.tolerance, arguments.layer, arguments.unit, origin)
-    found = verify(paths, wanted, scene=arguments.scene)
-    code = show(found, arguments)
-    if any(verdict.measured for verdict in found.verdicts):
-        _write(target, found, force=arguments.force)
+    answer = verify(paths, wanted, scene=arguments.scene)
+    code = show(answer, arguments)
+    if any(verdict.measured for verdict in answer.verdicts):
+        _write(target, answer, force=arguments.force)
         notify(f"{target}: the results")
     else:
         notify("nothing was measured, and nothing was written")
@@ -920,12 +922,12 @@ def _paths(named: list[Path]) -> tuple[Path, ...]:
             paths.append(path)
             continue
         try:
-            found = files_in(path)
+            contents = verifiable_files(path)
         except OSError as error:
             fault = Fault("DIR", str(path), f"cannot be read: {unreadable(error)}")
             raise SceneError([fault]) from error
-        if not found:
+        if not contents:
             message = f"the folder holds no file that ends in {', '.join(endings())}"
             raise SceneError([Fault("DIR", str(path), message)])
-        paths += found
+        paths += contents
     return tuple(dict.fromkeys(paths))

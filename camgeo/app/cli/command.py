@@ -59,12 +59,12 @@ def opened(arguments: argparse.Namespace) -> Design:
 
     It is kept with the arguments: an error states lengths in its unit.
     """
-    arguments.opened = design_in(arguments.scene, arguments)
+    arguments.opened = load_design(arguments.scene, arguments)
     design: Design = arguments.opened
     return design
 
 
-def design_in(file: str, arguments: argparse.Namespace) -> Design:
+def load_design(file: str, arguments: argparse.Namespace) -> Design:
     """The design of a scene file; each quantity is shown as its computation starts."""
     from camgeo.design.design import Design  # some commands need no scene
     from camgeo.scene.scene import load_scene
@@ -118,7 +118,7 @@ def output_options(text: str, suffixes: Sequence[str] | None = None) -> tuple[Ar
 
     Its name ends in one of `suffixes`, if there are any.
     """
-    named = str if suffixes is None else ending_in(suffixes)
+    named = str if suffixes is None else suffix_type(suffixes)
     return Argument("-o", metavar="FILE", dest="output", type=named, help=text), FORCE
 
 
@@ -139,7 +139,7 @@ def objective_options(text: str) -> tuple[Argument, ...]:
     """`--least` and `--largest`; `text` describes both, with {} for "small" or "large"."""
     options = {"--least": "small", "--largest": "large"}
     return tuple(
-        repeated_option(each, "NAMES", text.format(what)) for each, what in options.items()
+        repeated_option(option, "NAMES", text.format(what)) for option, what in options.items()
     )
 
 
@@ -151,7 +151,7 @@ def engine_for(workers: int) -> Engine:
     return engine_of("loop" if count == 1 else "pool", count)
 
 
-def ending_in(suffixes: Sequence[str]) -> Callable[[str], str]:
+def suffix_type(suffixes: Sequence[str]) -> Callable[[str], str]:
     """The type of an option that names a file, whose name must end in one of `suffixes`."""
 
     def named(name: str) -> str:
@@ -206,11 +206,11 @@ def settle(folder: Path, arguments: argparse.Namespace) -> None:
     """Put a folder back in the state before a run that was stopped there, and report it."""
     from camgeo.design import writing  # most commands write nothing
 
-    if found := writing.settle(folder, arguments.progress):
-        notify(f"{folder}: {found}")
+    if report := writing.settle(folder, arguments.progress):
+        notify(f"{folder}: {report}")
 
 
-def require_beside(option: str, name: str | None, output: str | None) -> None:
+def require_same_folder(option: str, name: str | None, output: str | None) -> None:
     """Refuse files of `option` and `-o` that are the same, or not in the same folder.
 
     Files are written as a set, all or none, and a set lies in one folder.
@@ -242,7 +242,7 @@ def number(text: str) -> float:
     return value
 
 
-def number_from(low: float, high: float, allowed: str) -> Callable[[str], float]:
+def number_type(low: float, high: float, allowed: str) -> Callable[[str], float]:
     """The type of an option that is a number from `low` to `high`, which is `allowed` in words."""
 
     def read(text: str) -> float:
@@ -254,9 +254,9 @@ def number_from(low: float, high: float, allowed: str) -> Callable[[str], float]
     return read
 
 
-from_0: Final = number_from(0.0, math.inf, "a number from 0 on")
+non_negative: Final = number_type(0.0, math.inf, "a number from 0 on")
 
-positive: Final = number_from(SMALLEST, LARGEST, f"a number from {SMALLEST:g} to {LARGEST:g}")
+positive: Final = number_type(SMALLEST, LARGEST, f"a number from {SMALLEST:g} to {LARGEST:g}")
 """A length [mm] above 0."""
 
 
@@ -276,8 +276,8 @@ def show(
     """Write files by `write_files`, with `contents` those of `output_files` too, and print the
     answer as text, or as JSON with `--json`; return its exit code.
     """
-    own = output_files(answer, arguments, contents) if contents else []
-    write_files([*files, *own], arguments)
+    output = output_files(answer, arguments, contents) if contents else []
+    write_files([*files, *output], arguments)
     arguments.progress.end()
     if arguments.json:
         write(document(answer))
@@ -315,7 +315,7 @@ RENDERERS = "camgeo.renderers"
 RENDERER = "matplotlib"
 
 
-def drawn(figure: Figure, suffix: str) -> bytes:
+def draw_figure(figure: Figure, suffix: str) -> bytes:
     """The figure as a file of kind `suffix`, one of IMAGES."""
     from importlib.metadata import entry_points
 
@@ -334,7 +334,7 @@ def output_files(answer: Answer, arguments: argparse.Namespace, contents: str) -
         return [table_file(render.table(answer), target)]
     if target.suffix == JSON:
         return [(target, document(answer).encode(), "the answer")]
-    return [(target, drawn(render.figure(answer), target.suffix), contents)]
+    return [(target, draw_figure(render.figure(answer), target.suffix), contents)]
 
 
 TABLE_OR_PICTURE: Final = output_options(
@@ -398,8 +398,10 @@ def notify(message: str) -> None:
 def printable(text: str) -> str:
     """The text with escapes for characters that would direct the terminal, as in file names."""
     return "".join(
-        each if each.isprintable() or each in LINES else each.encode("unicode_escape").decode()
-        for each in text
+        character
+        if character.isprintable() or character in LINES
+        else character.encode("unicode_escape").decode()
+        for character in text
     )
 
 
@@ -427,7 +429,7 @@ class Progress:
     def begin(self) -> None:
         """Show from now on how long the work takes, also between steps, until `end`."""
         if sys.stderr.isatty():
-            threading.Thread(target=self._go_on, daemon=True).start()
+            threading.Thread(target=self._refresh, daemon=True).start()
 
     def __call__(self, step: str) -> None:
         self._step = step
@@ -439,7 +441,7 @@ class Progress:
             self._ended.set()
             clear()
 
-    def _go_on(self) -> None:
+    def _refresh(self) -> None:
         while not self._ended.wait(EVERY):
             self._show()
 

@@ -65,9 +65,9 @@ def run(arguments: argparse.Namespace) -> int:
     else:
         desk.open(scene.name)
 
-    notes = desk.told()
+    notes = desk.take_messages()
 
-    def tell(address: str, alone: bool) -> None:
+    def announce(address: str, alone: bool) -> None:
         for sentence in notes:
             notify(sentence)
         say(f"{arguments.scene or desk.folder}: the designer is at\n  {address}\nCtrl-C ends it.")
@@ -80,9 +80,9 @@ def run(arguments: argparse.Namespace) -> int:
     browser = not arguments.no_browser
     try:
         with until_ctrl_c():
-            serve(desk, arguments.host, arguments.port, tell, notes=notes, browser=browser)
+            serve(desk, arguments.host, arguments.port, announce, notes=notes, browser=browser)
     finally:
         desk.close()
-        for sentence in desk.told():
+        for sentence in desk.take_messages():
             notify(sentence)
     return FINE

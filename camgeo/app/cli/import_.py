@@ -189,7 +189,7 @@ def import_project(data: bytes, name: str, file: str = "") -> str:
     try:
         parse_scene(text)
     except SceneError as error:
-        raise SceneError([_of_project(fault) for fault in error.faults], file) from error
+        raise SceneError([_project_fault(fault) for fault in error.faults], file) from error
     return text
 
 
@@ -198,7 +198,7 @@ def ignored_answer(numbers: dict[str, float]) -> bool:
     return numbers["Q21"] == 2.0 and numbers["Q25"] == 2.0
 
 
-def _of_project(fault: Fault) -> Fault:
+def _project_fault(fault: Fault) -> Fault:
     """A fault of the scene as one of the project it was made from, which has no lines."""
     names = {field.key: field.name for field in FIELDS if field.key} | TOGETHER
     name = names.get(fault.key, "")
@@ -217,7 +217,7 @@ def _scene_text(numbers: dict[str, float], name: str) -> str:
 
     # The program multiplies s_0 by -1 in the branch "ja" of question 21 only (source line 961).
     side = "left" if ignored_answer(numbers) else answer("Q25", "left", "right")
-    noted = "; opticurv ignores it" if ignored_answer(numbers) else ""
+    remark = "; opticurv ignores it" if ignored_answer(numbers) else ""
     return TEMPLATE.format(
         name=name,
         pivot=pivot,
@@ -226,7 +226,7 @@ def _scene_text(numbers: dict[str, float], name: str) -> str:
         branch=answer("Q23", "cw", "ccw"),
         mirrored=answer("Q24", "false", "true"),
         side=side,
-        noted=noted,
+        remark=remark,
         said={f"Q2{k}": answer(f"Q2{k}", *ANSWERS[f"Q2{k}"]) for k in range(1, 6)},
         **words,
     )
@@ -268,7 +268,7 @@ crank = {l_sk}  # l_sk
 coupler = {l_4}  # l_4
 crank_deflection = {alpha_sk}  # alpha_sk
 crank_leans = "{leans}"  # question 21: {said[Q21]}; the program's label is the other way round
-slider_side = "{side}"  # question 25: {said[Q25]}{noted}
+slider_side = "{side}"  # question 25: {said[Q25]}{remark}
 stroke_direction = "{way}"  # question 22: {said[Q22]}
 branch = "{branch}"  # question 23: {said[Q23]}
 mirrored = {mirrored}  # question 24: {said[Q24]}

@@ -41,7 +41,7 @@ STOPPING: Final = ("SIGINT", "SIGTERM", "SIGHUP")
 TRACEBACK: Final = "--traceback"
 """Option of every command, not only of those whose parser knows it: one may crash before."""
 
-COLLECTED_AT = 500_000
+COLLECTION_THRESHOLD = 500_000
 """New objects after which the garbage collector runs. Python's own 700 makes it scan imported
 modules hundreds of times, which are no garbage: a sixth of the time of a build. A build makes
 200,000, of which it needs nearly all to the end; commands that compute for longer take 12 MB more
@@ -168,14 +168,16 @@ Arguments = tuple[Argument | ArgumentGroup, ...]
 
 def add_arguments(parser: argparse._ActionsContainer, arguments: Arguments) -> None:
     """Let a parser take them."""
-    for each in arguments:
-        if isinstance(each, Argument):
-            parser.add_argument(*each.names, **each.stated)
-        elif each.title:
-            add_arguments(parser.add_argument_group(each.title, each.text), each.arguments)
+    for argument in arguments:
+        if isinstance(argument, Argument):
+            parser.add_argument(*argument.names, **argument.stated)
+        elif argument.title:
+            add_arguments(
+                parser.add_argument_group(argument.title, argument.text), argument.arguments
+            )
         else:
-            only_one = parser.add_mutually_exclusive_group(required=each.required)
-            add_arguments(only_one, each.arguments)
+            only_one = parser.add_mutually_exclusive_group(required=argument.required)
+            add_arguments(only_one, argument.arguments)
 
 
 def parser(commands: Collection[str] = COMMANDS) -> Parser:
@@ -199,7 +201,7 @@ def parser(commands: Collection[str] = COMMANDS) -> Parser:
     )
     subparsers = top.add_subparsers(metavar="COMMAND", required=True)
     for command, summary in COMMANDS.items():
-        own = subparsers.add_parser(
+        command_parser = subparsers.add_parser(
             command,
             help=summary,
             description=f"{summary[0].upper()}{summary[1:]}.",
@@ -209,11 +211,11 @@ def parser(commands: Collection[str] = COMMANDS) -> Parser:
             name = MODULES.get(command, command.replace("-", "_"))
             room = "cli" if command in WITHOUT_ANSWER else "answers"
             module = importlib.import_module(f"camgeo.app.{room}.{name}")
-            add_arguments(own, module.ARGUMENTS)
+            add_arguments(command_parser, module.ARGUMENTS)
             if room == "answers":
-                add_arguments(own, (AS_JSON,))
-            own.epilog = f"example:\n  {module.EXAMPLE}"
-            own.set_defaults(run=module.run, parser=own, progress=Progress())
+                add_arguments(command_parser, (AS_JSON,))
+            command_parser.epilog = f"example:\n  {module.EXAMPLE}"
+            command_parser.set_defaults(run=module.run, parser=command_parser, progress=Progress())
     return top
 
 
@@ -225,7 +227,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     words = sys.argv[1:] if arguments is None else list(arguments)
     try:
         if arguments is None:
-            _own_the_process()
+            _configure_process()
         return _run([word for word in words if word != TRACEBACK])
     except KeyboardInterrupt as stop:
         number = stop.number if isinstance(stop, Stopped) else signal.SIGINT
@@ -245,9 +247,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return CRASHED
     finally:
         if arguments is None:
-            for each in _stopping():
-                if signal.getsignal(each) is _stop:
-                    signal.signal(each, signal.SIG_DFL)  # there is nothing left to take back
+            for number in _stopping():
+                if signal.getsignal(number) is _stop:
+                    signal.signal(number, signal.SIG_DFL)  # there is nothing left to take back
 
 
 def _run(words: list[str]) -> int:
@@ -274,19 +276,19 @@ def _run(words: list[str]) -> int:
 
         if (design := getattr(parsed, "opened", None)) is not None:
             design.scene.restate(error)
-        found = refusal(error)
+        answer = refusal(error)
         if getattr(parsed, "json", False):
-            return show(found, parsed)
-        notify(text(found))
-        return found.exit_code
+            return show(answer, parsed)
+        notify(text(answer))
+        return answer.exit_code
     finally:
         parsed.progress.end()
 
 
-def _own_the_process() -> None:
+def _configure_process() -> None:
     """Settings that hold for a process that runs this command alone."""
     os.environ.setdefault(BLAS_THREADS, "1")  # numpy is not imported yet
-    gc.set_threshold(COLLECTED_AT)
+    gc.set_threshold(COLLECTION_THRESHOLD)
     atexit.register(gc.freeze)  # no last collection at the end of the process
     _mend_streams()
     stop_on_signals()
@@ -311,9 +313,9 @@ def _mend_streams() -> None:
 
 def stop_on_signals() -> None:
     """Raise `Stopped` when a signal of STOPPING arrives, unless it is ignored, as with nohup."""
-    for each in _stopping():
-        if signal.getsignal(each) is not signal.SIG_IGN:
-            signal.signal(each, _stop)
+    for number in _stopping():
+        if signal.getsignal(number) is not signal.SIG_IGN:
+            signal.signal(number, _stop)
 
 
 def _stopping() -> list[int]:

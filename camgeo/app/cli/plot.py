@@ -11,7 +11,7 @@ from camgeo.app.cli.command import (
     IMAGES,
     SCENE_FILE,
     Argument,
-    drawn,
+    draw_figure,
     notify_main_disc,
     opened,
     output_options,
@@ -39,7 +39,7 @@ def run(arguments: argparse.Namespace) -> int:
     design = opened(arguments)
     target = Path(arguments.output or f"{design.name}.png")
     figure, wanted = plots.of_design(design, arguments.what)
-    picture = drawn(figure, target.suffix)
+    picture = draw_figure(figure, target.suffix)
     write_files([(target, picture, ", ".join(wanted))], arguments)
     if set(wanted) - {plots.CAM}:
         notify_main_disc(design, "curves")

@@ -17,9 +17,9 @@ from camgeo.app.cli.command import (
     Argument,
     CallError,
     Progress,
-    drawn,
-    from_0,
-    number_from,
+    draw_figure,
+    non_negative,
+    number_type,
     opened,
     output_options,
     say,
@@ -47,7 +47,7 @@ EXAMPLE: Final = "camgeo watch fixtures/scenes/setzhub.toml cam -o setzhub.png"
 
 
 def _count(text: str) -> int:
-    value = from_0(text)
+    value = non_negative(text)
     if value != int(value):
         raise argparse.ArgumentTypeError("must be a whole number from 0 on")
     return int(value)
@@ -60,7 +60,7 @@ ARGUMENTS: Final = (
     Argument(
         "--every",
         metavar="SECONDS",
-        type=number_from(QUICKEST, 3600.0, f"a number from {QUICKEST:g} to 3600"),
+        type=number_type(QUICKEST, 3600.0, f"a number from {QUICKEST:g} to 3600"),
         default=EVERY,
         help=f"time between two looks at the files; default {EVERY:g}",
     ),
@@ -101,31 +101,31 @@ def _run(arguments: argparse.Namespace, target: Path) -> str:
     """Check and draw once; the outcome in a line."""
     try:
         design = opened(arguments)
-        found = f"{design.name}: {_verdict(check(design))}"
+        outcome = f"{design.name}: {_verdict(check(design))}"
     except CamgeoError as error:
         return f"{arguments.scene}: {_fault(error)}"
     try:
         from camgeo.design.writing import settle, write_set
         from camgeo.pictures.plots import of_design
 
-        picture = drawn(of_design(design, arguments.what)[0], target.suffix)
+        picture = draw_figure(of_design(design, arguments.what)[0], target.suffix)
         settle(target.parent, arguments.progress)
         write_set(target.parent, {target.name: picture}, force=True, progress=arguments.progress)
     except CamgeoError as error:
         design.scene.restate(error)
-        return f"{found}; no picture: {_fault(error)}"
-    return f"{found}; {target}"
+        return f"{outcome}; no picture: {_fault(error)}"
+    return f"{outcome}; {target}"
 
 
 def _verdict(found: Check) -> str:
     """The names of what is bad, or that all limits are kept; and how many warnings there are."""
     several = found.everything
-    warnings = [each for each in several if each.severity == "warning"]
+    warnings = [finding for finding in several if finding.severity == "warning"]
     warned = f", {counted(len(warnings), 'warning')}" if warnings else ""
-    bad = [each for severity in BAD for each in several if each.severity == severity]
+    bad = [finding for severity in BAD for finding in several if finding.severity == severity]
     if not bad:
         return f"all limits kept{warned}"
-    names = list(dict.fromkeys(each.name for each in bad))
+    names = list(dict.fromkeys(finding.name for finding in bad))
     return f"{counted(len(bad), 'bad finding')}: {listed(names, NAMED)}{warned}"
 
 
@@ -160,14 +160,14 @@ class SceneFiles:
 
     def stamps(self) -> Stamps:
         """The present state of all files."""
-        own = stamp(self.scene)
-        if own != self._read:
-            self._read = own
+        scene_stamp = stamp(self.scene)
+        if scene_stamp != self._read:
+            self._read = scene_stamp
             with suppress(SceneError, ValueError):  # read again when it changes again
                 text = read_file(self.scene, SCENE.size).decode()
-                found = named(text, self.scene.resolve().parent)
-                self._named = self._named if found is None else found
-        return {self.scene: own} | {path: stamp(path) for path in self._named}
+                paths = named(text, self.scene.resolve().parent)
+                self._named = self._named if paths is None else paths
+        return {self.scene: scene_stamp} | {path: stamp(path) for path in self._named}
 
 
 def watch(
@@ -178,19 +178,19 @@ def watch(
     A change counts once two looks see the same: a file that is being written is left alone. What
     changes while `act` runs is seen afterwards. It ends after `runs` calls, never if that is 0.
     """
-    done = 0
+    count = 0
     while True:
         seen = files()
         act()
-        done += 1
-        if done == runs:
+        count += 1
+        if count == runs:
             return
         while (now := files()) == seen:
             wait()
-        while now != (now := _after(wait, files)):
+        while now != (now := _wait_and_look(wait, files)):
             pass
 
 
-def _after(wait: Callable[[], None], files: Callable[[], Stamps]) -> Stamps:
+def _wait_and_look(wait: Callable[[], None], files: Callable[[], Stamps]) -> Stamps:
     wait()
     return files()

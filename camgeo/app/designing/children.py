@@ -77,8 +77,8 @@ class Result:
     @cached_property
     def data(self) -> dict[str, Any]:
         """The object."""
-        found: dict[str, Any] = json.loads(self.text)
-        return found
+        loaded: dict[str, Any] = json.loads(self.text)
+        return loaded
 
 
 class Child:
@@ -112,9 +112,9 @@ class Child:
             If there is no result; the process may have ended then.
         """
         if not self._warm:
-            self._within(START, b"")
+            self._exchange(START, b"")
             self._warm = True
-        return self._within(seconds, data)
+        return self._exchange(seconds, data)
 
     def kill(self, why: str) -> None:
         """End it at once, whatever it is doing; its job is refused with the reason `why`."""
@@ -132,7 +132,7 @@ class Child:
             self.process.wait()
         self._results.close()
 
-    def _within(self, seconds: float, data: bytes) -> bytes:
+    def _exchange(self, seconds: float, data: bytes) -> bytes:
         """Send the job, if it is not empty, and read the next frame; killed after `seconds`."""
         timer = threading.Timer(seconds, self.kill, (f"took longer than {seconds:g} s",))
         timer.daemon = True
@@ -140,7 +140,7 @@ class Child:
         try:
             if data:
                 send(self._jobs, b"J", data)
-            mark, found = receive(self._results, LARGEST_RESULT)
+            mark, answer = receive(self._results, LARGEST_RESULT)
         except (BrokenFrame, OSError, ValueError) as error:
             self.process.kill()
             self._killed = self._killed or "ended the process that computed it"
@@ -150,8 +150,8 @@ class Child:
         if mark in (b"R", b"M"):
             if mark == b"M":
                 self.kill("took too much memory")
-            raise Refused(found.decode())
-        return found
+            raise Refused(answer.decode())
+        return answer
 
 
 class Children:
@@ -216,13 +216,13 @@ class Children:
         """End all processes; jobs that are being done are refused."""
         with self._lock:
             self._closed = True
-            found = [*self._busy.values()]
+            children = [*self._busy.values()]
             if self._spare is not None:
-                found.append(self._spare)
+                children.append(self._spare)
             self._busy, self._spare = {}, None
-        for child in found:
+        for child in children:
             child.kill("was cancelled, because the designer ends")
-        for child in found:
+        for child in children:
             child.close()
 
     def _child(self, lane: str) -> Child:
@@ -377,7 +377,7 @@ def serve(memory: int, prepared: Callable[[], Run]) -> None:
     prepared : returns what does the jobs, after warming it up.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # whoever started it closes its input
-    results = _own_output()
+    results = _reserve_output()
     jobs: queue.SimpleQueue[bytes] = queue.SimpleQueue()
     threading.Thread(target=_read, args=(sys.stdin.buffer, jobs), daemon=True).start()
     run = prepared()
@@ -386,13 +386,13 @@ def serve(memory: int, prepared: Callable[[], Run]) -> None:
     _limit_memory(memory)
     send(results, b"W")
     while True:
-        mark, data = _done(jobs.get(), run, memory)
+        mark, data = _execute(jobs.get(), run, memory)
         send(results, mark, data)
         if mark == b"M":
             os._exit(1)  # its memory is in an unknown state
 
 
-def _own_output() -> BinaryIO:
+def _reserve_output() -> BinaryIO:
     """Standard output, reserved for results: whatever is printed goes to standard error."""
     results = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
@@ -420,7 +420,7 @@ def _limit_memory(memory: int) -> None:
     resource.setrlimit(resource.RLIMIT_AS, (most, most))
 
 
-def _done(data: bytes, run: Run, memory: int) -> tuple[Mark, bytes]:
+def _execute(data: bytes, run: Run, memory: int) -> tuple[Mark, bytes]:
     """The result of a job, or why there is none."""
     try:
         result = run(Job.from_json(data))

@@ -16,7 +16,7 @@ from typing import Any, Final, Literal, Self
 
 from camgeo.design.writing import PRIVATE, acquire_lock, settle, sync, write_set
 from camgeo.errors import FileError, unreadable
-from camgeo.reading import SCENE, check_size, read_within
+from camgeo.reading import SCENE, check_size, read_limited
 from camgeo.scene.values import Stamp, stamp_of
 
 RESTORED: Final = (
@@ -45,7 +45,7 @@ class Desk:
         self.opened: Opened | None = None
         self._states = states
         self._journal: Journal | None = None
-        self._told: list[str] = []
+        self._messages: list[str] = []
 
     @property
     def text(self) -> str:
@@ -60,7 +60,7 @@ class Desk:
         return self.opened.path.relative_to(self.folder).as_posix()
 
     @property
-    def beside(self) -> Path:
+    def data_folder(self) -> Path:
         """The folder in which the files lie that the scene names."""
         return self.folder if self.opened is None else self.opened.path.parent
 
@@ -76,10 +76,10 @@ class Desk:
         """How the file on disk compares with what was read or saved last."""
         return "same" if self.opened is None else disk(self.opened)
 
-    def told(self) -> list[str]:
+    def take_messages(self) -> list[str]:
         """Sentences for the user since the last call."""
-        told, self._told = self._told, []
-        return told
+        messages, self._messages = self._messages, []
+        return messages
 
     def open(self, name: str) -> None:
         """Switch to the scene file `name`, with its unsaved edits; those of the last one are kept.
@@ -94,15 +94,15 @@ class Desk:
             return
         journal = Journal.opened(str(path), self._states)
         try:
-            text, found = read(path)
+            text, scene_file = read(path)
         except FileError:
-            if path.exists() or journal.kept is None or journal.kept.history is None:
+            if path.exists() or journal.content is None or journal.content.history is None:
                 journal.close(keep=True)
                 raise
-            text, found = "", Opened(path, journal.kept.saved)
+            text, scene_file = "", Opened(path, journal.content.saved)
         self.close()
         self._journal = journal
-        self.history, self.opened = self._restored(text, found, journal.kept)
+        self.history, self.opened = self._restored(text, scene_file, journal.content)
 
     def begin(self) -> None:
         """Switch to the scene of this folder that is in no file yet, with its unsaved edits."""
@@ -111,7 +111,7 @@ class Desk:
         journal = Journal.opened(f"{self.folder}{os.sep}", self._states)
         self.close()
         self._journal = journal
-        self.history, self.opened = self._restored("", None, journal.kept)
+        self.history, self.opened = self._restored("", None, journal.content)
 
     def change(self, text: str, label: str, gesture: str = "") -> None:
         """Give the scene another text, see `History.changed`; FileError if it is none."""
@@ -169,8 +169,13 @@ class Desk:
     def _save_elsewhere(self, path: Path, *, force: bool) -> None:
         journal = Journal.opened(str(path), self._states)
         try:
-            kept = journal.kept
-            if kept and kept.history and kept.history.text != self.text and not force:
+            preserved = journal.content
+            if (
+                preserved
+                and preserved.history
+                and preserved.history.text != self.text
+                and not force
+            ):
                 raise OverwriteError(f"{path.name} has unsaved edits of its own")
             self.opened = saved(path, self.text, None, force=force)
         except BaseException:
@@ -181,25 +186,27 @@ class Desk:
         self._journal = journal
 
     def _restored(
-        self, text: str, found: Opened | None, kept: Kept | None
+        self, text: str, scene_file: Opened | None, preserved: JournalContent | None
     ) -> tuple[History, Opened | None]:
         """The history to continue, and the file as it was when that history was written."""
         if self._journal is not None and self._journal.fault:
-            self._told.append(self._journal.fault)
-        if kept is None:
-            return History(text), found
-        name = "the new scene" if found is None else found.path.name
-        if kept.damage:
-            self._told.append(f"the journal of {name} is damaged, edits may be lost: {kept.damage}")
-        if kept.history is None:
-            return History(text), found
-        if kept.history.text == text:
-            return kept.history, found
-        self._told.append(RESTORED.format(name=name))
-        if found is not None and found.digest != kept.saved:
-            self._told.append(f"{name} has been changed on disk since they were made")
-            found = Opened(found.path, kept.saved)
-        return kept.history, found
+            self._messages.append(self._journal.fault)
+        if preserved is None:
+            return History(text), scene_file
+        name = "the new scene" if scene_file is None else scene_file.path.name
+        if preserved.damage:
+            self._messages.append(
+                f"the journal of {name} is damaged, edits may be lost: {preserved.damage}"
+            )
+        if preserved.history is None:
+            return History(text), scene_file
+        if preserved.history.text == text:
+            return preserved.history, scene_file
+        self._messages.append(RESTORED.format(name=name))
+        if scene_file is not None and scene_file.digest != preserved.saved:
+            self._messages.append(f"{name} has been changed on disk since they were made")
+            scene_file = Opened(scene_file.path, preserved.saved)
+        return preserved.history, scene_file
 
     @property
     def _digest(self) -> str:
@@ -213,7 +220,7 @@ class Desk:
             fault = self._journal.fault
             self._journal.add(history, event, self._digest)
             if self._journal.fault != fault:
-                self._told.append(self._journal.fault)
+                self._messages.append(self._journal.fault)
 
     def close(self) -> None:
         """End editing; edits that are not saved stay in the journal."""
@@ -221,7 +228,7 @@ class Desk:
             return
         if not self.saved:
             name = self.name or "the new scene"
-            self._told.append(f"unsaved edits of {name} are kept until it is opened again")
+            self._messages.append(f"unsaved edits of {name} are kept until it is opened again")
         self._journal.close(keep=not self.saved)
         self._journal = None
 
@@ -289,10 +296,10 @@ def scenes(folder: Path) -> tuple[str, ...]:
     """The names of the scene files in `folder`, in order, without links and hidden files."""
     try:
         names = sorted(
-            each.name
-            for each in folder.iterdir()
-            if each.suffix == SUFFIX and each.name[0] != "." and _is_plain(each.name)
-            and not each.is_symlink() and each.is_file()
+            path.name
+            for path in folder.iterdir()
+            if path.suffix == SUFFIX and path.name[0] != "." and _is_plain(path.name)
+            and not path.is_symlink() and path.is_file()
         )  # fmt: skip
     except OSError:
         return ()
@@ -305,10 +312,10 @@ def read(path: Path) -> tuple[str, Opened]:
     FileError if it cannot be read, is too large, or is not text in UTF-8.
     """
     try:
-        before = path.lstat()
-        if not stat.S_ISREG(before.st_mode):
+        status = path.lstat()
+        if not stat.S_ISREG(status.st_mode):
             raise FileError(f"{path.name}: is no plain file")
-        data = read_within(path, SCENE)
+        data = read_limited(path, SCENE)
         text = data.decode()
     except FileNotFoundError as error:
         raise FileError(f"{path.name}: there is no such file") from error
@@ -316,7 +323,7 @@ def read(path: Path) -> tuple[str, Opened]:
         raise FileError(f"{path.name}: is not text in UTF-8") from error
     except OSError as error:
         raise FileError(f"{path.name}: cannot be read: {unreadable(error)}") from error
-    return text, Opened(path, digest(data), stamp_of(before))
+    return text, Opened(path, digest(data), stamp_of(status))
 
 
 def disk(opened: Opened, *, closely: bool = False) -> Disk:
@@ -326,12 +333,12 @@ def disk(opened: Opened, *, closely: bool = False) -> Disk:
     of the clock have the same time.
     """
     try:
-        found = opened.path.lstat()
-        if stamp_of(found) == opened.stamp and not closely:
+        status = opened.path.lstat()
+        if stamp_of(status) == opened.stamp and not closely:
             return "same"
-        if not stat.S_ISREG(found.st_mode) or found.st_size > SCENE.size:
+        if not stat.S_ISREG(status.st_mode) or status.st_size > SCENE.size:
             return "changed"
-        same = digest(read_within(opened.path, SCENE)) == opened.digest
+        same = digest(read_limited(opened.path, SCENE)) == opened.digest
     except FileNotFoundError:
         return "gone"
     except (OSError, FileError):
@@ -361,10 +368,10 @@ def saved(path: Path, text: str, before: Opened | None, *, force: bool) -> Opene
     try:
         if mode is not None:
             path.chmod(mode)  # as private as the file that it replaces
-        found = path.lstat()
+        status = path.lstat()
     except OSError as error:
         raise FileError(f"{path.name}: cannot be read: {unreadable(error)}") from error
-    return Opened(path, digest(data), stamp_of(found))
+    return Opened(path, digest(data), stamp_of(status))
 
 
 def encoded(text: str, name: str) -> bytes:
@@ -419,7 +426,7 @@ NO_LINK: Final = getattr(os, "O_NOFOLLOW", 0)
 
 
 @dataclass(frozen=True, slots=True)
-class Kept:
+class JournalContent:
     """What a journal has preserved.
 
     Attributes
@@ -439,12 +446,12 @@ class Journal:
 
     Attributes
     ----------
-    kept : earlier edits that it had preserved; None if there were none.
+    content : earlier edits that it had preserved; None if there were none.
     fault : why edits are not kept; empty if they are.
     """
 
     def __init__(self, file: str, place: Path | None, lock: int | None, fault: str = "") -> None:
-        self.kept: Kept | None = None
+        self.content: JournalContent | None = None
         self.fault = fault
         self._file = file
         self._place = place
@@ -472,9 +479,9 @@ class Journal:
             return cls(file, None, None, unkept(error))
         if lock is None:
             raise FileError(f"{file} is open in another designer; end that one first")
-        found = cls(file, place, lock)
-        found._read(place)
-        return found
+        journal = cls(file, place, lock)
+        journal._read(place)
+        return journal
 
     def add(self, history: History, event: Mapping[str, Any], saved: str) -> None:
         """Record the `event` that led to this `history`; `saved` is the digest of the file."""
@@ -521,10 +528,12 @@ class Journal:
         except (OSError, FileError) as error:
             self._forsake(unkept(error))
             return
-        self.kept = kept(data, self._file)
-        if self.kept.damage:
+        self.content = read_journal(data, self._file)
+        if self.content.damage:
             aside = place.with_suffix(".damaged")
-            self.kept = replace(self.kept, damage=f"{self.kept.damage}; it is kept as {aside}")
+            self.content = replace(
+                self.content, damage=f"{self.content.damage}; it is kept as {aside}"
+            )
             try:
                 place.replace(aside)
             except OSError as error:
@@ -572,37 +581,37 @@ def state_folder() -> Path:
     return base / "camgeo" / "designer"
 
 
-def kept(data: bytes, file: str) -> Kept:
+def read_journal(data: bytes, file: str) -> JournalContent:
     """What the bytes of a journal say about the scene file at `file`, up to any damage."""
-    found = Kept(None, "", "it is empty")
+    content = JournalContent(None, "", "it is empty")
     for number, line in enumerate(data.splitlines(keepends=True), 1):
         try:
             event = _event(line)
-            found = (
+            content = (
                 _first(event, file)
-                if found.history is None
-                else _next(found.history, found.saved, event)
+                if content.history is None
+                else _next(content.history, content.saved, event)
             )
         except (ValueError, LookupError, TypeError) as error:
-            return replace(found, damage=f"line {number} is damaged: {error}")
-    return found
+            return replace(content, damage=f"line {number} is damaged: {error}")
+    return content
 
 
-def _first(event: Any, file: str) -> Kept:
+def _first(event: Any, file: str) -> JournalContent:
     if event["journal"] != FORM:
         raise ValueError(f"its form is {event['journal']}, not {FORM}")
     if event["file"] != file:
         raise ValueError("it is of another file")
-    return Kept(History(_text(event["text"])), _text(event["saved"]))
+    return JournalContent(History(_text(event["text"])), _text(event["saved"]))
 
 
-def _next(history: History, saved: str, event: Any) -> Kept:
+def _next(history: History, saved: str, event: Any) -> JournalContent:
     match event["do"]:
         case "change":
-            at, length, after = event["splice"]
-            if not 0 <= at <= at + length <= len(history.text):
+            position, length, inserted = event["splice"]
+            if not 0 <= position <= position + length <= len(history.text):
                 raise ValueError("a change does not fit")
-            text = f"{history.text[:at]}{_text(after)}{history.text[at + length :]}"
+            text = f"{history.text[:position]}{_text(inserted)}{history.text[position + length :]}"
             history = history.changed(text, _text(event["label"]), _text(event["gesture"]))
         case "undo":
             history = history.undone()
@@ -612,13 +621,18 @@ def _next(history: History, saved: str, event: Any) -> Kept:
             saved = _text(event["saved"])
         case other:
             raise ValueError(f"{other!r} is unknown")
-    return Kept(history, saved)
+    return JournalContent(history, saved)
 
 
-def change(before: str, after: str, label: str, gesture: str = "") -> dict[str, Any]:
+def change(old: str, new: str, label: str, gesture: str = "") -> dict[str, Any]:
     """The event of `History.changed` between two texts."""
-    at, gone, there = splice(before, after)
-    return {"do": "change", "splice": [at, len(gone), there], "label": label, "gesture": gesture}
+    position, gone, there = splice(old, new)
+    return {
+        "do": "change",
+        "splice": [position, len(gone), there],
+        "label": label,
+        "gesture": gesture,
+    }
 
 
 def _lines(file: str, history: History, saved: str) -> Iterator[bytes]:
@@ -629,7 +643,7 @@ def _lines(file: str, history: History, saved: str) -> Iterator[bytes]:
         start = start.undone()
     yield _line({"journal": FORM, "file": file, "text": start.text, "saved": saved})
     for step in steps:
-        event = {"splice": [step.at, len(step.before), step.after], "label": step.label}
+        event = {"splice": [step.position, len(step.removed), step.inserted], "label": step.label}
         yield _line({"do": "change", **event, "gesture": step.gesture})
     yield from [_line({"do": "undo"})] * len(history.future)
 
@@ -657,8 +671,8 @@ def _content(place: Path) -> bytes:
     """The bytes of a journal, which is a plain file of the user."""
     stream = os.open(place, os.O_RDONLY | NO_LINK)
     with os.fdopen(stream, "rb") as file:
-        found = os.fstat(stream)
-        if not stat.S_ISREG(found.st_mode) or found.st_size > MOST_BYTES:
+        status = os.fstat(stream)
+        if not stat.S_ISREG(status.st_mode) or status.st_size > MOST_BYTES:
             raise FileError(f"{place}: is no journal")
         return file.read(MOST_BYTES)
 
@@ -708,19 +722,19 @@ class Step:
     Attributes
     ----------
     label : its name, e.g. ``roller radius 8 mm``.
-    at : character from which on the texts differ.
-    before, after : what they have there.
+    position : of the first character in which the texts differ, from 0.
+    removed, inserted : what they have there.
     gesture : changes of the same gesture, a drag say, are one step; empty for a step by itself.
     """
 
     label: str
-    at: int
-    before: str
-    after: str
+    position: int
+    removed: str
+    inserted: str
     gesture: str = ""
 
     def __len__(self) -> int:
-        return len(self.before) + len(self.after)
+        return len(self.removed) + len(self.inserted)
 
 
 @dataclass(frozen=True, slots=True)
@@ -755,12 +769,12 @@ class History:
         then what it was before the gesture, the step disappears.
         """
         past = self.past
-        before = self.text
+        earlier = self.text
         if gesture and past and past[-1].gesture == gesture:
-            before = spliced(before, past[-1].at, past[-1].after, past[-1].before)
+            earlier = spliced(earlier, past[-1].position, past[-1].inserted, past[-1].removed)
             past = past[:-1]
-        if before != text:
-            past = (*past, Step(label, *splice(before, text), gesture))
+        if earlier != text:
+            past = (*past, Step(label, *splice(earlier, text), gesture))
         return replace(self, text=text, past=_bounded(past), future=())
 
     def undone(self) -> Self:
@@ -768,7 +782,7 @@ class History:
         if not self.past:
             return self
         *past, step = self.past
-        text = spliced(self.text, step.at, step.after, step.before)
+        text = spliced(self.text, step.position, step.inserted, step.removed)
         # Nothing becomes part of its gesture after it has been undone.
         future = (*self.future, replace(step, gesture=""))
         return replace(self, text=text, past=tuple(past), future=future)
@@ -778,16 +792,16 @@ class History:
         if not self.future:
             return self
         *future, step = self.future
-        text = spliced(self.text, step.at, step.before, step.after)
+        text = spliced(self.text, step.position, step.removed, step.inserted)
         return replace(self, text=text, past=(*self.past, step), future=tuple(future))
 
 
-def splice(before: str, after: str) -> Splice:
-    """Where `before` and `after` differ: what is equal at both ends is left out."""
-    head = _alike(before, after)
-    before, after = before[head:], after[head:]
-    tail = _alike(before[::-1], after[::-1])
-    return head, before[: len(before) - tail], after[: len(after) - tail]
+def splice(old: str, new: str) -> Splice:
+    """Where the texts `old` and `new` differ: what is equal at both ends is left out."""
+    head = _alike(old, new)
+    old, new = old[head:], new[head:]
+    tail = _alike(old[::-1], new[::-1])
+    return head, old[: len(old) - tail], new[: len(new) - tail]
 
 
 def _alike(one: str, other: str) -> int:
@@ -802,11 +816,11 @@ def _alike(one: str, other: str) -> int:
     return low
 
 
-def spliced(text: str, at: int, before: str, after: str) -> str:
-    """The text with `after` in place of `before`; ValueError if `before` is not there."""
-    if text[at : at + len(before)] != before:
+def spliced(text: str, position: int, removed: str, inserted: str) -> str:
+    """The text with `inserted` in place of `removed`; ValueError if that is not there."""
+    if text[position : position + len(removed)] != removed:
         raise ValueError("a step does not fit the text")
-    return f"{text[:at]}{after}{text[at + len(before) :]}"
+    return f"{text[:position]}{inserted}{text[position + len(removed) :]}"
 
 
 def _bounded(past: tuple[Step, ...]) -> tuple[Step, ...]:

@@ -23,13 +23,13 @@ from camgeo.app.designing.form import (
     is_fixed,
     is_length,
     is_number,
+    key_title,
     least_span,
-    span_beside,
+    motion_spans,
+    neighbour_span,
+    segment_span,
     span_key,
-    span_of,
-    spans_of,
     styled,
-    title_of,
 )
 from camgeo.app.designing.handles import dragged
 from camgeo.check.cures.remedies import cure_edits
@@ -104,33 +104,33 @@ def changed(
     UnknownNameError
         If there is no such handle, kind or effect.
     """
-    asked = [name for name in CHANGES if name in arguments]
-    if len(asked) != 1:
+    kinds = [name for name in CHANGES if name in arguments]
+    if len(kinds) != 1:
         raise refusal(f"a change is one of {', '.join(CHANGES)}")
     try:
-        found = document(data_of(text)) if design is None else design.scene.stated.scene
+        values = document(data_of(text)) if design is None else design.scene.stated.scene
     except SceneError as error:
         raise SceneError(error.faults, file) from error
-    given = Given(text, found.exact, file, folder, design)
-    after, label = CHANGES[asked[0]](given, arguments)
-    return _written(given, after, label, valid=asked[0] in VALID)
+    original = Original(text, values.exact, file, folder, design)
+    tree, label = CHANGES[kinds[0]](original, arguments)
+    return _written(original, tree, label, valid=kinds[0] in VALID)
 
 
-def _written(given: Given, after: Tree, label: str, *, valid: bool) -> Changed:
+def _written(original: Original, after: Tree, label: str, *, valid: bool) -> Changed:
     """The text with the values `after`; SceneError if they are not valid, but have to be."""
-    known = {fault.key for fault in document_of_tree(given.tree).faults}
-    found = document_of_tree(after)
-    impossible = [fault for fault in found.faults if fault.key not in known]
+    known = {fault.key for fault in document_of_tree(original.tree).faults}
+    values = document_of_tree(after)
+    impossible = [fault for fault in values.faults if fault.key not in known]
     if impossible:
         raise SceneError(impossible)
-    text = written_into(given.text, after)
+    text = written_into(original.text, after)
     if len(text.encode()) > SCENE.size:
         raise refusal(f"the scene would be larger than {SCENE.size:,} bytes")
-    if given.known is None and not valid:
+    if original.known is None and not valid:
         return Changed(text, label)
-    before = given.design.scene
+    earlier = original.design.scene
     try:
-        return Changed(text, label, Scene.of(found, replace(before.source, text=text), before))
+        return Changed(text, label, Scene.of(values, replace(earlier.source, text=text), earlier))
     except SceneError:
         if valid:
             raise
@@ -140,50 +140,53 @@ def _written(given: Given, after: Tree, label: str, *, valid: bool) -> Changed:
 # -- kinds of changes ------------------------------------------------------------------------------
 
 
-def _by_keys(given: Given, arguments: Mapping[str, Any]) -> tuple[Tree, str]:
+def _by_keys(original: Original, arguments: Mapping[str, Any]) -> tuple[Tree, str]:
     """`edits`: values by key, None to remove the key.
 
     A segment whose span changes takes from the next one, or gives to it, so that the turn stays
     whole; choices come with what goes with them.
     """
     edits = _edits(arguments["edits"])
-    after = with_companions(given, edited(given.tree, edits), edits)
-    return _whole_turn(given.tree, after), label_of(edits, _units(after, edits))
+    tree = with_companions(original, edited(original.tree, edits), edits)
+    return _whole_turn(original.tree, tree), change_label(edits, _units(tree, edits))
 
 
-def _dragged(given: Given, arguments: Mapping[str, Any]) -> tuple[Tree, str]:
+def _dragged(original: Original, arguments: Mapping[str, Any]) -> tuple[Tree, str]:
     """`handle`: the name of one, dropped at `to`, in steps of `step`."""
-    name = arguments["handle"]
-    handle, edits = dragged(given.design, name, arguments.get("to"), arguments.get("step"))
-    after = edited(given.tree, edits)
+    handle, edits = dragged(
+        original.design, arguments["handle"], arguments.get("to"), arguments.get("step")
+    )
+    tree = edited(original.tree, edits)
     # What a joint takes from the segment behind it goes without saying.
-    told = {key: edits[key] for key in handle.keys if key in edits}
-    return after, label_of(told, _units(after, told)) if told else handle.name
+    label_edits = {key: edits[key] for key in handle.keys if key in edits}
+    label = change_label(label_edits, _units(tree, label_edits)) if label_edits else handle.name
+    return tree, label
 
 
-def _cured(given: Given, arguments: Mapping[str, Any]) -> tuple[Tree, str]:
+def _cured(original: Original, arguments: Mapping[str, Any]) -> tuple[Tree, str]:
     """`cure`: the position of a cure among those of the design's judgement, from 0."""
-    number, cures = arguments["cure"], given.design.judgement.cures
+    number, cures = arguments["cure"], original.design.judgement.cures
     if not isinstance(number, int) or isinstance(number, bool) or not 0 <= number < len(cures):
         raise refusal("there is no such cure")
     if not cures[number].works:
         raise refusal(cures[number].sentence)
-    edits = given.design.edits(cure_edits(cures[number]))
-    return edited(given.tree, edits), label_of(edits, _units(given.tree, edits))
+    edits = original.design.edits(cure_edits(cures[number]))
+    return edited(original.tree, edits), change_label(edits, _units(original.tree, edits))
 
 
-def _sized(given: Given, arguments: Mapping[str, Any]) -> tuple[Tree, str]:
+def _sized(original: Original, arguments: Mapping[str, Any]) -> tuple[Tree, str]:
     """`sized`: values by key, as of `camgeo.app.answers.size.CamSize.edits`."""
     edits = _edits(arguments["sized"])
-    return edited(given.tree, edits), f"sized: {label_of(edits, _units(given.tree, edits))}"
+    label = change_label(edits, _units(original.tree, edits))
+    return edited(original.tree, edits), f"sized: {label}"
 
 
-CHANGES: Final[Mapping[str, Callable[[Given, Mapping[str, Any]], tuple[Tree, str]]]] = {
+CHANGES: Final[Mapping[str, Callable[[Original, Mapping[str, Any]], tuple[Tree, str]]]] = {
     "edits": _by_keys,
     "handle": _dragged,
-    "segment": lambda given, arguments: changed_segments(given, arguments["segment"]),
-    "table": lambda given, arguments: other_table(given, arguments["table"]),
-    "effect": lambda given, arguments: switched(given, arguments["effect"]),
+    "segment": lambda original, arguments: changed_segments(original, arguments["segment"]),
+    "table": lambda original, arguments: other_table(original, arguments["table"]),
+    "effect": lambda original, arguments: switched(original, arguments["effect"]),
     "cure": _cured,
     "sized": _sized,
 }
@@ -212,26 +215,26 @@ def _units(tree: Tree, edits: Mapping[str, Any]) -> dict[str, str]:
 
 def _whole_turn(before: Tree, after: Tree) -> Tree:
     """The motion after an edit, its turn as whole as before if the span of one segment changed."""
-    old, new = spans_of(before.get("motion")), spans_of(after.get("motion"))
+    old, new = motion_spans(before.get("motion")), motion_spans(after.get("motion"))
     if old is None or new is None or len(old) != len(new) or total(old) != FULL_TURN:
         return after
     changed = [index for index, (one, two) in enumerate(zip(old, new, strict=True)) if one != two]
     if len(changed) != 1 or len(old) == 1:
         return after
-    at = changed[0]
+    changed_index = changed[0]
     motion = after["motion"]
-    beside = [each for each in (at + 1, at - 1) if 0 <= each < len(motion)]
-    taker = next((each for each in beside if not is_fixed(motion[each])), None)
+    neighbours = [k for k in (changed_index + 1, changed_index - 1) if 0 <= k < len(motion)]
+    taker = next((k for k in neighbours if not is_fixed(motion[k])), None)
     if taker is None:
         return after
     try:
-        span = span_beside(before["motion"][at], motion[taker], new[at])
+        span = neighbour_span(before["motion"][changed_index], motion[taker], new[changed_index])
     except GeometryError as error:
-        key = f"motion[{at + 1}].{span_key(motion[at])}"
+        key = f"motion[{changed_index + 1}].{span_key(motion[changed_index])}"
         raise SceneError([Fault(key, "", error.message)]) from error
     key = span_key(motion[taker])
-    made = {**motion[taker], key: styled(span, motion[taker][key])}
-    return {**after, "motion": [*motion[:taker], made, *motion[taker + 1 :]]}
+    resized = {**motion[taker], key: styled(span, motion[taker][key])}
+    return {**after, "motion": [*motion[:taker], resized, *motion[taker + 1 :]]}
 
 
 # -- labels ---------------------------------------------------------------------------------------
@@ -248,7 +251,7 @@ LONGEST_LABEL: Final = 80
 """Characters of a label."""
 
 
-def label_of(edits: Mapping[str, Any], units: Mapping[str, str]) -> str:
+def change_label(edits: Mapping[str, Any], units: Mapping[str, str]) -> str:
     """The name of the change that sets these values, with the units of their keys."""
     named = [_named(key, value, units.get(key, "")) for key, value in edits.items()]
     rest = len(named) - NAMED
@@ -258,16 +261,16 @@ def label_of(edits: Mapping[str, Any], units: Mapping[str, str]) -> str:
 
 def _named(key: str, value: Any, unit: str) -> str:
     path = path_of(key) or ()
-    title = title_of(path)
+    title = key_title(path)
     if path[:1] == ("motion",) and len(path) > 1 and isinstance(path[1], int):
         title = f"segment {path[1] + 1} {title}"
     if value is None:
         return f"{title} removed"
     gap = "" if unit == "°" else " "
-    return f"{title} {shown(value)}{gap}{unit}".rstrip()
+    return f"{title} {value_text(value)}{gap}{unit}".rstrip()
 
 
-def shown(value: Any) -> str:
+def value_text(value: Any) -> str:
     """A value in a label: numbers with few digits, texts without quotes."""
     if isinstance(value, bool):
         return "on" if value else "off"
@@ -275,7 +278,7 @@ def shown(value: Any) -> str:
         return f"{float(value):.{DIGITS}g}"
     if isinstance(value, list | tuple):
         rest = ", ..." if len(value) > NAMED else ""
-        return f"[{', '.join(map(shown, value[:NAMED]))}{rest}]"
+        return f"[{', '.join(map(value_text, value[:NAMED]))}{rest}]"
     return value if isinstance(value, str) else written(value)
 
 
@@ -299,64 +302,64 @@ LARGEST: Final = 10_000
 Motion = list[Any]
 
 
-def changed_segments(given: Given, asked: Any) -> tuple[Tree, str]:
+def changed_segments(original: Original, asked: Any) -> tuple[Tree, str]:
     """The tree with one change of a segment, and its label.
 
     `asked` has the `action`, one of `ACTIONS`, and `at`, the position of the segment, from 0.
     SceneError if it lacks one of these, or the action cannot be done.
     """
     action = asked.get("action") if isinstance(asked, Mapping) else None
-    at = asked.get("at") if isinstance(asked, Mapping) else None
-    motion = given.tree.get("motion")
+    index = asked.get("at") if isinstance(asked, Mapping) else None
+    motion = original.tree.get("motion")
     if not isinstance(action, str) or action not in ACTIONS:
         raise refusal(f"a segment is changed by one of {', '.join(ACTIONS)}", "motion")
     if not isinstance(motion, list) or not motion:
         raise refusal("there are no segments", "motion")
-    if not isinstance(at, int) or isinstance(at, bool) or not 0 <= at < len(motion):
+    if not isinstance(index, int) or isinstance(index, bool) or not 0 <= index < len(motion):
         raise refusal(f"segments are counted from 0 to {len(motion) - 1}", "motion")
-    if span_of(motion[at]) is None:
-        raise refusal("has no valid span", spelled(("motion", at)))
+    if segment_span(motion[index]) is None:
+        raise refusal("has no valid span", spelled(("motion", index)))
     make, label = ACTIONS[action]
-    trees = ({**given.tree, "motion": each} for each in make(motion, at))
-    return _first_without(given.faults, trees), label.format(n=at + 1)
+    trees = ({**original.tree, "motion": candidate} for candidate in make(motion, index))
+    return _first_without(original.faults, trees), label.format(n=index + 1)
 
 
 def _first_without(faults: Callable[[Tree], tuple[Fault, ...]], trees: Iterable[Tree]) -> Tree:
     """The first tree that has none of these `faults`; the first of all if each has some."""
-    found = []
+    tried = []
     for tree in trees:
-        found.append(tree)
+        tried.append(tree)
         if not faults(tree):
             return tree
-    return found[0]
+    return tried[0]
 
 
 def _insert(motion: Motion, at: int) -> Iterator[Motion]:
     """A dwell after a segment; that one gives half of its span, or else the next one does."""
-    donors = [each for each in (at, at + 1) if each < len(motion) and _can_give(motion[each])]
+    donors = [k for k in (at, at + 1) if k < len(motion) and _can_give(motion[k])]
     if not donors or len(motion) >= LARGEST:
         raise refusal("has no span to give to a new segment", spelled(("motion", at)))
-    kept, given = _halves(motion[donors[0]])
-    made = [*motion]
-    made[donors[0]] = _with_span(motion[donors[0]], kept)
-    made.insert(at + 1, {"dwell": styled(given, 0)})
-    yield made
+    remainder, share = _halves(motion[donors[0]])
+    extended = [*motion]
+    extended[donors[0]] = _with_span(motion[donors[0]], remainder)
+    extended.insert(at + 1, {"dwell": styled(share, 0)})
+    yield extended
 
 
 def _remove(motion: Motion, at: int) -> Iterator[Motion]:
     """Its neighbour takes its span, a dwell first."""
-    beside = [each for each in (at - 1, at + 1) if 0 <= each < len(motion)]
-    takers = [each for each in beside if not is_fixed(motion[each])]
-    takers = [each for each in takers if span_of(motion[each]) is not None]
+    neighbours = [k for k in (at - 1, at + 1) if 0 <= k < len(motion)]
+    takers = [k for k in neighbours if not is_fixed(motion[k])]
+    takers = [k for k in takers if segment_span(motion[k]) is not None]
     if not takers:
         raise refusal("no segment beside it can take its span", spelled(("motion", at)))
-    taker = next((each for each in takers if "dwell" in motion[each]), takers[0])
+    taker = next((k for k in takers if "dwell" in motion[k]), takers[0])
     with localcontext(EXACT):
         whole = _span(motion[taker]) + _span(motion[at])
-    made = [*motion]
-    made[taker] = _with_span(motion[taker], whole)
-    del made[at]
-    yield from _returning(made)
+    merged = [*motion]
+    merged[taker] = _with_span(motion[taker], whole)
+    del merged[at]
+    yield from _returning(merged)
 
 
 def _split(motion: Motion, at: int) -> Iterator[Motion]:
@@ -368,10 +371,10 @@ def _split(motion: Motion, at: int) -> Iterator[Motion]:
     halves = [_with_span(segment, first), _with_span(segment, second)]
     if "dwell" not in segment:
         way = {key: item for key, item in halves[0].items() if key in ("law", "span")}
-        halves[0] = {**way, "to": _between(_level(motion, at), segment.get("to"))}
+        halves[0] = {**way, "to": _midpoint(_level(motion, at), segment.get("to"))}
     yield [*motion[:at], *halves, *motion[at + 1 :]]
     if "dwell" not in segment:
-        halves = [{**each, "law": FALLBACK} for each in halves]
+        halves = [{**half, "law": FALLBACK} for half in halves]
         yield [*motion[:at], *halves, *motion[at + 1 :]]
 
 
@@ -379,13 +382,13 @@ def _swap(by: int) -> Callable[[Motion, int], Iterator[Motion]]:
     def swap(motion: Motion, at: int) -> Iterator[Motion]:
         if not 0 <= at + by < len(motion):
             raise refusal("is at the end of the motion", spelled(("motion", at)))
-        made = [*motion]
-        made[at], made[at + by] = motion[at + by], motion[at]
-        yield made
-        if all(_moves(each) and "to" in each for each in (made[at], made[at + by])):
-            for each in (at, at + by):  # the positions stay, and law and span change places
-                made[each] = {**made[each], "to": motion[each]["to"]}
-            yield made
+        swapped = [*motion]
+        swapped[at], swapped[at + by] = motion[at + by], motion[at]
+        yield swapped
+        if all(_moves(segment) and "to" in segment for segment in (swapped[at], swapped[at + by])):
+            for index in (at, at + by):  # the positions stay, and law and span change places
+                swapped[index] = {**swapped[index], "to": motion[index]["to"]}
+            yield swapped
 
     return swap
 
@@ -400,17 +403,17 @@ def with_a_point(tree: Tree, at: int) -> Tree:
     """The tree with a point in the middle of a segment that goes through points but has none."""
     motion = tree["motion"]
     segment = motion[at]
-    span = span_of(segment)
+    span = segment_span(segment)
     if segment.get("law") != "points" or "points" in segment or not span:
         return tree
-    point = {"at": styled(span / 2, 0), "to": _between(_level(motion, at), segment.get("to"))}
+    point = {"at": styled(span / 2, 0), "to": _midpoint(_level(motion, at), segment.get("to"))}
     return {**tree, "motion": [*motion[:at], {**segment, "points": [point]}, *motion[at + 1 :]]}
 
 
 def _returning(motion: Motion) -> Iterator[Motion]:
     """The motion, and the same with a last move that returns to 0."""
     yield motion
-    last = max((k for k, each in enumerate(motion) if _moves(each)), default=None)
+    last = max((k for k, segment in enumerate(motion) if _moves(segment)), default=None)
     if last is not None and motion[last].get("to"):
         yield [*motion[:last], {**motion[last], "to": 0}, *motion[last + 1 :]]
 
@@ -421,26 +424,26 @@ def _to_move(motion: Motion, at: int) -> Iterator[Motion]:
     After the last move, which returns to 0, it becomes a rise and a return.
     """
     segment = motion[at]
-    before = motion[:at]
-    after = motion[at + 1 :]
+    head = motion[:at]
+    tail = motion[at + 1 :]
     span = segment[span_key(segment)]
     if "dwell" not in segment:
-        yield [*before, {"law": LAW, "span": span, "to": _number(segment.get("to"))}, *after]
+        yield [*head, {"law": LAW, "span": span, "to": _number(segment.get("to"))}, *tail]
         return
     level = _level(motion, at)
-    following = [_number(each.get("to")) for each in after if _moves(each)]
+    following = [_number(segment.get("to")) for segment in tail if _moves(segment)]
     if following:
         for law in (LAW, FALLBACK):
-            end = _between(level, following[0])
-            yield [*before, {"law": law, "span": span, "to": end}, *after]
+            end = _midpoint(level, following[0])
+            yield [*head, {"law": law, "span": span, "to": end}, *tail]
         return
     if not _can_give(segment):
         raise refusal("is too short for a move", spelled(("motion", at)))
     first, second = _halves(segment)
-    tops = [abs(Decimal(_number(each.get("to")))) for each in motion if _moves(each)]
-    top = max([each for each in tops if each] or [RISE])
-    up = {"law": LAW, "span": styled(first, 0), "to": styled(top, 0)}
-    yield [*before, up, {"law": LAW, "span": styled(second, 0), "to": 0}, *after]
+    tops = [abs(Decimal(_number(segment.get("to")))) for segment in motion if _moves(segment)]
+    top = max([position for position in tops if position] or [RISE])
+    rise = {"law": LAW, "span": styled(first, 0), "to": styled(top, 0)}
+    yield [*head, rise, {"law": LAW, "span": styled(second, 0), "to": 0}, *tail]
 
 
 ACTIONS: Final[Mapping[str, tuple[Callable[[Motion, int], Iterator[Motion]], str]]] = {
@@ -461,14 +464,14 @@ def _moves(segment: Any) -> bool:
 
 
 def _span(segment: Any) -> Decimal:
-    span = span_of(segment)
+    span = segment_span(segment)
     assert span is not None  # it was asked
     return span
 
 
 def _can_give(segment: Any) -> bool:
     """Whether a segment can give half of its span away."""
-    span = span_of(segment)
+    span = segment_span(segment)
     return (
         span is not None and not is_fixed(segment) and span > 0 and span / 2 > least_span(segment)
     )
@@ -491,7 +494,7 @@ def _with_span(segment: Any, span: Decimal) -> Any:
 
 def _level(motion: Motion, at: int) -> Any:
     """The position at the start of a segment, as it is stated."""
-    ends = [each.get("to") for each in motion[:at] if _moves(each)]
+    ends = [segment.get("to") for segment in motion[:at] if _moves(segment)]
     return _number(ends[-1]) if ends else 0
 
 
@@ -500,7 +503,7 @@ def _number(value: Any) -> Any:
     return value if is_number(value) else 0
 
 
-def _between(start: Any, end: Any) -> Any:
+def _midpoint(start: Any, end: Any) -> Any:
     """The position in the middle of two; one unit on if they are the same."""
     first, last = Decimal(_number(start)), Decimal(_number(end))
     middle = (first + last) / 2 if first != last else first + 1
@@ -534,7 +537,7 @@ OF_PART: Final = ("rim", "groove_depth", "pair")
 """Those keys of [part], which belong to contacts and conjugate pairs."""
 
 
-def other_table(given: Given, asked: Any) -> tuple[Tree, str]:
+def other_table(original: Original, asked: Any) -> tuple[Tree, str]:
     """The tree with another kind of follower or linkage, and a label.
 
     `asked` has the `key`, "follower" or "linkage", and the `kind`; None for no linkage. SceneError
@@ -543,17 +546,17 @@ def other_table(given: Given, asked: Any) -> tuple[Tree, str]:
     key = asked.get("key") if isinstance(asked, Mapping) else None
     kind = asked.get("kind") if isinstance(asked, Mapping) else None
     if key == "linkage" and kind is None:
-        bare = _in_other_unit(given.tree, without(given.tree, ("linkage",)))
-        return _first_valid(given, [bare]), "linkage removed"
+        bare = _convert_positions(original.tree, without(original.tree, ("linkage",)))
+        return _first_valid(original, [bare]), "linkage removed"
     if not isinstance(key, str) or key not in KINDS:
         raise refusal(f"another kind is one of {', '.join(KINDS)}")
     known, make = KINDS[key]
     if not isinstance(kind, str) or kind not in known:
         raise UnknownNameError(f"{key} kind", str(kind)[:60], known)
-    return _first_valid(given, make(given.tree, kind)), f"{key} {kind}"
+    return _first_valid(original, make(original.tree, kind)), f"{key} {kind}"
 
 
-def _first_valid(given: Given, trees: Iterable[Tree]) -> Tree:
+def _first_valid(original: Original, trees: Iterable[Tree]) -> Tree:
     """The first tree that is valid once what does not belong to it is gone; else the first."""
     required = {
         name: {*kind.schema.get("required", ()), "kind"}
@@ -571,14 +574,14 @@ def _first_valid(given: Given, trees: Iterable[Tree]) -> Tree:
                 return path[1] not in required.get(kinds[str(path[0])], ())
             return path[0] != "part" or path[1] in OF_PART
 
-        return _with_suiting_effects(given, given.without_misfits(tree, may))
+        return _with_suiting_effects(original, original.without_misfits(tree, may))
 
-    return _first_without(given.faults, map(mended, trees))
+    return _first_without(original.faults, map(mended, trees))
 
 
-def _with_suiting_effects(given: Given, tree: Tree) -> Tree:
+def _with_suiting_effects(original: Original, tree: Tree) -> Tree:
     """The tree with other data for the effects whose own do not suit, or without these effects."""
-    for fault in given.new_faults(tree):
+    for fault in original.new_faults(tree):
         path = path_of(fault.key) or ()
         effects = tree.get(EFFECTS_KEY)
         if path[:1] != (EFFECTS_KEY,) or not isinstance(effects, dict):
@@ -586,7 +589,7 @@ def _with_suiting_effects(given: Given, tree: Tree) -> Tree:
         name = str(path[1]) if len(path) > 1 else ""
         if name in effects:
             bare = without(tree, (EFFECTS_KEY, name))
-            tree = next(_fitting(given, bare, name), bare)
+            tree = next(_fitting(original, bare, name), bare)
     return tree
 
 
@@ -596,29 +599,30 @@ def _with_suiting_effects(given: Given, tree: Tree) -> Tree:
 def _other_follower(tree: Tree, kind: str) -> Iterator[Tree]:
     """The scene with a follower of that kind: first with its own sizes, then with all sizes new."""
     old = _table(tree, "follower")
-    size = _size_of(tree)
-    own = _template(kind)["follower"]
+    size = _relative_size(tree)
+    defaults = _template(kind)["follower"]
     nodes = FOLLOWERS[kind].schema["properties"]
-    before = FOLLOWERS[_kind(old)].schema["properties"] if _kind(old) in FOLLOWERS else {}
+    old_nodes = FOLLOWERS[_kind(old)].schema["properties"] if _kind(old) in FOLLOWERS else {}
     required = FOLLOWERS[kind].schema["required"]
-    kept = {
+    reused = {
         key: value
         for key, value in old.items()
-        if key in nodes and (not isinstance(value, list | dict) or nodes[key] == before.get(key))
+        if key in nodes and (not isinstance(value, list | dict) or nodes[key] == old_nodes.get(key))
     }
-    fresh = {key: _resized(nodes[key], own[key], size) for key in required}
-    for table in ({**fresh, **kept, **_arm(required, kept)}, {**kept, **fresh}):
-        made = {
+    fresh = {key: _resized(nodes[key], defaults[key], size) for key in required}
+    for table in ({**fresh, **reused, **_arm(required, reused)}, {**reused, **fresh}):
+        candidate = {
             **tree,
             "follower": {"kind": kind, **{k: v for k, v in table.items() if k != "kind"}},
         }
         linkage = _kind(tree.get("linkage"))
         if linkage in LINKAGES and FOLLOWERS[kind].unit not in LINKAGES[linkage].members:
-            made = without(made, ("linkage",))
-        made = _in_other_unit(tree, made)
-        yield made
-        if "linkage" in made and linkage in LINKAGES:  # it may have another member at its far end
-            yield from _other_linkage(made, linkage)
+            candidate = without(candidate, ("linkage",))
+        candidate = _convert_positions(tree, candidate)
+        yield candidate
+        if "linkage" in candidate and linkage in LINKAGES:
+            # It may have another member at its far end.
+            yield from _other_linkage(candidate, linkage)
 
 
 def _arm(required: list[str], kept: Mapping[str, Any]) -> dict[str, Any]:
@@ -643,22 +647,24 @@ def _other_linkage(tree: Tree, kind: str) -> Iterator[Tree]:
     follower = _kind(tree.get("follower"))
     if follower not in FOLLOWERS or FOLLOWERS[follower].unit not in members:
         touching = FOLLOWERS[follower].touching if follower in FOLLOWERS else "roller"
-        fitting = [each for each in FOLLOWERS.values() if each.unit in members]
-        follower = next(each.name for each in fitting if each.touching == touching)
+        fitting = [declared for declared in FOLLOWERS.values() if declared.unit in members]
+        follower = next(declared.name for declared in fitting if declared.touching == touching)
         tree = next(_other_follower(tree, follower))
     unit = FOLLOWERS[follower].unit
     scenes = [_template(name) for name in LINKAGES[kind].templates]
-    scene = next(each for each in scenes if FOLLOWERS[each["follower"]["kind"]].unit == unit)
-    old, size = _table(tree, "linkage"), _size_of(tree)
+    scene = next(
+        candidate for candidate in scenes if FOLLOWERS[candidate["follower"]["kind"]].unit == unit
+    )
+    old, size = _table(tree, "linkage"), _relative_size(tree)
     nodes = LINKAGES[kind].schema["properties"]
     fresh = {k: _resized(nodes[k], v, size) for k, v in scene["linkage"].items() if k != "kind"}
-    kept = {k: v for k, v in old.items() if k in nodes and not isinstance(v, list | dict)}
-    for table, whole in (({**fresh, **kept}, True), (fresh, True), (fresh, False)):
-        made = {**tree, "linkage": {"kind": kind, **table}}
-        if not whole or is_angular(made) != is_angular(tree):
-            yield _with_reach(made, _reach(scene) * (1 if is_angular(made) else size))
+    reused = {k: v for k, v in old.items() if k in nodes and not isinstance(v, list | dict)}
+    for table, whole in (({**fresh, **reused}, True), (fresh, True), (fresh, False)):
+        candidate = {**tree, "linkage": {"kind": kind, **table}}
+        if not whole or is_angular(candidate) != is_angular(tree):
+            yield _with_reach(candidate, _reach(scene) * (1 if is_angular(candidate) else size))
         else:
-            yield made
+            yield candidate
 
 
 KINDS: Final[Mapping[str, tuple[Mapping[str, Any], Callable[[Tree, str], Iterator[Tree]]]]] = {
@@ -671,7 +677,7 @@ KINDS: Final[Mapping[str, tuple[Mapping[str, Any], Callable[[Tree, str], Iterato
 # -- motions ---------------------------------------------------------------------------------------
 
 
-def _in_other_unit(before: Tree, after: Tree) -> Tree:
+def _convert_positions(before: Tree, after: Tree) -> Tree:
     """The scene `after` with positions in its own unit, if the scene `before` has another one: a
     rocker swings by about the same travel.
     """
@@ -679,7 +685,7 @@ def _in_other_unit(before: Tree, after: Tree) -> Tree:
     if angular == is_angular(before):
         return after
     arms = [_table(tree, "follower").get("arm") for tree in (after, before)]
-    arm = next((each for each in arms if is_number(each)), None) or base_radius(after)
+    arm = next((length for length in arms if is_number(length)), None) or base_radius(after)
     factor = (
         Decimal(math.degrees(1.0)) / Decimal(arm)
         if angular
@@ -699,11 +705,13 @@ def _reach(tree: Tree) -> Decimal:
     """The largest position, as it is stated; 0 without one."""
     motion = tree.get("motion")
     ends = (
-        [each.get("to") for each in motion if isinstance(each, dict)]
+        [segment.get("to") for segment in motion if isinstance(segment, dict)]
         if isinstance(motion, list)
         else []
     )
-    return max((abs(Decimal(each)) for each in ends if is_number(each)), default=Decimal(0))
+    return max(
+        (abs(Decimal(position)) for position in ends if is_number(position)), default=Decimal(0)
+    )
 
 
 def _with_positions(tree: Tree, factor: Decimal) -> Tree:
@@ -711,21 +719,21 @@ def _with_positions(tree: Tree, factor: Decimal) -> Tree:
 
     def scaled(value: Any) -> Any:
         if isinstance(value, list):
-            return [scaled(each) for each in value]
+            return [scaled(item) for item in value]
         if not isinstance(value, dict):
             return value
-        made = {}
-        for key, each in value.items():
-            if key in IN_POSITIONS and is_number(each):
-                made[key] = rounded(Decimal(each) * factor)
+        resized = {}
+        for key, item in value.items():
+            if key in IN_POSITIONS and is_number(item):
+                resized[key] = rounded(Decimal(item) * factor)
             else:
-                made[key] = scaled(each) if key == "points" else each
-        return made
+                resized[key] = scaled(item) if key == "points" else item
+        return resized
 
     motion = tree.get("motion")
     if not isinstance(motion, list):
         return tree
-    return {**tree, "motion": [scaled(each) for each in motion]}
+    return {**tree, "motion": [scaled(segment) for segment in motion]}
 
 
 # -- values ----------------------------------------------------------------------------------------
@@ -733,8 +741,8 @@ def _with_positions(tree: Tree, factor: Decimal) -> Tree:
 
 @functools.cache
 def _template(kind: str) -> Tree:
-    found: Tree = tomllib.loads(template(kind), parse_float=Decimal)
-    return found
+    parsed: Tree = tomllib.loads(template(kind), parse_float=Decimal)
+    return parsed
 
 
 def _table(tree: Tree, key: str) -> dict[str, Any]:
@@ -751,7 +759,7 @@ def _is_point(value: Any) -> TypeGuard[list[int | Decimal]]:
     return isinstance(value, list) and len(value) == 2 and all(map(is_number, value))
 
 
-def _size_of(tree: Tree) -> Decimal:
+def _relative_size(tree: Tree) -> Decimal:
     """How large a scene is, compared with those that `camgeo new` writes."""
     return base_radius(tree) / 50
 
@@ -759,7 +767,7 @@ def _size_of(tree: Tree) -> Decimal:
 def _resized(node: Node, value: Any, size: Decimal) -> Any:
     """A value of a template, larger by `size` if it is a length or a place."""
     if isinstance(value, list):
-        return [_resized(node.get("items", {}), each, size) for each in value]
+        return [_resized(node.get("items", {}), item, size) for item in value]
     return rounded(Decimal(value) * size) if is_length(node) and is_number(value) else value
 
 
@@ -831,7 +839,7 @@ EXAMPLES: Final[Mapping[str, tuple[Table, ...]]] = {
 radii; None for a speed somewhat above that of the cam, and for an end of a spring on a rocker.
 Effects without an entry start empty."""
 
-BESIDE: Final = {"anchor": 1.5, "attachment": 0.0}
+SPRING_ENDS: Final = {"anchor": 1.5, "attachment": 0.0}
 """Ends of a spring on a rocker, see `_end`."""
 
 FASTER: Final = Decimal("1.05")
@@ -841,7 +849,7 @@ THICK: Final = Decimal("0.2")
 """Thickness of a part without one, in base radii."""
 
 
-def switched(given: Given, asked: Any) -> tuple[Tree, str]:
+def switched(original: Original, asked: Any) -> tuple[Tree, str]:
     """The tree with an effect switched on or off, and a label.
 
     `asked` has its `name`, and whether it is to be `on`. What an effect needs is switched on with
@@ -854,18 +862,18 @@ def switched(given: Given, asked: Any) -> tuple[Tree, str]:
     if name not in effect_names():
         raise UnknownNameError("effect", name[:60], effect_names())
     title = name.replace("-", " ")
-    effects = given.tree.get(EFFECTS_KEY)
+    effects = original.tree.get(EFFECTS_KEY)
     if asked["on"]:
         if isinstance(effects, dict) and name in effects:
             raise refusal("is on", f"{EFFECTS_KEY}.{name}")
-        return _on(given, name), f"{title} on"
+        return _enable(original, name), f"{title} on"
     if not isinstance(effects, dict) or name not in effects:
         raise refusal("is off", f"{EFFECTS_KEY}.{name}")
-    return _off(given, name), f"{title} off"
+    return _disable(original, name), f"{title} off"
 
 
-def _on(given: Given, name: str) -> Tree:
-    tree = given.tree
+def _enable(original: Original, name: str) -> Tree:
+    tree = original.tree
     if not isinstance(tree.get(EFFECTS_KEY, {}), dict):
         raise refusal("is no table", EFFECTS_KEY)
     wanted = []
@@ -876,10 +884,10 @@ def _on(given: Given, name: str) -> Tree:
             thick = rounded(base_radius(tree) * THICK)
             tree = edited(tree, {need: thick if need == "part.thickness" else SPEED})
     unmet: list[Fault] = []
-    for made in _with(given, tree, (*wanted, name)):
-        fault = given.unmet(_alone(made, name), name)
+    for candidate in _with_examples(original, tree, (*wanted, name)):
+        fault = original.unmet(_alone(candidate, name), name)
         if fault is None:
-            return made
+            return candidate
         unmet.append(fault)
     raise SceneError(unmet[:1])
 
@@ -895,36 +903,42 @@ def _alone(tree: Tree, name: str) -> Tree:
         needs = {*effect.needs, *(str(path[1]) for path in keys if path[:1] == (EFFECTS_KEY,))}
         waiting += needs - required
         required |= needs
-    own = {each: table for each, table in tree[EFFECTS_KEY].items() if each in required}
-    return {**tree, EFFECTS_KEY: own}
+    necessary = {
+        effect_name: table
+        for effect_name, table in tree[EFFECTS_KEY].items()
+        if effect_name in required
+    }
+    return {**tree, EFFECTS_KEY: necessary}
 
 
-def _with(given: Given, tree: Tree, names: tuple[str, ...]) -> Iterator[Tree]:
+def _with_examples(original: Original, tree: Tree, names: tuple[str, ...]) -> Iterator[Tree]:
     """The trees with examples of all these effects, see `_fitting`; SceneError if the machine
     cannot have one of them.
     """
     if not names:
         yield tree
         return
-    fitting = list(_fitting(given, tree, names[0]))
+    fitting = list(_fitting(original, tree, names[0]))
     if not fitting:
         tried = _with_table(tree, names[0], EXAMPLES.get(names[0], ({},))[0])
-        raise SceneError([each for each in given.faults(tried) if _is_of(each.key, names[0])])
-    for each in fitting:
-        yield from _with(given, each, names[1:])
+        raise SceneError(
+            [fault for fault in original.faults(tried) if _is_effect_key(fault.key, names[0])]
+        )
+    for candidate in fitting:
+        yield from _with_examples(original, candidate, names[1:])
 
 
-def _fitting(given: Given, tree: Tree, name: str) -> Iterator[Tree]:
+def _fitting(original: Original, tree: Tree, name: str) -> Iterator[Tree]:
     """The tree with each example of an effect that leaves nothing wrong with it, but for what was
     wrong before.
     """
     for example in EXAMPLES.get(name, ({},)):
-        made = _with_table(tree, name, example)
-        if not any(_is_of(fault.key, name) for fault in given.new_faults(made)):
-            yield made
+        candidate = _with_table(tree, name, example)
+        if not any(_is_effect_key(fault.key, name) for fault in original.new_faults(candidate)):
+            yield candidate
 
 
-def _is_of(key: str, name: str) -> bool:
+def _is_effect_key(key: str, name: str) -> bool:
     """Whether a key is of the table of that effect."""
     return (path_of(key) or ())[:2] == (EFFECTS_KEY, name)
 
@@ -935,9 +949,9 @@ def _needs(tree: Tree, effect: Effect) -> Iterator[str]:
     waiting = [effect]
     lacking: list[str] = []
     while waiting:
-        each = waiting.pop()
-        seen.add(each.name)
-        for keys in each.keys:
+        pending = waiting.pop()
+        seen.add(pending.name)
+        for keys in pending.keys:
             if any(value_at(tree, path_of(key) or ()) is not None for key in keys):
                 continue
             first = next((key for key in keys if key not in lacking), None)
@@ -946,25 +960,25 @@ def _needs(tree: Tree, effect: Effect) -> Iterator[str]:
             lacking.insert(0, first)
             if first.startswith(f"{EFFECTS_KEY}."):
                 waiting.append(find_effect(first.partition(".")[2]))
-        waiting += [find_effect(name) for name in each.needs if name not in seen]
+        waiting += [find_effect(name) for name in pending.needs if name not in seen]
     yield from lacking
 
 
 def _with_table(tree: Tree, name: str, example: Table) -> Tree:
-    made = {key: _initial(tree, key, value) for key, value in example.items()}
-    return {**tree, EFFECTS_KEY: {**tree.get(EFFECTS_KEY, {}), name: made}}
+    table = {key: _initial(tree, key, value) for key, value in example.items()}
+    return {**tree, EFFECTS_KEY: {**tree.get(EFFECTS_KEY, {}), name: table}}
 
 
 def _initial(tree: Tree, key: str, value: Any) -> Any:
     """What an example states for a key, in the scene's unit."""
     if isinstance(value, Mapping):
-        return {inner: _initial(tree, inner, each) for inner, each in value.items()}
+        return {inner: _initial(tree, inner, item) for inner, item in value.items()}
     if isinstance(value, str) and key != "kind":
         return rounded(Decimal(value) * base_radius(tree))
     if value is not None:
         return value
-    if key in BESIDE:
-        return _end(tree, BESIDE[key])
+    if key in SPRING_ENDS:
+        return _end(tree, SPRING_ENDS[key])
     speed = value_at(tree, ("cam", "speed"))
     return rounded(Decimal(speed if is_number(speed) else SPEED) * FASTER)
 
@@ -976,10 +990,12 @@ def _end(tree: Tree, beside: float) -> list[Decimal]:
     pivot = value_at(tree, ("follower", "pivot"))
     if not _is_point(pivot):
         return []
-    at = complex(*map(float, pivot))
+    pivot_place = complex(*map(float, pivot))
     side = 1j if value_at(tree, ("follower", "arm_side")) == "cw" else -1j
-    found = 0.5 * at + beside * float(base_radius(tree)) * side * at / (abs(at) or 1.0)
-    return [rounded(Decimal(each)) for each in (found.real, found.imag)]
+    end = 0.5 * pivot_place + beside * float(base_radius(tree)) * side * pivot_place / (
+        abs(pivot_place) or 1.0
+    )
+    return [rounded(Decimal(coordinate)) for coordinate in (end.real, end.imag)]
 
 
 def base_radius(tree: Tree) -> Decimal:
@@ -991,15 +1007,15 @@ def base_radius(tree: Tree) -> Decimal:
     return Decimal(50) / Decimal(str(MM_PER[unit]))
 
 
-def _off(given: Given, name: str) -> Tree:
+def _disable(original: Original, name: str) -> Tree:
     """Without it, and without the effects that cannot do without it."""
-    tree = given.tree
+    tree = original.tree
 
     def may(path: KeyPath) -> bool:
         return path[0] == EFFECTS_KEY and len(path) == 2
 
-    made = given.without_misfits(without(tree, (EFFECTS_KEY, name)), may)
-    return made if made[EFFECTS_KEY] else without(made, (EFFECTS_KEY,))
+    remaining = original.without_misfits(without(tree, (EFFECTS_KEY, name)), may)
+    return remaining if remaining[EFFECTS_KEY] else without(remaining, (EFFECTS_KEY,))
 
 
 # -- companions -----------------------------------------------------------------------------------
@@ -1025,72 +1041,72 @@ OF_CONTACT: Final = (
 SAMPLES: Final = 360
 """Points of the pitch curve from which a blank is estimated."""
 
-BLANK_BESIDE: Final = 1.6
+BLANK_REACH: Final = 1.6
 """How far a blank reaches beyond the roller's centre, in roller radii."""
 
 
-def with_companions(given: Given, after: Tree, edits: Mapping[str, Any]) -> Tree:
-    """The tree `after` these edits, with the companions of the choices among them."""
+def with_companions(original: Original, tree: Tree, edits: Mapping[str, Any]) -> Tree:
+    """The `tree` after these edits, with the companions of the choices among them."""
     paths = {path_of(key) or (): value for key, value in edits.items()}
     for path, value in paths.items():
         if not isinstance(value, str | bool):
             continue
         if path[:1] == ("motion",) and path[2:] == ("law",):
-            after = _with_law(given, after, path)
+            tree = _with_law(original, tree, path)
         elif path == CONTACT:
-            after = _with_contact(given, after)
+            tree = _with_contact(original, tree)
         elif path[:1] == ("linkage",) and DIRECTION not in paths:
-            after = given.without_misfits(after, lambda misfit: misfit == DIRECTION)
-    return after
+            tree = original.without_misfits(tree, lambda misfit: misfit == DIRECTION)
+    return tree
 
 
-def _with_law(given: Given, after: Tree, path: KeyPath) -> Tree:
+def _with_law(original: Original, tree: Tree, path: KeyPath) -> Tree:
     """Without the parameters that the law at `path` does not take; a motion through points gets its
     first point.
     """
-    after = with_a_point(after, int(path[1]))
-    own = value_at(after, path[:2])
-    among = [(*path[:2], key) for key in own if key not in COMMON_KEYS]
-    return given.without_misfits(after, lambda misfit: misfit in among)
+    tree = with_a_point(tree, int(path[1]))
+    segment = value_at(tree, path[:2])
+    among = [(*path[:2], key) for key in segment if key not in COMMON_KEYS]
+    return original.without_misfits(tree, lambda misfit: misfit in among)
 
 
-def _with_contact(given: Given, after: Tree) -> Tree:
+def _with_contact(original: Original, tree: Tree) -> Tree:
     """With a blank around a groove or a ring, and a groove half as deep as the part is thick, and
     without the keys that a cam of that contact cannot have.
     """
-    trees = _blanks(given, after)
-    mended = (given.without_misfits(tree, lambda misfit: misfit in OF_CONTACT) for tree in trees)
-    return _first_without(given.new_faults, mended)
+    trees = _blanks(original, tree)
+    mended = (original.without_misfits(tree, lambda misfit: misfit in OF_CONTACT) for tree in trees)
+    return _first_without(original.new_faults, mended)
 
 
-def _blanks(given: Given, after: Tree) -> Iterator[Tree]:
+def _blanks(original: Original, tree: Tree) -> Iterator[Tree]:
     edits: dict[str, Any] = {}
-    if value_at(after, ("part", "rim")) is None:
-        edits["part.rim"] = _diameter(given)
-    thick = value_at(after, ("part", "thickness"))
+    if value_at(tree, ("part", "rim")) is None:
+        edits["part.rim"] = _diameter(original)
+    thick = value_at(tree, ("part", "thickness"))
     deep = dict(edits)
-    if is_number(thick) and value_at(after, ("part", "groove_depth")) is None:
+    if is_number(thick) and value_at(tree, ("part", "groove_depth")) is None:
         deep["part.groove_depth"] = rounded(Decimal(thick) / 2)
-    part = after.get("part", {})
+    part = tree.get("part", {})
     if isinstance(part, dict):
-        yield edited(after, deep) if deep else after
-        yield edited(after, edits) if edits else after
-    yield after
+        yield edited(tree, deep) if deep else tree
+        yield edited(tree, edits) if edits else tree
+    yield tree
 
 
-def _diameter(given: Given) -> Any:
+def _diameter(original: Original) -> Any:
     """Diameter of a blank with room all around for the roller."""
     try:
-        cam = given.design.cam
+        cam = original.design.cam
         phi = np.linspace(0.0, TURN, SAMPLES, endpoint=False)
         reach = float(np.max(np.abs(cam.disc.pitch_curve.point(phi))))
-        reach += BLANK_BESIDE * cam.follower.roller_radius
-        return rounded(Decimal(2.0 * reach / MM_PER[given.design.scene.unit]))
+        reach += BLANK_REACH * cam.follower.roller_radius
+        return rounded(Decimal(2.0 * reach / MM_PER[original.design.scene.unit]))
     except CamgeoError:  # no design as yet
         return 200
 
 
-# -- given ----------------------------------------------------------------------------------------
+# -- original -------------------------------------------------------------------------------------
 # What a change starts from, and the scenes that are tried in making it.
 
 
@@ -1099,7 +1115,7 @@ ROUNDS: Final = 6
 
 
 @dataclass(frozen=True)
-class Given:
+class Original:
     """A text to be changed.
 
     Attributes

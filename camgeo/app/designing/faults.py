@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, Final
 
-from camgeo.app.answers.answer import MARKS, faults_of
+from camgeo.app.answers.answer import MARKS, error_faults
 from camgeo.errors import CamgeoError, Fault
 from camgeo.scene.keys import key_lines, line_of, path_of
 from camgeo.units import counted
@@ -16,24 +16,24 @@ def faults_as_data(error: CamgeoError, text: str = "") -> list[dict[str, Any]]:
     """The faults of a scene with that `text`; any other error as a single fault, at its key."""
     return [
         {
-            "key": each.key,
-            "value": each.value,
-            "message": each.message,
-            "hint": each.hint,
-            "line": each.line,
+            "key": fault.key,
+            "value": fault.value,
+            "message": fault.message,
+            "hint": fault.hint,
+            "line": fault.line,
         }
-        for each in _with_lines(faults_of(error), text)
+        for fault in _with_lines(error_faults(error), text)
     ]
 
 
 def _with_lines(faults: tuple[Fault, ...], text: str) -> tuple[Fault, ...]:
     """The faults, those that a computation found with the lines of their keys as well."""
-    if all(each.line is not None or not each.key for each in faults):
+    if all(fault.line is not None or not fault.key for fault in faults):
         return faults
     lines = key_lines(text.replace("\r\n", "\n"))  # only a text that is TOML has faults with keys
     return tuple(
-        each if each.line else replace(each, line=line_of(path_of(each.key) or (), lines))
-        for each in faults
+        fault if fault.line else replace(fault, line=line_of(path_of(fault.key) or (), lines))
+        for fault in faults
     )
 
 
@@ -56,7 +56,7 @@ Results = Mapping[str, Mapping[str, Any]]
 """
 
 
-def verdict_of(results: Results) -> dict[str, Any]:
+def scene_verdict(results: Results) -> dict[str, Any]:
     """The verdict: its `severity`, a `sentence`, and the `faults`.
 
     The severity is "invalid" if there are faults, else `UNKNOWN` or `WAITING` if that holds, else
@@ -75,6 +75,6 @@ def verdict_of(results: Results) -> dict[str, Any]:
         return {"severity": UNKNOWN, "sentence": f"There is no verdict: {refused}.", "faults": []}
     if "findings" not in judged:
         return {"severity": WAITING, "sentence": "Findings are being computed.", "faults": []}
-    severities = {each["severity"] for each in judged["findings"]}
-    worst = next((each for each in MARKS if each in severities), "ok")
+    severities = {finding["severity"] for finding in judged["findings"]}
+    worst = next((severity for severity in MARKS if severity in severities), "ok")
     return {"severity": worst, "sentence": judged["verdict"], "faults": []}

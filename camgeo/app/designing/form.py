@@ -33,19 +33,19 @@ def span_key(segment: Segment) -> str:
     return "dwell" if "dwell" in segment else "span"
 
 
-def span_of(segment: Any) -> Decimal | None:
+def segment_span(segment: Any) -> Decimal | None:
     """Its span [degrees], exactly as written; None if it has no possible one."""
-    found = segment.get(span_key(segment)) if isinstance(segment, dict) else None
-    return Decimal(found) if is_number(found) and 0 <= found <= FULL_TURN else None
+    stated = segment.get(span_key(segment)) if isinstance(segment, dict) else None
+    return Decimal(stated) if is_number(stated) and 0 <= stated <= FULL_TURN else None
 
 
-def spans_of(motion: Any) -> list[Decimal] | None:
+def motion_spans(motion: Any) -> list[Decimal] | None:
     """The spans of all segments; None if one of them has none."""
     if not isinstance(motion, list):
         return None
-    found = [span_of(each) for each in motion]
-    spans = [each for each in found if each is not None]
-    return spans if len(spans) == len(found) else None
+    possible = [segment_span(segment) for segment in motion]
+    spans = [span for span in possible if span is not None]
+    return spans if len(spans) == len(possible) else None
 
 
 def joints(spans: Sequence[Decimal]) -> list[Decimal]:
@@ -68,15 +68,15 @@ def is_fixed(segment: Segment) -> bool:
     return segment.get("law") == "table"
 
 
-def span_beside(first: Segment, second: Segment, span: Decimal) -> Decimal:
+def neighbour_span(first: Segment, second: Segment, span: Decimal) -> Decimal:
     """The span of the second of two neighbours, whose sum stays, if that of the first is `span`;
     GeometryError if one has no room.
     """
-    before = span_of(first), span_of(second)
-    assert before[0] is not None  # only valid scenes have handles
-    assert before[1] is not None
+    old_spans = segment_span(first), segment_span(second)
+    assert old_spans[0] is not None  # only valid scenes have handles
+    assert old_spans[1] is not None
     with localcontext(EXACT):
-        other = before[1] - (span - before[0])
+        other = old_spans[1] - (span - old_spans[0])
     for segment, new, name in (
         (first, span, "this segment"),
         (second, other, "the one beside it"),
@@ -109,7 +109,7 @@ def step_near(step: float) -> Decimal:
     step = min(max(step, STEPS[0]), STEPS[1])
     exponent = math.floor(math.log10(step * (1.0 + 1e-12)))
     digits = step / 10.0**exponent * (1.0 + 1e-12)
-    return Decimal(max(each for each in (1, 2, 5) if each <= digits)).scaleb(exponent)
+    return Decimal(max(digit for digit in (1, 2, 5) if digit <= digits)).scaleb(exponent)
 
 
 def styled(value: Decimal, before: Any) -> Any:
@@ -131,7 +131,7 @@ Data = dict[str, Any]
 MOST: Final = 50
 """Tables of one list, e.g. tools, that a form shows."""
 
-APART: Final = ("camgeo", "motion")
+EXCLUDED: Final = ("camgeo", "motion")
 """Keys that are not in the form: the first has only one value, and the motion is a plan."""
 
 KINDS: Final[Mapping[str, Mapping[str, FollowerKind | LinkageKind]]] = {
@@ -165,10 +165,10 @@ def _section(
 def _inner(fields: Fields, path: KeyPath, node: Node) -> Iterator[Data]:
     """The tables within a table."""
     inner = fields.document.plain if not path else fields.document.at(path)
-    for key, each in keys_of(node, inner if isinstance(inner, dict) else {}).items():
-        if not path and key in APART:
+    for key, child in keys_of(node, inner if isinstance(inner, dict) else {}).items():
+        if not path and key in EXCLUDED:
             continue
-        yield from _sections(fields, (*path, key), resolved(each))
+        yield from _sections(fields, (*path, key), resolved(child))
 
 
 def _sections(fields: Fields, path: KeyPath, node: Node) -> Iterator[Data]:
@@ -190,21 +190,21 @@ def _table(fields: Fields, path: KeyPath, node: Node, description: str) -> Itera
         None
         if known is None
         else [
-            {"value": name, "title": name.replace("-", " "), "description": each.description}
-            for name, each in known.items()
+            {"value": name, "title": name.replace("-", " "), "description": declaration.description}
+            for name, declaration in known.items()
         ]
     )
-    own = [
-        each
-        for each in fields.of_table(path, node)
-        if known is None or not each["key"].endswith(".kind")
+    table_fields = [
+        table_field
+        for table_field in fields.table_fields(path, node)
+        if known is None or not table_field["key"].endswith(".kind")
     ]
-    if own or kinds is not None:
+    if table_fields or kinds is not None:
         yield _section(
             spelled(path),
-            title_of(path),
+            key_title(path),
             description,
-            own,
+            table_fields,
             stated=table is not None,
             kind=kind,
             kinds=kinds,
@@ -288,18 +288,18 @@ class Fields:
 
     def unit(self, path: KeyPath) -> str:
         """The unit of the number at a key."""
-        return self.unit_of(path, self.node(path))
+        return self.node_unit(path, self.node(path))
 
-    def unit_of(self, path: KeyPath, node: Node) -> str:
+    def node_unit(self, path: KeyPath, node: Node) -> str:
         """The unit of the number at a key with that `node`."""
         if path[:1] == ("motion",) and path[-1] in POSITIONS:
             return f"{self.position}{POSITIONS[str(path[-1])]}"
-        found = resolved(node)
-        if "x-unit" in found:
-            unit: str = found["x-unit"]
+        resolved_node = resolved(node)
+        if "x-unit" in resolved_node:
+            unit: str = resolved_node["x-unit"]
             return UNITS.get(unit, unit)
-        items = found.get("items", {})
-        if "x-default-mm" in found or is_length(node) or is_length(items):
+        items = resolved_node.get("items", {})
+        if "x-default-mm" in resolved_node or is_length(node) or is_length(items):
             return f"{self.length}/min" if path[-1] in FEEDS else self.length
         return str(resolved(items).get("x-unit", ""))
 
@@ -314,42 +314,46 @@ class Fields:
         `high`, limits of a number; `slider`, least and greatest value of a sensible range, and its
         step. What is empty is left out, except the value.
         """
-        found = resolved(node)
-        if not found or has_keys(found) or has_keys(resolved(found.get("items", {}))):
+        resolved_node = resolved(node)
+        if (
+            not resolved_node
+            or has_keys(resolved_node)
+            or has_keys(resolved(resolved_node.get("items", {})))
+        ):
             return None
         exact = self.document.at(path)
-        default = self._default(path, found)
+        default = self._default(path, resolved_node)
         value = default if exact is None else plain(exact)
-        kind = _type(found, value)
-        low, high = _limits(found)
+        kind = _type(resolved_node, value)
+        low, high = _limits(resolved_node)
         slider = None
         if kind == "number" and isinstance(value, int | float) and not isinstance(value, bool):
-            slider = slider_of(value, low, high, whole=found.get("type") == "integer")
+            slider = slider_range(value, low, high, whole=resolved_node.get("type") == "integer")
         rest = {
-            "description": in_unit(found.get("description", ""), self.length),
-            "unit": self.unit_of(path, node),
+            "description": in_unit(resolved_node.get("description", ""), self.length),
+            "unit": self.node_unit(path, node),
             "default": default,
-            "choices": list(_choices(found)),
+            "choices": list(_choices(resolved_node)),
             "low": low,
             "high": high,
             "slider": None if slider is None else list(slider),
         }
         return {
             "key": spelled(path),
-            "title": title_of(path),
+            "title": key_title(path),
             "type": kind,
             "value": value,
             "stated": exact is not None,
-            **{key: each for key, each in rest.items() if each not in (None, "", [])},
+            **{key: item for key, item in rest.items() if item not in (None, "", [])},
         }
 
-    def of_table(self, path: KeyPath, node: Node) -> Iterator[Data]:
+    def table_fields(self, path: KeyPath, node: Node) -> Iterator[Data]:
         """The fields of a table, without those of tables in it."""
         inner = value_at(self.document.plain, path)
-        for key, each in keys_of(node, inner if isinstance(inner, dict) else {}).items():
-            found = self.field((*path, key), each)
-            if found is not None:
-                yield found
+        for key, child in keys_of(node, inner if isinstance(inner, dict) else {}).items():
+            table_field = self.field((*path, key), child)
+            if table_field is not None:
+                yield table_field
 
     def form(self) -> list[Data]:
         """The tables of the scene: those that it has and those that it could have.
@@ -360,12 +364,12 @@ class Fields:
         its `fields`.
         """
         root = self.composed.root
-        own = [
-            found
+        scene_fields = [
+            scene_field
             for key, node in root["properties"].items()
-            if key not in APART and (found := self.field((key,), node)) is not None
+            if key not in EXCLUDED and (scene_field := self.field((key,), node)) is not None
         ]
-        return [_section("", "scene", "", own), *_inner(self, (), root)]
+        return [_section("", "scene", "", scene_fields), *_inner(self, (), root)]
 
     def plan(self) -> list[Data]:
         """The segments of the scene; none if its motion is no list.
@@ -380,12 +384,12 @@ class Fields:
             return []
         node = self.node(("motion",)).get("items", {})
         spans = []
-        for each in motion[:MOST_SEGMENTS]:
-            span = span_of(each)
+        for segment in motion[:MOST_SEGMENTS]:
+            span = segment_span(segment)
             if span is None:
                 break
             spans.append(span)
-        angles = [float(each) for each in joints(spans)]
+        angles = [float(angle) for angle in joints(spans)]
         rows = []
         position: float | None = 0.0
         for index, segment in enumerate(motion[:MOST_SEGMENTS]):
@@ -394,8 +398,8 @@ class Fields:
             rests = "dwell" in table
             start = position
             if not rests:
-                to = plain(table.get("to"))
-                position = to if isinstance(to, int | float) else None
+                end = plain(table.get("to"))
+                position = end if isinstance(end, int | float) else None
             rows.append(
                 {
                     "index": index,
@@ -405,7 +409,7 @@ class Fields:
                     "start": start,
                     "end": position,
                     "law": law if isinstance(law, str) and not rests else None,
-                    "fields": list(_fitting(self.of_table(("motion", index), node), law)),
+                    "fields": list(_fitting(self.table_fields(("motion", index), node), law)),
                 }
             )
         return rows
@@ -447,10 +451,10 @@ def is_length(node: Node | bool) -> bool:
 def plain(value: Any) -> Any:
     """A value for JSON, cut if it is long; None if it cannot be shown."""
     if isinstance(value, Decimal):
-        found = float(value)
-        return found if math.isfinite(found) else None
+        number = float(value)
+        return number if math.isfinite(number) else None
     if isinstance(value, list):
-        return [plain(each) for each in value[:LONGEST]]
+        return [plain(item) for item in value[:LONGEST]]
     if isinstance(value, Mapping):
         return {str(key)[:LONGEST]: plain(value[key]) for key in list(value)[:LONGEST]}
     if isinstance(value, int) and not isinstance(value, bool):
@@ -467,40 +471,40 @@ def has_keys(node: Node) -> bool:
 
 def _alternatives(node: Node) -> list[Node]:
     among: list[Node] = node.get("anyOf") or [node]
-    return [resolved(each) for each in among]
+    return [resolved(alternative) for alternative in among]
 
 
 def _choices(node: Node) -> tuple[Any, ...]:
-    found: list[Any] = list(node.get("x-values") or ())
-    for each in (*_alternatives(node), resolved(node.get("items", {}))):
-        found += each.get("enum", [])
-        if "const" in each:
-            found.append(each["const"])
-    return tuple(found)
+    choices: list[Any] = list(node.get("x-values") or ())
+    for alternative in (*_alternatives(node), resolved(node.get("items", {}))):
+        choices += alternative.get("enum", [])
+        if "const" in alternative:
+            choices.append(alternative["const"])
+    return tuple(choices)
 
 
 def _type(node: Node, value: Any) -> Type:
-    kinds = [each.get("type") for each in _alternatives(node)]
+    kinds = [alternative.get("type") for alternative in _alternatives(node)]
     if "array" in kinds:
         return "list"
     if "boolean" in kinds:
         return "flag"
     if ("number" in kinds or "integer" in kinds) and not isinstance(value, str):
         return "number"
-    if any("enum" in each or "const" in each for each in _alternatives(node)):
+    if any("enum" in alternative or "const" in alternative for alternative in _alternatives(node)):
         return "choice"
     return "file" if "x-file" in node or "x-path" in node else "text"
 
 
 def _limits(node: Node) -> tuple[float | None, float | None]:
-    for each in _alternatives(node):
-        if each.get("type") in ("number", "integer"):
-            low = each.get("minimum", each.get("exclusiveMinimum"))
-            return low, each.get("maximum", each.get("exclusiveMaximum"))
+    for alternative in _alternatives(node):
+        if alternative.get("type") in ("number", "integer"):
+            low = alternative.get("minimum", alternative.get("exclusiveMinimum"))
+            return low, alternative.get("maximum", alternative.get("exclusiveMaximum"))
     return None, None
 
 
-def slider_of(
+def slider_range(
     value: float, low: float | None, high: float | None, *, whole: bool = False
 ) -> tuple[float, float, float] | None:
     """A sensible range about a value, in steps of 1 for a `whole` number; None if there is none."""
@@ -522,10 +526,10 @@ def slider_of(
 def _round_above(value: float) -> float:
     """The least power of ten, or 2 or 5 times one, above `value`."""
     power = 10.0 ** math.floor(math.log10(value))
-    return next(each * power for each in (1.0, 2.0, 5.0, 10.0) if each * power > value)
+    return next(digit * power for digit in (1.0, 2.0, 5.0, 10.0) if digit * power > value)
 
 
-def title_of(path: KeyPath) -> str:
+def key_title(path: KeyPath) -> str:
     """What a key is called: "roller radius" for follower.roller_radius."""
     words = [str(step) for step in path if isinstance(step, str)]
     if not words:
@@ -551,9 +555,11 @@ OPTIMISE: Final = "optimise"
 def _fitting(fields: Iterable[Data], law: Any) -> Iterator[Data]:
     """The fields that the law takes, and those that are stated although it does not."""
     known = isinstance(law, str) and (law in FAMILIES or law in ALIASES or law == AUTO)
-    taken = parameters_of(law) if known else frozenset(SHAPES)
-    for each in fields:
-        key = each["key"].rpartition(".")[2]
-        idle = (key in (*SHAPES, JERK) and key not in taken) or (key == OPTIMISE and law != AUTO)
-        if each["stated"] or not idle:
-            yield each
+    parameters = parameters_of(law) if known else frozenset(SHAPES)
+    for field in fields:
+        key = field["key"].rpartition(".")[2]
+        idle = (key in (*SHAPES, JERK) and key not in parameters) or (
+            key == OPTIMISE and law != AUTO
+        )
+        if field["stated"] or not idle:
+            yield field

@@ -18,14 +18,14 @@ import numpy as np
 from camgeo.app.designing.form import (
     is_fixed,
     joints,
+    key_title,
     least_span,
-    span_beside,
+    motion_spans,
+    neighbour_span,
+    segment_span,
     span_key,
-    span_of,
-    spans_of,
     step_near,
     styled,
-    title_of,
 )
 from camgeo.cam.cam import Yoke
 from camgeo.design.design import Design
@@ -62,7 +62,7 @@ class Handle:
     space : of its coordinates: "plan", degrees and positions in the panel of the motion plan, or
         "mechanism", mm in the fixed frame at cam angle 0.
     panel : of the figure "motion", in the plan; 0 in the mechanism.
-    at : where it is.
+    place : where it is.
     moves : how it can be moved.
     values : what it changes: the `key` of each, its `label` and `unit`, and its `value` as the
         scene states it, or what it is if the scene does not state it.
@@ -74,7 +74,7 @@ class Handle:
     kind: str
     space: Literal["plan", "mechanism"]
     panel: int
-    at: Place
+    place: Place
     moves: Moves
     values: tuple[dict[str, Any], ...]
     edits: Callable[[Place, Place], Edits] = field(repr=False)
@@ -82,7 +82,7 @@ class Handle:
     @property
     def keys(self) -> tuple[str, ...]:
         """Keys of the scene that it changes; for an item of a list, the key of the list."""
-        return tuple(dict.fromkeys(LAST_POSITION.sub("", each["key"]) for each in self.values))
+        return tuple(dict.fromkeys(LAST_POSITION.sub("", value["key"]) for value in self.values))
 
     def to_data(self) -> dict[str, Any]:
         """For JSON, without `edits`."""
@@ -91,7 +91,7 @@ class Handle:
             "kind": self.kind,
             "space": self.space,
             "panel": self.panel,
-            "at": list(self.at),
+            "at": list(self.place),
             "moves": self.moves,
             "label": self.name,
             "values": list(self.values),
@@ -100,9 +100,9 @@ class Handle:
 
 def handles(design: Design) -> Iterator[Handle]:
     """All handles of a design, those of its motion plan first."""
-    yield from _of_plan(design)
-    for each in _grips(design):
-        yield _of_grip(design.scene, each)
+    yield from _plan_handles(design)
+    for grip in _grips(design):
+        yield _grip_handle(design.scene, grip)
 
 
 FINEST: Final = 1e-6
@@ -114,7 +114,7 @@ def dragged(design: Design, name: str, to: Any, step: Any = None) -> tuple[Handl
 
     Parameters
     ----------
-    to : two coordinates, as those of `Handle.at`.
+    to : two coordinates, as those of `Handle.place`.
     step : to whose multiples values are rounded, in the units of `to`: a number, or one for each
         direction; None for the finest.
 
@@ -125,9 +125,11 @@ def dragged(design: Design, name: str, to: Any, step: Any = None) -> tuple[Handl
     SceneError
         If `to` or `step` is not of that form, or the handle cannot be there.
     """
-    handle = next((each for each in handles(design) if each.name == name), None)
+    handle = next((candidate for candidate in handles(design) if candidate.name == name), None)
     if handle is None:
-        raise UnknownNameError("handle", str(name)[:60], [each.name for each in handles(design)])
+        raise UnknownNameError(
+            "handle", str(name)[:60], [candidate.name for candidate in handles(design)]
+        )
     message = f"a handle is dropped at two numbers, [x, y], -{FARTHEST:g} to {FARTHEST:g}"
     place = _two(to, -FARTHEST, message)
     if step is None:
@@ -147,57 +149,57 @@ def _grips(design: Design) -> Iterator[Grip]:
     scene = design.scene
     if scene.follower is None:
         return
-    yield from grips_of(scene.follower, scene.yoke)
+    yield from follower_grips(scene.follower, scene.yoke)
     if scene.mount is not None and scene.returning is not None:
         yield from return_grips(scene.follower, scene.mount, scene.returning)
     if scene.linkage is not None:
         yield from linkage_grips(scene.linkage, *design.disc.pictured.linkage_joint)
 
 
-def _of_plan(design: Design) -> Iterator[Handle]:
+def _plan_handles(design: Design) -> Iterator[Handle]:
     """The handles of the motion plan."""
     scene = design.scene
     motion = scene.stated.scene.exact["motion"]
-    angles = [float(each) for each in joints(spans_of(motion) or ())]
+    angles = [float(angle) for angle in joints(motion_spans(motion) or ())]
     scale = math.degrees(1.0) if design.drive.unit == "rad" else 1.0 / MM_PER[scene.unit]
     positions = scale * design.drive.plan.jet(np.radians(angles[:-1]))[0]
     unit = "°" if design.drive.unit == "rad" else scene.unit
-    yield from _of_motion(motion, positions.tolist(), unit)
+    yield from _motion_handles(motion, positions.tolist(), unit)
 
 
-def _of_grip(scene: Scene, grip: Grip) -> Handle:
+def _grip_handle(scene: Scene, grip: Grip) -> Handle:
     unit = scene.unit
-    now = grip.sizes(grip.at)
+    now = grip.sizes(grip.place)
     values = []
     for key, size in now.items():
-        label = title_of(path_of(key) or ())
-        before = _before(scene, key, size)
-        if isinstance(before, list):
+        label = key_title(path_of(key) or ())
+        present = _present_value(scene, key, size)
+        if isinstance(present, list):
             parts = ("from", "to") if key.endswith("face") else ("x", "y")
-            for number, (part, each) in enumerate(zip(parts, before, strict=True), 1):
-                values.append(_value(f"{key}[{number}]", f"{label} {part}", unit, each))
+            for number, (part, coordinate) in enumerate(zip(parts, present, strict=True), 1):
+                values.append(_value(f"{key}[{number}]", f"{label} {part}", unit, coordinate))
         else:
-            values.append(_value(key, label, "°" if size.arm else unit, before))
+            values.append(_value(key, label, "°" if size.arm else unit, present))
 
     def edits(to: Place, steps: Place) -> Edits:
-        found: dict[str, Any] = {}
+        changes: dict[str, Any] = {}
         step = min(steps) / MM_PER[unit]
         for key, size in grip.sizes(complex(*to)).items():
-            before = _before(scene, key, now[key])
-            value = _settled(scene, size, step, before)
-            if value != before:
-                found[key] = value
-        return found
+            present = _present_value(scene, key, now[key])
+            value = _settled(scene, size, step, present)
+            if value != present:
+                changes[key] = value
+        return changes
 
-    at = grip.at.real, grip.at.imag
-    return Handle(grip.name, grip.kind, "mechanism", 0, at, grip.moves, tuple(values), edits)
+    place = grip.place.real, grip.place.imag
+    return Handle(grip.name, grip.kind, "mechanism", 0, place, grip.moves, tuple(values), edits)
 
 
 def _value(key: str, label: str, unit: str, value: Any) -> dict[str, Any]:
     return {"key": key, "label": label, "unit": unit, "value": float(value)}
 
 
-def _before(scene: Scene, key: str, now: Size) -> Any:
+def _present_value(scene: Scene, key: str, now: Size) -> Any:
     """The value that the scene states at `key`, or else the one that it has by default."""
     stated = value_at(scene.stated.scene.exact, path_of(key) or ())
     return _numbers(scene, now) if stated is None else stated
@@ -213,23 +215,25 @@ def snapped(value: float, step: float, before: Any = None) -> Any:
     It is `before`, the number that was there, if that is within half a step of it. A whole number
     is an integer unless `before` was written as a decimal number.
     """
-    by = step_near(step)
-    if before is not None and abs(value - float(before)) <= 0.5 * float(by):
+    grid = step_near(step)
+    if before is not None and abs(value - float(before)) <= 0.5 * float(grid):
         return before
     with localcontext() as context:
         context.prec = DIGITS
-        steps = (Decimal(value) / by).quantize(Decimal(1), ROUND_HALF_EVEN)
-        return styled(steps * by, before)
+        steps = (Decimal(value) / grid).quantize(Decimal(1), ROUND_HALF_EVEN)
+        return styled(steps * grid, before)
 
 
 def _settled(scene: Scene, size: Size, step: float, before: Any) -> Any:
     """The value of `size` as the scene states it, rounded."""
-    found = _numbers(scene, size)
-    if isinstance(found, list):
-        return [snapped(*each) for each in zip(found, (step, step), before, strict=True)]
+    numbers = _numbers(scene, size)
+    if isinstance(numbers, list):
+        return [
+            snapped(*arguments) for arguments in zip(numbers, (step, step), before, strict=True)
+        ]
     if size.arm:
         step = max(math.degrees(step * MM_PER[scene.unit] / size.arm), FINEST)
-    return snapped(found, step, before)
+    return snapped(numbers, step, before)
 
 
 def _numbers(scene: Scene, size: Size) -> Any:
@@ -242,13 +246,14 @@ def _numbers(scene: Scene, size: Size) -> Any:
 
 def _two(value: Any, least: float, message: str) -> Place:
     """Two numbers that may come from anywhere, from `least` on; SceneError if they are none."""
-    found = tuple(value) if isinstance(value, list | tuple) else ()
+    numbers = tuple(value) if isinstance(value, list | tuple) else ()
     real = all(
-        isinstance(each, int | float | Decimal) and not isinstance(each, bool) for each in found
+        isinstance(number, int | float | Decimal) and not isinstance(number, bool)
+        for number in numbers
     )
-    if len(found) != 2 or not real or not all(least <= each <= FARTHEST for each in found):
+    if len(numbers) != 2 or not real or not all(least <= number <= FARTHEST for number in numbers):
         raise SceneError([Fault("", "", message)])
-    return float(found[0]), float(found[1])
+    return float(numbers[0]), float(numbers[1])
 
 
 # -- grips ----------------------------------------------------------------------------------------
@@ -297,7 +302,7 @@ class Grip:
     ----------
     name : its own among all of the mechanism.
     kind : what it is, e.g. "pivot" or "roller".
-    at : where it is [mm].
+    place : where it is [mm].
     moves : how it can be moved.
     sizes : the values with which it is at a place [mm], or as near to that as it can move.
         GeometryError for a place where it cannot be.
@@ -305,13 +310,13 @@ class Grip:
 
     name: str
     kind: str
-    at: complex
+    place: complex
     moves: Moves
     sizes: Callable[[complex], Sizes]
 
 
 @singledispatch
-def grips_of(follower: Follower, yoke: Yoke | None) -> Iterator[Grip]:
+def follower_grips(follower: Follower, yoke: Yoke | None) -> Iterator[Grip]:
     """The grips of a follower, perhaps with a `yoke`, and then without an offset.
 
     None unless they are registered for its class.
@@ -320,7 +325,7 @@ def grips_of(follower: Follower, yoke: Yoke | None) -> Iterator[Grip]:
     yield from ()
 
 
-@grips_of.register
+@follower_grips.register
 def _(follower: TranslatingRoller, yoke: Yoke | None) -> Iterator[Grip]:
     outward = follower.outward
 
@@ -337,7 +342,7 @@ def _(follower: TranslatingRoller, yoke: Yoke | None) -> Iterator[Grip]:
     yield _guide(follower, follower.guide_angle)
 
 
-@grips_of.register
+@follower_grips.register
 def _(follower: OscillatingRoller, _: Yoke | None) -> Iterator[Grip]:
     pivot, here = follower.pivot, follower.pivot + follower.start_arm
 
@@ -356,7 +361,7 @@ def _(follower: OscillatingRoller, _: Yoke | None) -> Iterator[Grip]:
     yield from _roller("roller", "follower.", here, follower)
 
 
-@grips_of.register
+@follower_grips.register
 def _(follower: TranslatingFlat, yoke: Yoke | None) -> Iterator[Grip]:
     outward = follower.outward
 
@@ -369,7 +374,7 @@ def _(follower: TranslatingFlat, yoke: Yoke | None) -> Iterator[Grip]:
     yield _guide(follower, follower.guide_angle)
 
 
-@grips_of.register
+@follower_grips.register
 def _(follower: OscillatingFlat, _: Yoke | None) -> Iterator[Grip]:
     pivot, foot = follower.pivot, follower.pivot + follower.start_arm
     sign = math.copysign(1.0, follower.face_offset)
@@ -415,11 +420,11 @@ def _(follower: OscillatingRoller, mount: Mount, returning: Follower) -> Iterato
     pivot, arm, now = follower.pivot, returning.start_arm, dict(mount.given)["arm_angle"]
 
     def centre(to: complex) -> Sizes:
-        own = to - pivot
-        angle = within_a_turn(now + phase(own / arm))
+        new_arm = to - pivot
+        angle = reduce_angle(now + phase(new_arm / arm))
         return {
-            "follower.return.arm": Size(abs(own)),
-            "follower.return.arm_angle": Size(angle, abs(own)),
+            "follower.return.arm": Size(abs(new_arm)),
+            "follower.return.arm_angle": Size(angle, abs(new_arm)),
         }
 
     yield Grip("return roller centre", "arm", pivot + arm, "xy", centre)
@@ -432,9 +437,9 @@ def _pivot(pivot: complex) -> Grip:
 
 def _base_circle(follower: Follower, way: complex, yoke: Yoke | None) -> Grip:
     """The base circle, gripped on the side away from the follower."""
-    at = follower.base_radius * way / abs(way)
+    place = follower.base_radius * way / abs(way)
     return Grip(
-        "base circle", "base-circle", at, "radial",
+        "base circle", "base-circle", place, "radial",
         lambda to: _base_radius(follower, abs(to), yoke),
     )  # fmt: skip
 
@@ -461,13 +466,13 @@ def _roller(name: str, table: str, centre: complex, follower: Follower) -> Itera
 
 def _guide(follower: Follower, angle: float) -> Grip:
     """The guide, which turns about the cam axis."""
-    at = follower.held((0.0, 0.0))[1]
+    place = follower.held((0.0, 0.0))[1]
 
     def turned(to: complex) -> Sizes:
-        new = within_a_turn(angle + phase(to / at))
-        return {"follower.guide_angle": Size(new, abs(at))}
+        new = reduce_angle(angle + phase(to / place))
+        return {"follower.guide_angle": Size(new, abs(place))}
 
-    return Grip("guide", "guide", at, "radial", turned)
+    return Grip("guide", "guide", place, "radial", turned)
 
 
 def _face_ends(follower: Follower) -> Iterator[Grip]:
@@ -488,7 +493,7 @@ def _face_ends(follower: Follower) -> Iterator[Grip]:
     yield Grip("face end", "face", foot + end * way, "radial", last)
 
 
-def within_a_turn(angle: float) -> float:
+def reduce_angle(angle: float) -> float:
     """The same direction from -2 pi to 2 pi."""
     return angle if abs(angle) <= TURN else math.remainder(angle, TURN)
 
@@ -521,7 +526,7 @@ def linkage_grips(linkage: Linkage, place: complex, outward: complex) -> Iterato
 
 @linkage_grips.register
 def _(linkage: FourBar, place: complex, _: complex) -> Iterator[Grip]:
-    seen_pin, seen_tip = (complex(each[0]) for each in linkage.joints(np.zeros(1)))
+    seen_pin, seen_tip = (complex(joint[0]) for joint in linkage.joints(np.zeros(1)))
     shaft, pin, tip = place + linkage.shaft, place + seen_pin, place + seen_tip
 
     def crank(to: complex) -> Sizes:
@@ -534,7 +539,7 @@ def _(linkage: FourBar, place: complex, _: complex) -> Iterator[Grip]:
         return {"linkage.crank": Size(abs(to - place)), "linkage.coupler": Size(abs(pin - to))}
 
     def lever(to: complex) -> Sizes:
-        angle = within_a_turn(linkage.lever_angle + phase((to - shaft) / (pin - shaft)))
+        angle = reduce_angle(linkage.lever_angle + phase((to - shaft) / (pin - shaft)))
         length = abs(to - shaft)
         return {"linkage.lever": Size(length), "linkage.lever_angle": Size(angle, length)}
 
@@ -547,7 +552,7 @@ def _(linkage: FourBar, place: complex, _: complex) -> Iterator[Grip]:
 def _(linkage: SliderCrank, place: complex, _: complex) -> Iterator[Grip]:
     if linkage.coupler_tilt > PARALLEL:
         return
-    pin, tip = (place + complex(each[0]) for each in linkage.joints(np.zeros(1)))
+    pin, tip = (place + complex(joint[0]) for joint in linkage.joints(np.zeros(1)))
     yield Grip("crank", "joint", tip, "xy", lambda to: _crank(linkage, to - place))
     yield Grip("slider", "joint", pin, "x", lambda to: _coupler((to - tip).real, (pin - tip).real))
 
@@ -558,13 +563,13 @@ def _(linkage: SliderDrivenCrank, place: complex, outward: complex) -> Iterator[
     if inner.coupler_tilt > PARALLEL:
         return
     turn = outward * inner.slider_sense
-    seen_pin, seen_tip = (complex(each[0]) for each in inner.joints(np.zeros(1)))
+    seen_pin, seen_tip = (complex(joint[0]) for joint in inner.joints(np.zeros(1)))
     shaft = place - turn * seen_pin
 
     def crank(to: complex) -> Sizes:
         # How far the pictured rod reaches along the guide depends on the stroke, and so on these.
-        beside = ((to - place) * turn.conjugate()).imag
-        return _crank(inner, complex(seen_tip.real, -beside))
+        across = ((to - place) * turn.conjugate()).imag
+        return _crank(inner, complex(seen_tip.real, -across))
 
     yield Grip("crank", "pivot", shaft, "radial", crank)
 
@@ -594,7 +599,7 @@ MOST: Final = 400
 """Handles of a plan; of a longer one only the first ones have any."""
 
 
-def _of_motion(
+def _motion_handles(
     motion: list[dict[str, Any]], positions: Sequence[float], unit: str
 ) -> Iterator[Handle]:
     """The movable points of a valid motion, from its segments as stated and where each starts
@@ -602,21 +607,21 @@ def _of_motion(
 
     The first joint cannot move: the motion starts at 0.
     """
-    spans = spans_of(motion)
+    spans = motion_spans(motion)
     assert spans is not None  # it is valid
-    at = joints(spans)
-    last = max((k for k, each in enumerate(motion) if "dwell" not in each), default=-1)
+    angles = joints(spans)
+    last = max((k for k, segment in enumerate(motion) if "dwell" not in segment), default=-1)
     count = 0
     level: tuple[int, Any] | None = None
     for index, segment in enumerate(motion):
         if index and count < MOST and (spans[index - 1] or index == 1):
-            joint = _joint(motion, index, at, level, last, positions[index], unit)
+            joint = _joint(motion, index, angles, level, last, positions[index], unit)
             if joint is not None:
                 count += 1
                 yield joint
         for number in range(min(len(segment.get("points", ())), MOST - count)):
             count += 1
-            yield _point(motion, index, number, at[index], unit)
+            yield _point(motion, index, number, angles[index], unit)
         if "dwell" not in segment:
             level = index, segment.get("to")
 
@@ -637,9 +642,9 @@ def _joint(
     """
     first, second = motion[index - 1], motion[index]
     fixed = is_fixed(first) or is_fixed(second)
-    mover, to = level if level is not None else (-1, 0)
+    mover, stated_end = level if level is not None else (-1, 0)
     # A file says where a table ends; the last move has to return to 0.
-    rises = to is not None and mover >= 0 and mover != last
+    rises = stated_end is not None and mover >= 0 and mover != last
     moves: Moves | None = ("y" if rises else None) if fixed else ("xy" if rises else "x")
     if moves is None:
         return None
@@ -653,25 +658,25 @@ def _joint(
         keys[to_place] = "position"
 
     def edits(place: Place, steps: Place) -> Edits:
-        found: dict[str, Any] = {}
+        changes: dict[str, Any] = {}
         if not fixed:
             start, now, end = at[index - 1 : index + 2]
             with localcontext(EXACT):
                 # No nearer to its neighbours than a step, unless it is now.
-                by = step_near(steps[0])
-                low = min(start + max(least_span(first), by), now)
-                high = max(end - max(least_span(second), by), now)
+                grid = step_near(steps[0])
+                low = min(start + max(least_span(first), grid), now)
+                high = max(end - max(least_span(second), grid), now)
                 new = min(max(Decimal(snapped(place[0], steps[0], now)), low), high)
                 span = new - start
             if new != now:
-                found[span_place] = styled(span, first[span_key(first)])
-                other = span_beside(first, second, span)
-                found[other_place] = styled(other, second[span_key(second)])
+                changes[span_place] = styled(span, first[span_key(first)])
+                other = neighbour_span(first, second, span)
+                changes[other_place] = styled(other, second[span_key(second)])
         if rises:
-            found[to_place] = snapped(place[1], steps[1], to)
-        return found
+            changes[to_place] = snapped(place[1], steps[1], stated_end)
+        return changes
 
-    height = position if to is None else float(to)
+    height = position if stated_end is None else float(stated_end)
     place = float(at[index]), height
     return _handle(motion, f"joint {index + 1}", "joint", place, moves, keys, unit, edits)
 
@@ -681,28 +686,28 @@ def _point(
 ) -> Handle:
     """A point of a motion through points, between its neighbours."""
     points = motion[index]["points"]
-    own = points[number]
-    span = span_of(motion[index])
+    stated = points[number]
+    span = segment_span(motion[index])
     low = Decimal(points[number - 1]["at"]) if number else Decimal(0)
     high = Decimal(points[number + 1]["at"]) if number + 1 < len(points) else span
     assert high is not None  # it is valid
-    place_of_at = spelled(("motion", index, "points", number, "at"))
-    place_of_to = spelled(("motion", index, "points", number, "to"))
+    angle_key = spelled(("motion", index, "points", number, "at"))
+    position_key = spelled(("motion", index, "points", number, "to"))
 
     def edits(place: Place, steps: Place) -> Edits:
-        now = Decimal(own["at"])
+        now = Decimal(stated["at"])
         with localcontext(EXACT):
-            by = step_near(steps[0])
+            grid = step_near(steps[0])
             new = Decimal(snapped(place[0] - float(start), steps[0], now))
-            new = min(max(new, min(low + by, now)), max(high - by, now))
-        found: dict[str, Any] = {} if new == now else {place_of_at: styled(new, own["at"])}
-        found[place_of_to] = snapped(place[1], steps[1], own["to"])
-        return found
+            new = min(max(new, min(low + grid, now)), max(high - grid, now))
+        changes: dict[str, Any] = {} if new == now else {angle_key: styled(new, stated["at"])}
+        changes[position_key] = snapped(place[1], steps[1], stated["to"])
+        return changes
 
-    at = float(start + Decimal(own["at"])), float(own["to"])
-    keys = {place_of_at: "cam angle in the segment", place_of_to: "position"}
+    location = float(start + Decimal(stated["at"])), float(stated["to"])
+    keys = {angle_key: "cam angle in the segment", position_key: "position"}
     name = f"point {index + 1}.{number + 1}"
-    return _handle(motion, name, "point", at, "xy", keys, unit, edits)
+    return _handle(motion, name, "point", location, "xy", keys, unit, edits)
 
 
 def _handle(
@@ -720,15 +725,15 @@ def _handle(
     `keys` are those of the scene that it changes, with their names.
     """
 
-    def before(key: str) -> Any:
+    def stated(key: str) -> Any:
         return value_at({"motion": motion}, path_of(key) or ())
 
     def differing(to: Place, steps: Place) -> Edits:
-        found = edits(to, steps)
-        return {key: value for key, value in found.items() if value is not before(key)}
+        changes = edits(to, steps)
+        return {key: value for key, value in changes.items() if value is not stated(key)}
 
     values = tuple(
-        _value(key, label, unit if key.endswith(".to") else "°", before(key))
+        _value(key, label, unit if key.endswith(".to") else "°", stated(key))
         for key, label in keys.items()
     )
     return Handle(name, kind, "plan", PLAN, at, moves, values, differing)

@@ -15,7 +15,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from camgeo.app.answers.answer import MARKS, in_a_line, text, verdict_on
+from camgeo.app.answers.answer import MARKS, findings_summary, one_line, text
 from camgeo.app.answers.build import poor_findings
 from camgeo.app.answers.check import Check, check
 from camgeo.app.answers.report import Advised, advised, coarse_solids, triangles
@@ -59,46 +59,47 @@ class Recent:
     """The design of the last scene that was valid, unless it names files, which may change."""
 
     def __init__(self) -> None:
-        self._of: tuple[str, str, str] = ("", "", "")
+        self._place: tuple[str, str, str] = ("", "", "")
         self._design: Design | None = None
-        self._kept: dict[str, tuple[tuple[Any, ...], Any]] = {}
+        self._cache: dict[str, tuple[tuple[Any, ...], Any]] = {}
 
-    def kept(self, name: str, of: tuple[Any, ...], make: Callable[[], Any]) -> Any:
-        """What `make` makes `of` equal texts and the same objects, if it was the last one so named.
+    def cached(self, name: str, inputs: tuple[Any, ...], make: Callable[[], Any]) -> Any:
+        """The last result of that name, if its inputs were equal texts and the same objects; else
+        that of `make`, which is kept.
 
         Nobody must change it.
         """
-        known = self._kept.get(name)
-        if known is None or not all(map(_same, known[0], of)):
-            known = self._kept[name] = of, make()
+        known = self._cache.get(name)
+        if known is None or not all(map(_same, known[0], inputs)):
+            known = self._cache[name] = inputs, make()
         return known[1]
 
     def last(self, name: str) -> Any:
-        """What was made last under a name, see `kept`; None if nothing was."""
-        known = self._kept.get(name)
+        """What was made last under a name, see `cached`; None if nothing was."""
+        known = self._cache.get(name)
         return None if known is None else known[1]
 
     def design(self, job: Job) -> Design:
         """The design of a job's scene; SceneError if it is not valid."""
         place = job.text, job.file, job.folder
-        if self._design is not None and place == self._of:
+        if self._design is not None and place == self._place:
             return self._design
-        return self._kept_of(job, self._made(job))
+        return self._remember(job, self._new_design(job))
 
     def restate(self, job: Job, error: CamgeoError) -> None:
         """Put the lengths of an error into the unit of the job's scene, if that is the last one."""
-        if self._design is not None and (job.text, job.file, job.folder) == self._of:
+        if self._design is not None and (job.text, job.file, job.folder) == self._place:
             self._design.scene.restate(error)
 
-    def made(self, job: Job, scene: Scene) -> None:
+    def note_scene(self, job: Job, scene: Scene) -> None:
         """Take note of the scene of a job: an edit of the last one, which shares with that what it
         leaves as it was.
         """
-        if self._design is not None and (job.file, job.folder) == self._of[1:]:
-            self._kept_of(job, self._sharing(scene, self._design))
+        if self._design is not None and (job.file, job.folder) == self._place[1:]:
+            self._remember(job, self._sharing(scene, self._design))
 
-    def _kept_of(self, job: Job, design: Design) -> Design:
-        self._of = job.text, job.file, job.folder
+    def _remember(self, job: Job, design: Design) -> Design:
+        self._place = job.text, job.file, job.folder
         self._design = None if design.scene.files else design
         return design
 
@@ -106,19 +107,19 @@ class Recent:
         """The design of a scene that is an edit; with the drive of the earlier one if it moves as
         that does.
         """
-        made = Design(scene)
+        design = Design(scene)
         if _moves_alike(scene, earlier.scene):
-            made.__dict__["drive"] = earlier.drive
-        return made
+            design.__dict__["drive"] = earlier.drive
+        return design
 
-    def _made(self, job: Job) -> Design:
+    def _new_design(self, job: Job) -> Design:
         """The design; what the edit leaves as it was is that of the last one."""
         earlier = self._design
-        if earlier is None or (job.file, job.folder) != self._of[1:]:
+        if earlier is None or (job.file, job.folder) != self._place[1:]:
             return Design(parse_scene(job.text, job.file, job.folder or None))
-        found = self.document(job)
+        values = self.document(job)
         source = Source.of(job.file, job.folder or None, job.text)
-        scene = Scene.of(_grafted(found, earlier.scene), source, earlier.scene)
+        scene = Scene.of(_grafted(values, earlier.scene), source, earlier.scene)
         return self._sharing(scene, earlier)
 
     def document(self, job: Job) -> Document:
@@ -129,8 +130,8 @@ class Recent:
         """The scene of a job, which may have faults, with other values; SceneError if it has some
         then.
         """
-        found = document_of_tree(edited(self.document(job).exact, edits))
-        return Scene.of(found, Source.of(job.file, job.folder or None, job.text))
+        values = document_of_tree(edited(self.document(job).exact, edits))
+        return Scene.of(values, Source.of(job.file, job.folder or None, job.text))
 
 
 def _same(one: Any, other: Any) -> bool:
@@ -190,7 +191,7 @@ class Arguments:
             return None
         if not isinstance(value, list | tuple) or len(value) != 2 or None in value:
             raise self._wrong(name, "two numbers")
-        low, high = (self._finite(name, each) for each in value)
+        low, high = (self._finite(name, item) for item in value)
         return low, high
 
     def index(self, name: str) -> int:
@@ -205,7 +206,7 @@ class Arguments:
         value = self._given.get(name)
         if value is None:
             return None
-        if not isinstance(value, list | tuple) or not all(isinstance(each, str) for each in value):
+        if not isinstance(value, list | tuple) or not all(isinstance(item, str) for item in value):
             raise self._wrong(name, "a list of texts")
         return tuple(value)
 
@@ -235,10 +236,10 @@ def curves(job: Job, recent: Recent) -> dict[str, Any]:
         design = recent.design(job)
     except SceneError as error:
         try:
-            found = recent.document(job)
+            values = recent.document(job)
         except SceneError:  # no TOML, which has no form
             return {"faults": faults_as_data(error), "form": [], "plan": []}
-        return {"faults": faults_as_data(error), **_stated(found, recent)}
+        return {"faults": faults_as_data(error), **_stated(values, recent)}
     stated = _stated(design.scene.stated.scene, recent)
     return {**painted(design, recent), **_held(design), **stated}
 
@@ -247,17 +248,17 @@ def _moved(job: Job, recent: Recent) -> dict[str, Any]:
     """Of the `curves` what moves in a drag: without the fields of the scene, and without a diagram
     that is the last one.
     """
-    drawn = recent.last("motion")
-    found = painted(design := recent.design(job), recent, moving=True)
-    if drawn is not None and recent.last("motion") is drawn:
-        found["charts"] = [each for each in found["charts"] if each is not drawn]
-    return {**found, **_held(design)}
+    previous = recent.last("motion")
+    pictures = painted(design := recent.design(job), recent, moving=True)
+    if previous is not None and recent.last("motion") is previous:
+        pictures["charts"] = [chart for chart in pictures["charts"] if chart is not previous]
+    return {**pictures, **_held(design)}
 
 
 def _held(design: Design) -> dict[str, Any]:
     held: list[dict[str, Any]] = []
     with suppress(CamgeoError):  # the findings say why
-        held = [each.to_data() for each in handles(design)]
+        held = [handle.to_data() for handle in handles(design)]
     return {"handles": held}
 
 
@@ -275,18 +276,18 @@ def change(job: Job, recent: Recent) -> dict[str, Any]:
     except SceneError:  # such a text can be changed too
         design = None
     try:
-        found = changed(job.text, job.file, job.folder or None, job.arguments, design)
+        outcome = changed(job.text, job.file, job.folder or None, job.arguments, design)
     except JobError:
         raise
     except CamgeoError as error:
-        return {"text": job.text, "refused": in_a_line(error), "faults": faults_as_data(error)}
-    after = replace(job, text=found.text)
-    if found.scene is not None:
-        recent.made(after, found.scene)
-    if job.arguments.get("moving") is True and found.scene is not None:
-        head = {"text": found.text, "moving": True, "label": found.label}
-        return {**head, **_moved(after, recent)}
-    return {"text": found.text, "label": found.label, **curves(after, recent)}
+        return {"text": job.text, "refused": one_line(error), "faults": faults_as_data(error)}
+    next_job = replace(job, text=outcome.text)
+    if outcome.scene is not None:
+        recent.note_scene(next_job, outcome.scene)
+    if job.arguments.get("moving") is True and outcome.scene is not None:
+        head = {"text": outcome.text, "moving": True, "label": outcome.label}
+        return {**head, **_moved(next_job, recent)}
+    return {"text": outcome.text, "label": outcome.label, **curves(next_job, recent)}
 
 
 def _stated(found: Document, recent: Recent) -> dict[str, Any]:
@@ -294,7 +295,7 @@ def _stated(found: Document, recent: Recent) -> dict[str, Any]:
     fields = repr({key: value for key, value in found.exact.items() if key != "motion"})
     named = found.at(("effects",))
     return {
-        "form": recent.kept("form", (fields,), lambda: Fields(found).form()),
+        "form": recent.cached("form", (fields,), lambda: Fields(found).form()),
         "plan": Fields(found).plan(),
         "effects": sorted(named) if isinstance(named, dict) else [],
     }
@@ -338,9 +339,9 @@ def _wanted(design: Design, recent: Recent) -> Iterator[Callable[[], dict[str, A
     scene, drive = design.scene, design.drive
     moved = design.name, scene.unit, drive, scene.lift_unit
     chart = partial(_chart, "motion", MOTION_TITLE, partial(motion_diagram, design))
-    yield partial(recent.kept, "motion", moved, chart)
+    yield partial(recent.cached, "motion", moved, chart)
     if scene.follower is not None:
-        yield from (partial(_chart, *each) for each in disc_diagrams(design))
+        yield from (partial(_chart, *diagram) for diagram in disc_diagrams(design))
 
 
 def _chart(name: str, title: str, make: Callable[[], Figure]) -> dict[str, Any]:
@@ -351,7 +352,7 @@ def _chart(name: str, title: str, make: Callable[[], Figure]) -> dict[str, Any]:
         "title": title,
         "figure": packed(thinned(figure)),
         "sentence": chart.sentence,
-        "readings": [_reading(each) for each in chart.readings],
+        "readings": [_reading(reading) for reading in chart.readings],
     }
 
 
@@ -375,7 +376,7 @@ def _reading(found: Reading) -> dict[str, Any]:
 FEWEST: Final = 32
 """Numbers that are packed; fewer are a list."""
 
-APART: Final = 1e-6
+PACKING_ERROR: Final = 1e-6
 """By which packed numbers may be off, relative to the extent of theirs along each axis."""
 
 ROUNDING: Final = 2.0**-24
@@ -401,7 +402,7 @@ def _packed(array: FloatArray) -> Any:
     rows = array.reshape(-1, array.shape[-1] if array.ndim > 1 else 1)
     low, high = np.fmin.reduce(rows), np.fmax.reduce(rows)  # leave gaps out
     size = np.maximum(-low, high)
-    fine = np.maximum(ROUNDING * size, LEAST) <= APART * (high - low)
+    fine = np.maximum(ROUNDING * size, LEAST) <= PACKING_ERROR * (high - low)
     kind = "f4" if bool(np.all(fine & (size <= LARGEST))) else "f8"
     text = _text(array.astype(f"<{kind}").tobytes())
     return {"packed": kind, "shape": list(array.shape), "numbers": text}
@@ -423,7 +424,7 @@ def build(job: Job, recent: Recent) -> dict[str, Any]:
     """
     formats = Arguments(job).texts("formats")
     design = recent.design(job)
-    poor = [each.sentence for each in poor_findings(design)]
+    poor = [finding.sentence for finding in poor_findings(design)]
     if not design.judgement.has_outline:
         return {"files": [], "certificate": None, "findings": poor}
     output = design.scene.output
@@ -431,14 +432,14 @@ def build(job: Job, recent: Recent) -> dict[str, Any]:
     contents, reports = make_files(design.discs, names, output.tolerance)
     files = [
         {
-            "name": each.name,
-            "format": each.format,
-            "size": each.size,
-            "tolerance": each.tolerance / unit,
-            "deviation": None if each.deviation is None else each.deviation / unit,
-            "bytes": _text(contents[each.name]),
+            "name": report.name,
+            "format": report.format,
+            "size": report.size,
+            "tolerance": report.tolerance / unit,
+            "deviation": None if report.deviation is None else report.deviation / unit,
+            "bytes": _text(contents[report.name]),
         }
-        for each in reports
+        for report in reports
     ]
     certificate = contents[CERTIFICATE]
     files.append(
@@ -451,14 +452,14 @@ def build(job: Job, recent: Recent) -> dict[str, Any]:
             "bytes": _text(certificate),
         }
     )
-    poor += [finding.sentence for each in reports for finding in each.findings]
+    poor += [finding.sentence for report in reports for finding in report.findings]
     return {"files": files, "certificate": json.loads(certificate), "findings": poor}
 
 
 def solid(job: Job, recent: Recent) -> dict[str, Any]:
     """The bodies as `triangles`, coarser than they are made; none if the part has no thickness."""
-    found = coarse_solids(recent.design(job))
-    return {"solids": [{"name": name, "places": triangles(data)} for name, data in found.items()]}
+    solids = coarse_solids(recent.design(job))
+    return {"solids": [{"name": name, "places": triangles(data)} for name, data in solids.items()]}
 
 
 def size(job: Job, recent: Recent) -> dict[str, Any]:
@@ -467,27 +468,30 @@ def size(job: Job, recent: Recent) -> dict[str, Any]:
     Optional arguments: `transmission_angle` [degrees], `radius_ratio`, `radius_of_curvature` and
     `arm`, the shortest and the longest [unit of the scene].
     """
-    given = Arguments(job)
+    arguments = Arguments(job)
     design = recent.design(job)
     unit = MM_PER[design.scene.unit]
-    angle, arms = given.number("transmission_angle"), given.pair("arm")
-    found = size_of(
+    angle, arms = arguments.number("transmission_angle"), arguments.pair("arm")
+    cam_size = size_of(
         design,
         transmission_angle=None if angle is None else math.radians(angle),
-        radius_ratio=given.number("radius_ratio"),
-        radius_of_curvature=unit * (given.number("radius_of_curvature") or 0.0),
+        radius_ratio=arguments.number("radius_ratio"),
+        radius_of_curvature=unit * (arguments.number("radius_of_curvature") or 0.0),
         arms=None if arms is None else (unit * arms[0], unit * arms[1]),
     )
     sizes = [
-        _rating(name, each, unit)
-        for name, each in (("present design", found.present), ("smallest", found.best.written))
-        if each is not None
+        _rating(name, rating, unit)
+        for name, rating in (
+            ("present design", cam_size.present),
+            ("smallest", cam_size.best.written),
+        )
+        if rating is not None
     ]
     return {
         "sizes": sizes,
-        "sentence": _sentence(found),
-        "text": text(found),
-        "edits": found.edits,
+        "sentence": _sentence(cam_size),
+        "text": text(cam_size),
+        "edits": cam_size.edits,
     }
 
 
@@ -502,7 +506,7 @@ def _sentence(found: CamSize) -> str:
     if found.present is not None:
         sentence += f" instead of {found.present.base_radius / unit:.6g} {found.scene.unit}"
     others = [
-        f"{key} = {json.dumps(each)}" for key, each in found.edits.items() if key != BASE_RADIUS
+        f"{key} = {json.dumps(value)}" for key, value in found.edits.items() if key != BASE_RADIUS
     ]
     return f"{sentence}, with {listed(others)}." if others else f"{sentence}."
 
@@ -563,31 +567,33 @@ def findings(job: Job, recent: Recent) -> dict[str, Any]:
     """
     machining = Arguments(job).flag("machining", otherwise=True)
     design = recent.design(job)
-    found = check(design, machining=machining)
-    listed = advised(found)
+    checked = check(design, machining=machining)
+    listed = advised(checked)
     return {
-        "verdict": f"{verdict_on(each.finding for each in listed)}.",
-        "findings": [_finding(each) for each in listed],
-        "cures": [_cure(index, each) for index, each in enumerate(found.cures)],
-        "places": list(_places(found)),
+        "verdict": f"{findings_summary(entry.finding for entry in listed)}.",
+        "findings": [_finding(entry) for entry in listed],
+        "cures": [_cure(index, cure) for index, cure in enumerate(checked.cures)],
+        "places": list(_places(checked)),
         "charts": effect_charts(design),
     }
 
 
 def _finding(each: Advised) -> dict[str, Any]:
-    found = each.finding
+    finding = each.finding
     return {
-        "about": each.about,
-        "name": found.name,
-        "severity": found.severity,
-        "verdict": found.verdict,
-        "mark": MARKS[found.verdict],
-        "sentence": found.sentence,
-        "value": _finite(found.value),
-        "limit": _finite(found.limit),
-        "unit": found.unit,
-        "at_degrees": None if found.cam_angle is None else _finite(math.degrees(found.cam_angle)),
-        "key": _key(found.name),
+        "about": each.subject,
+        "name": finding.name,
+        "severity": finding.severity,
+        "verdict": finding.verdict,
+        "mark": MARKS[finding.verdict],
+        "sentence": finding.sentence,
+        "value": _finite(finding.value),
+        "limit": _finite(finding.limit),
+        "unit": finding.unit,
+        "at_degrees": None
+        if finding.cam_angle is None
+        else _finite(math.degrees(finding.cam_angle)),
+        "key": _key(finding.name),
         "step": each.step,
     }
 
@@ -597,8 +603,8 @@ def _finite(value: float | None) -> float | None:
 
 
 def _key(name: str) -> str:
-    found = [each for each in KEYS if name.removeprefix(f"{RETURN}: ").startswith(each)]
-    return KEYS[max(found, key=len)] if found else ""
+    names = [key_name for key_name in KEYS if name.removeprefix(f"{RETURN}: ").startswith(key_name)]
+    return KEYS[max(names, key=len)] if names else ""
 
 
 def _cure(index: int, cure: Cure) -> dict[str, Any]:
@@ -620,7 +626,7 @@ def _places(found: Check) -> Iterator[dict[str, Any]]:
             continue
         name = finding.name.removeprefix(f"{RETURN}: ")
         disc = list(found.curves.values())[-1 if name != finding.name else 0]
-        flank = next((each for each in Flank if name.endswith(f"-{each}")), None)
+        flank = next((side for side in Flank if name.endswith(f"-{side}")), None)
         curve = disc.flanks[0][1] if flank is None else disc.curve(flank)
         try:
             points = curve.point(angles)
@@ -632,7 +638,7 @@ def _places(found: Check) -> Iterator[dict[str, Any]]:
         place: dict[str, Any] = {
             "x": round(float(middle.real), 4),
             "y": round(float(middle.imag), 4),
-            "kind": next((KINDS[each] for each in KINDS if name.startswith(each)), "limit"),
+            "kind": next((KINDS[kind] for kind in KINDS if name.startswith(kind)), "limit"),
             "label": f"{finding.name} at {math.degrees(angles[len(angles) // 2]) % 360.0:.1f}°",
             "severity": finding.severity,
         }
@@ -675,14 +681,14 @@ def laws(job: Job, recent: Recent) -> dict[str, Any]:
     stated = motion[segment]
     if not isinstance(stated, dict) or "dwell" in stated:
         raise JobError("segment must be a move: a dwell has no law")
-    found = []
+    offers = []
     for name in FAMILIES:
         for edits in _edits(name, stated, f"motion[{segment + 1}]"):
             law = _law(job, recent, edits, segment)
             if law is not None:
-                found.append(_told(name, law, edits))
+                offers.append(_law_offer(name, law, edits))
                 break
-    return {"laws": found, "law": stated.get("law")}
+    return {"laws": offers, "law": stated.get("law")}
 
 
 def _edits(name: str, stated: Any, key: str) -> Iterator[dict[str, Any]]:
@@ -690,10 +696,10 @@ def _edits(name: str, stated: Any, key: str) -> Iterator[dict[str, Any]]:
     those that only other laws have.
     """
     yield {f"{key}.law": name}
-    own = {option.name for option in FAMILIES[name].options}
-    others = [each for each in stated if each in OPTIONS and each not in own]
+    law_options = {option.name for option in FAMILIES[name].options}
+    others = [option for option in stated if option in OPTIONS and option not in law_options]
     if others:
-        yield {f"{key}.law": name} | {f"{key}.{each}": None for each in others}
+        yield {f"{key}.law": name} | {f"{key}.{option}": None for option in others}
 
 
 def _law(job: Job, recent: Recent, edits: dict[str, Any], segment: int) -> Law | None:
@@ -702,10 +708,10 @@ def _law(job: Job, recent: Recent, edits: dict[str, Any], segment: int) -> Law |
     except SceneError:
         return None
     law = getattr(plan.segments[segment], "law", None)
-    return _in_place(law, plan, segment) if isinstance(law, Law) else None
+    return _law_in_plan(law, plan, segment) if isinstance(law, Law) else None
 
 
-def _in_place(law: Law, plan: MotionPlan, segment: int) -> Law:
+def _law_in_plan(law: Law, plan: MotionPlan, segment: int) -> Law:
     """The law for the task that it has in the plan: from or to a rest where the velocity jumps."""
     ends = []
     for class_, angle in zip(ends_of(law.task), plan.joints_deg[segment:], strict=False):
@@ -715,7 +721,7 @@ def _in_place(law: Law, plan: MotionPlan, segment: int) -> Law:
     return replace(law, task="-".join(ends))
 
 
-def _told(name: str, law: Law, edits: dict[str, Any]) -> dict[str, Any]:
+def _law_offer(name: str, law: Law, edits: dict[str, Any]) -> dict[str, Any]:
     entry = entry_of(law)
     facts = []
     for symbol, (names, quantities) in FACTS.items():
@@ -743,11 +749,11 @@ def templates(_: Job, __: Recent) -> dict[str, Any]:
 
 def effects(_: Job, __: Recent) -> dict[str, Any]:
     """What can be computed beyond the geometry."""
-    found = [find_effect(name) for name in effect_names()]
+    declared = [find_effect(name) for name in effect_names()]
     return {
         "effects": [
-            {"name": each.name, "title": each.title, "sentence": each.schema["description"]}
-            for each in found
+            {"name": effect.name, "title": effect.title, "sentence": effect.schema["description"]}
+            for effect in declared
         ]
     }
 
@@ -838,9 +844,9 @@ Scale = tuple[float, float]
 def thinned(figure: Figure) -> Figure:
     """The figure with fewer points, and shorter numbers."""
     plain = [not (panel.x.log or panel.y.log) for panel in figure.panels]
-    shown = [panel for panel, is_plain in zip(figure.panels, plain, strict=True) if is_plain]
-    scales = [_scale(panel, figure.size) for panel in shown]
-    fewer = iter(_thinned([panel.marks for panel in shown], scales, READ))
+    linear = [panel for panel, is_plain in zip(figure.panels, plain, strict=True) if is_plain]
+    scales = [_scale(panel, figure.size) for panel in linear]
+    fewer = iter(_thinned([panel.marks for panel in linear], scales, READ))
     panels = tuple(
         replace(panel, marks=next(fewer)) if is_plain else panel
         for panel, is_plain in zip(figure.panels, plain, strict=True)
@@ -875,30 +881,32 @@ def _thinned(
     most : distance by which points are off on paper [inch].
     """
     both = list(zip(panels, scales, strict=True))
-    lines = [(each.points, by) for marks, by in both for each in marks if isinstance(each, Line)]
-    kept = iter(_kept(lines, most))
-    found: list[tuple[Any, ...]] = []
+    lines = [
+        (mark.points, scale) for marks, scale in both for mark in marks if isinstance(mark, Line)
+    ]
+    selections = iter(_select_points(lines, most))
+    thinned_panels: list[tuple[Any, ...]] = []
     for marks, scale in both:
         digits = _digits(scale, most)
         fewer: list[Any] = []
         for mark in marks:
             if isinstance(mark, Line):
-                fewer.append(replace(mark, points=_rounded(mark.points[next(kept)], digits)))
+                fewer.append(replace(mark, points=_rounded(mark.points[next(selections)], digits)))
             elif isinstance(mark, Area):
                 rings = tuple(_rounded(ring, digits) for ring in mark.rings)
                 fewer.append(replace(mark, rings=rings))
             else:
                 fewer.append(mark)
-        found.append(tuple(fewer))
-    return found
+        thinned_panels.append(tuple(fewer))
+    return thinned_panels
 
 
 def _scale(panel: Panel, size: tuple[float, float]) -> Scale:
     """Inches on paper per unit of each axis."""
     (left, low, right, high), (width, height) = panel.frame, size
     across = (right - left) * width / abs(panel.x.limits[1] - panel.x.limits[0])
-    up = (high - low) * height / abs(panel.y.limits[1] - panel.y.limits[0])
-    return across, up
+    upward = (high - low) * height / abs(panel.y.limits[1] - panel.y.limits[0])
+    return across, upward
 
 
 def _digits(scale: tuple[float, float], most: float) -> tuple[int, int]:
@@ -912,24 +920,26 @@ def _rounded(points: FloatArray, digits: tuple[int, int]) -> FloatArray:
     return frozen(np.column_stack(rounded), np.float64)
 
 
-def _kept(lines: Iterable[tuple[FloatArray, Scale]], most: float) -> list[slice | IntArray]:
+def _select_points(
+    lines: Iterable[tuple[FloatArray, Scale]], most: float
+) -> list[slice | IntArray]:
     """Which points of each of `lines` are kept, both ends among them."""
-    found: list[slice | IntArray] = []
+    selections: list[slice | IntArray] = []
     long: list[tuple[int, ComplexArray]] = []
     for number, (points, scale) in enumerate(lines):
-        found.append(slice(None))
+        selections.append(slice(None))
         if len(points) > CURVE_POINTS + 1 and bool(np.all(np.isfinite(points))):
             long.append((number, (points * np.array(scale)).view(np.complex128)[:, 0]))
     if long:
         ends = np.cumsum([0, *(len(points) for _, points in long)])
-        kept = few_of(np.concatenate([points for _, points in long]), ends, most)
-        parts = np.split(kept, np.searchsorted(kept, ends[1:-1]))
+        chosen = thin_lines(np.concatenate([points for _, points in long]), ends, most)
+        parts = np.split(chosen, np.searchsorted(chosen, ends[1:-1]))
         for (number, _), part, first in zip(long, parts, ends[:-1], strict=True):
-            found[number] = part - first
-    return found
+            selections[number] = part - first
+    return selections
 
 
-def few_of(points: ComplexArray, ends: IntArray, most: float) -> IntArray:
+def thin_lines(points: ComplexArray, ends: IntArray, most: float) -> IntArray:
     """Numbers, ascending, of points of several lines through which a polygon is near all of them.
 
     Parameters
@@ -938,16 +948,16 @@ def few_of(points: ComplexArray, ends: IntArray, most: float) -> IntArray:
     ends : where each line begins, and n.
     most : distance of any point from the chord across it.
     """
-    kept = _placed(points, ends, AIM * most)
+    chosen = _placed(points, ends, AIM * most)
     while True:
-        distance = _apart(points, kept)
-        worst = np.maximum.reduceat(distance, kept)
+        distance = _chord_distances(points, chosen)
+        worst = np.maximum.reduceat(distance, chosen)
         wrong = np.nonzero(worst > most)[0]
         if not len(wrong):
-            return kept
-        stops = np.append(kept[1:], len(points))
-        more = [kept[k] + int(np.argmax(distance[kept[k] : stops[k]])) for k in wrong]
-        kept = np.union1d(kept, more)
+            return chosen
+        stops = np.append(chosen[1:], len(points))
+        more = [chosen[k] + int(np.argmax(distance[chosen[k] : stops[k]])) for k in wrong]
+        chosen = np.union1d(chosen, more)
 
 
 def _placed(points: ComplexArray, ends: IntArray, aim: float) -> IntArray:
@@ -966,7 +976,7 @@ def _placed(points: ComplexArray, ends: IntArray, aim: float) -> IntArray:
     return np.union1d(chosen, np.concatenate((ends[:-1], ends[1:] - 1)))
 
 
-def _apart(points: ComplexArray, kept: IntArray) -> FloatArray:
+def _chord_distances(points: ComplexArray, kept: IntArray) -> FloatArray:
     """(n,) distance of each point from the chord across it; 0 between two lines."""
     number = np.repeat(np.arange(len(kept)), np.diff(np.append(kept, len(points))))
     start = points[kept]

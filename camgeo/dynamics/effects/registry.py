@@ -35,7 +35,7 @@ from camgeo.dynamics.effects.results import (
 )
 from camgeo.dynamics.state.state import Train
 from camgeo.errors import CycleError, UnknownNameError
-from camgeo.record import schema_beside
+from camgeo.record import stored_schema
 
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
@@ -150,7 +150,7 @@ def _beside(name: str, module: str = "") -> dict[str, Any]:
     return {
         "name": str(name),  # no `Key`, which is not for JSON
         "compute": f"camgeo.dynamics.effects.{module or stem}:compute",
-        "schema": schema_beside(__file__, stem),
+        "schema": stored_schema(__file__, stem),
     }
 
 

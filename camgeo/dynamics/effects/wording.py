@@ -10,7 +10,7 @@ from camgeo.check.finding import Finding, Severity
 from camgeo.errors import EffectError
 from camgeo.numeric.arrays import resolved
 from camgeo.numeric.extremes import Extreme, Extremes
-from camgeo.units import LiftUnit, at_cam_angles, cam_angle, listed, over_cam_angles
+from camgeo.units import LiftUnit, at_cam_angles, cam_angle, cam_angle_range, listed
 
 N_M: Final = 1e-3
 """From N mm to N m or J, and from N mm/s to W."""
@@ -65,7 +65,7 @@ def degrees(phi: float) -> str:
 
 def between(stretch: tuple[float, float]) -> str:
     """The range (from, to) [rad] in words."""
-    return over_cam_angles(*stretch, form=".4f")
+    return cam_angle_range(*stretch, form=".4f")
 
 
 MOST_LISTED: Final = 8

@@ -17,7 +17,7 @@ from camgeo.numeric.checked import (
     one_of,
     whole,
 )
-from camgeo.record import schema_beside
+from camgeo.record import stored_schema
 from camgeo.scene.formats.format import Format, Values
 from camgeo.units import MM_PER, LengthUnit
 
@@ -90,6 +90,6 @@ FORMAT: Final = Format(
     "csv",
     ".csv",
     partial(instance_from_table, CsvSpec),
-    schema_beside(__file__),
+    stored_schema(__file__),
     rules=(commas_are_told_apart,),
 )

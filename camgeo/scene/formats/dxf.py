@@ -7,7 +7,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Annotated, Final, Literal
 
 from camgeo.numeric.checked import CheckedFields, Truth, instance_from_table, one_of
-from camgeo.record import schema_beside
+from camgeo.record import stored_schema
 from camgeo.scene.formats.format import Format
 
 if TYPE_CHECKING:
@@ -42,5 +42,5 @@ class DxfSpec(CheckedFields, path="output.dxf."):
 
 
 FORMAT: Final = Format(
-    "dxf", ".dxf", partial(instance_from_table, DxfSpec), schema_beside(__file__), ("follower",)
+    "dxf", ".dxf", partial(instance_from_table, DxfSpec), stored_schema(__file__), ("follower",)
 )

@@ -8,7 +8,7 @@ from typing import Any, Final
 
 from camgeo.milling.milling import AXIS, EARLIER, FAULTS, NEEDED, STATE, GcodeSpec
 from camgeo.numeric.checked import instance_from_table
-from camgeo.record import schema_beside
+from camgeo.record import stored_schema
 from camgeo.scene.formats.format import BODY, Format, Values
 
 TABLE: Final = ("output", "gcode")
@@ -151,7 +151,7 @@ FORMAT: Final = Format(
     "gcode",
     ".ngc",
     parse,
-    schema_beside(__file__),
+    stored_schema(__file__),
     ("follower", *NEEDS_OF_BODY),
     (
         *RULES_OF_BODY,

@@ -7,7 +7,7 @@ from functools import partial
 from typing import Annotated, Final, Literal
 
 from camgeo.numeric.checked import CheckedFields, instance_from_table, one_of
-from camgeo.record import schema_beside
+from camgeo.record import stored_schema
 from camgeo.scene.formats.format import BODY, Format
 
 WALLS: Final = ("arcs", "spline")
@@ -33,7 +33,7 @@ FORMAT: Final = Format(
     "step",
     ".step",
     partial(instance_from_table, StepSpec),
-    schema_beside(__file__),
+    stored_schema(__file__),
     ("follower", *NEEDS),
     RULES,
 )

@@ -11,7 +11,7 @@ from typing import Final
 from camgeo.errors import GeometryError
 from camgeo.kinematics.mechanism.values import Length
 from camgeo.numeric.checked import check_fields, instance, instance_from_table, one_of, shown
-from camgeo.record import schema_beside
+from camgeo.record import stored_schema
 from camgeo.scene.formats.format import BODY, Format, Values
 
 
@@ -92,7 +92,7 @@ FORMAT: Final = Format(
     "3mf",
     ".3mf",
     partial(instance_from_table, ThreeMfSpec),
-    schema_beside(__file__),
+    stored_schema(__file__),
     ("follower", *NEEDS),
     (*RULES, what_lies_on_the_plate_exists),
 )

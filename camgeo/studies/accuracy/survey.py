@@ -21,7 +21,7 @@ from camgeo.dynamics.effects.effect import Bound, Column, Result
 from camgeo.errors import EffectError, GeometryError, ToleranceError
 from camgeo.geometry.contour.contour import Effort, Form
 from camgeo.kinematics.motion import Motion
-from camgeo.lazy import Run
+from camgeo.lazy import Computation
 from camgeo.numeric.arrays import SHARE, FloatArray, ascending
 from camgeo.part.boundaries import CurveBoundary
 from camgeo.part.part import written_contour
@@ -519,11 +519,11 @@ def _built_row(scene: Scene, row: BillRow) -> BillRow:
     )
 
 
-def staged(runs: Iterable[Run], total: float) -> dict[str, float]:
+def staged(runs: Iterable[Computation], total: float) -> dict[str, float]:
     """Seconds by stage of a build that took `total` seconds, in which `runs` were computed."""
     found: dict[str, list[float]] = {stage: [] for stage in STAGES}
     for run in runs:
-        found[stage_of(run.name)].append(run.own_seconds)
+        found[stage_of(run.name)].append(run.net_seconds)
     spent = {stage: math.fsum(seconds) for stage, seconds in found.items()}
     spent["write"] += total - math.fsum(spent.values())
     return spent

@@ -24,7 +24,7 @@ from camgeo.kinematics.mechanism.linkages import FourBar
 from camgeo.kinematics.mechanism.rollers import OscillatingRoller, TranslatingRoller
 from camgeo.kinematics.motion import Jet
 from camgeo.numeric.arrays import ComplexArray, FloatArray, dot
-from camgeo.record import schema_beside
+from camgeo.record import stored_schema
 from camgeo.scene.keys import KeyPath, spelled
 from camgeo.scene.rules import TOLERANCE
 from camgeo.scene.scene import Scene
@@ -1271,4 +1271,4 @@ def is_hole(name: str) -> bool:
 
 @cache
 def _data() -> dict[str, Any]:
-    return schema_beside(__file__, "iso286")
+    return stored_schema(__file__, "iso286")

@@ -28,7 +28,7 @@ from camgeo.app.designing import desk as opened
 from camgeo.app.designing import edits
 from camgeo.app.designing.children import Job, Refused, Result
 from camgeo.app.designing.desk import Desk
-from camgeo.app.designing.faults import verdict_of
+from camgeo.app.designing.faults import scene_verdict
 from camgeo.design.writing import writer_names
 from camgeo.errors import CamgeoError
 from camgeo.scene.toml import TEMPLATE_KINDS, template
@@ -331,7 +331,7 @@ class Jobs:
         """The result of a job; CamgeoError if there is none."""
         desk = self._desk
         file = "" if desk.opened is None else str(desk.opened.path)
-        job = Job(kind, desk.text, file, str(desk.beside), arguments or {})
+        job = Job(kind, desk.text, file, str(desk.data_folder), arguments or {})
         began = self._began.setdefault(kind, [])
         began.append(now := time.monotonic())
         try:
@@ -400,7 +400,7 @@ class Session:
         self._curves = Message("curves")
         self._findings: Message | None = None
         self._results: dict[str, Mapping[str, Any]] = {}  # what the verdict is made of
-        self._verdict = Message("verdict", {"revision": 0, **verdict_of({})})
+        self._verdict = Message("verdict", {"revision": 0, **scene_verdict({})})
         self._pinned: bytes | None = None
         self._disk = desk.disk
         self._scenes = list(opened.scenes(desk.folder))
@@ -495,7 +495,7 @@ class Session:
             asked.page.put(refused(asked.said.id, str(error), force=True))
         except CamgeoError as error:
             asked.page.put(refused(asked.said.id, str(error)))
-        for sentence in self.desk.told():
+        for sentence in self.desk.take_messages():
             self._broadcast(told(sentence))
 
     async def _change(self, asked: Asked) -> None:
@@ -674,7 +674,7 @@ class Session:
         if revision != self._revision:
             return
         self._results[kind] = result
-        found = verdict_of(self._results)
+        found = scene_verdict(self._results)
         self._verdict = Message("verdict", {"revision": self._revision, **found})
         self._broadcast(self._verdict)
 
@@ -695,7 +695,7 @@ class Session:
         files = NamedFiles()
         while True:
             await asyncio.sleep(EVERY)
-            if await files.changed(self.desk.text, self.desk.beside):
+            if await files.changed(self.desk.text, self.desk.data_folder):
                 self._outdated = True
                 self._wake.set()
             if self._unsynced:

@@ -27,7 +27,7 @@ from camgeo.geometry.contour.contour import Contour
 from camgeo.geometry.contour.foreign import Outlines, middle_of
 from camgeo.geometry.contour.spline import CUBIC, Arc, CubicSpline, SplineContour, at
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray
-from camgeo.reading import CONTOURS, COORDINATE, DRAWING, beyond, check_text, number_of
+from camgeo.reading import CONTOURS, COORDINATE, DRAWING, beyond, check_text, parse_number
 from camgeo.units import MM_PER, TURN, LengthUnit, counted, place_text
 from camgeo_export.reading import CUT, AnyContour, of_the_part
 
@@ -71,7 +71,7 @@ def finite(text: str, name: str, line: int) -> float:
 
     Raises FileError if it is none, not finite, or beyond the limits of `camgeo.reading`.
     """
-    number = number_of(text)
+    number = parse_number(text)
     if number is None:
         what = f"is not a finite number of at most {COORDINATE:g}"
         raise FileError(f"{name}, line {line}: {text[:40]!r} {what}")

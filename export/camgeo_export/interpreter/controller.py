@@ -12,7 +12,7 @@ from types import MappingProxyType
 from typing import Final, NamedTuple, Self
 
 from camgeo.milling.machine import Increments, Machine
-from camgeo.reading import COORDINATE, DIGITS, number_of
+from camgeo.reading import COORDINATE, DIGITS, parse_number
 from camgeo.units import MM_PER, shortened
 from camgeo_export.interpreter.moves import Findings
 
@@ -524,7 +524,7 @@ def _extended(found: Words, block: str, findings: Findings) -> bool:
 
 
 def _put(found: Words, letter: str, text: str, findings: Findings) -> bool:
-    value = number_of(text)
+    value = parse_number(text)
     if value is None:
         what = f"the word {(letter + text)[:40]} has more than {DIGITS} digits or is beyond"
         findings.add(found.line, "number", f"{what} {COORDINATE:g}")
@@ -883,7 +883,7 @@ class Klartext(Decoder):
 
     def _tool_call(self, line: int, found: re.Match[str]) -> Block:
         block = self._words(line, DELTA.sub("", found[3]))
-        over = [number_of(each["radius"]) for each in DELTA.finditer(found[3]) if each["radius"]]
+        over = [parse_number(each["radius"]) for each in DELTA.finditer(found[3]) if each["radius"]]
         self._state.oversize = (over[-1] or 0.0) * self._state.scale if over else 0.0
         if found[1] is None:  # another speed of the same tool
             self._tool_feed = block.values.get("F", self._tool_feed)
@@ -912,14 +912,14 @@ class Klartext(Decoder):
         if number == "32" and part == "1":
             block.codes["smoothing"], block.words["smoothing"] = "smoothing", "CYCL DEF 32"
             tolerance = re.fullmatch(rf"T\s*+({NUMBER})", rest)
-            if tolerance and (value := number_of(tolerance[1])):
+            if tolerance and (value := parse_number(tolerance[1])):
                 block.values["tolerance"] = Number(value, tolerance[1])
             else:
                 block.names["smoothing"] = "off"
             return [block]
         if number == "9" and part == "1":
             dwell = re.fullmatch(rf"(?:DWELL|V\.?ZEIT)\s*+({NUMBER})", rest)
-            value = number_of(dwell[1]) if dwell else None
+            value = parse_number(dwell[1]) if dwell else None
             if dwell and value is not None:
                 block.actions["dwell"], block.words["dwell"] = "dwell", "CYCL DEF 9"
                 block.values["P"] = Number(value, dwell[1])
@@ -1011,7 +1011,7 @@ class Klartext(Decoder):
             block.codes["compensation"], block.words["compensation"] = meaning, side
 
     def _word(self, block: Block, letter: str, text: str) -> None:
-        value = number_of(text)
+        value = parse_number(text)
         if value is None:
             self._report(block, "number", f"the number {text[:40]} cannot be one of a program")
             return

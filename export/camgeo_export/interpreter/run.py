@@ -10,7 +10,7 @@ from typing import Final
 
 from camgeo.design.linting import Bench, Linted
 from camgeo.milling.machine import LONGEST_LINE, Machine
-from camgeo.reading import PROGRAM, check_text, lines_of
+from camgeo.reading import PROGRAM, check_text, text_lines
 from camgeo.units import MM_PER
 from camgeo_export.interpreter.controller import (
     AXES,
@@ -92,7 +92,7 @@ def run(
 
 def _lines_of(data: bytes, machine: Machine) -> Iterator[str]:
     """The lines of a program as the controller tells them apart."""
-    return lines_of(data, newline=CARRIAGE_RETURNS[machine.reading.carriage_return])
+    return text_lines(data, newline=CARRIAGE_RETURNS[machine.reading.carriage_return])
 
 
 KEPT: Final = 20_000

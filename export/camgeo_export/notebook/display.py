@@ -12,7 +12,7 @@ from itertools import starmap
 from typing import Any, Final, cast
 
 from camgeo.app.answers import answer
-from camgeo.app.answers.answer import MANY, MARKS, Answer, verdict_on
+from camgeo.app.answers.answer import MANY, MARKS, Answer, findings_summary
 from camgeo.app.answers.check import Check
 from camgeo.app.answers.compare import Compare
 from camgeo.app.answers.laws import Laws
@@ -91,7 +91,7 @@ def _(value: Design) -> Shown:
         figure, why = plots.of_design(value, what)[0], ""
     except CamgeoError as error:
         figure, why = None, preformatted(str(error))
-    head = heading(value.name, verdict_on(value.findings))
+    head = heading(value.name, findings_summary(value.findings))
     told = "".join(map(paragraph, stated))
     below = _findings(value.findings)
     return Shown(head + told + why, figure, f"{what[0].capitalize()} of {value.name}", below)
@@ -132,7 +132,7 @@ def _(value: Findings | LazyFindings) -> Shown:
 
 @shown.register
 def _(value: Judgement) -> Shown:
-    return Shown(paragraph(verdict_on(value.findings)), below=_findings(value.findings))
+    return Shown(paragraph(findings_summary(value.findings)), below=_findings(value.findings))
 
 
 @shown.register
@@ -152,7 +152,7 @@ def _(value: Figure) -> Shown:
 
 @shown.register
 def _(value: Law) -> Shown:
-    return shown(Laws.of(value))
+    return shown(Laws.from_law(value))
 
 
 @shown.register
@@ -166,7 +166,7 @@ def _(value: Answer) -> Shown:
 
 @shown.register
 def _(value: Check) -> Shown:
-    found = [(each.about, each.finding, each.step) for each in advised(value)]
+    found = [(each.subject, each.finding, each.step) for each in advised(value)]
     items = "".join(f"<li>{escape(each.statement)}</li>" for each in value.cures)
     listed = f"<p>Each of these cures the fault that it names:</p><ul>{items}</ul>" if items else ""
     return Shown(heading(value.scene.name) + findings(found) + listed + _as_text(value))
@@ -182,7 +182,7 @@ def _(value: Report) -> Shown:
     """The findings, and a sentence on each diagram; the page has the rest."""
     checked = shown(value.check)
     told = [f"{each.title}: {each.sentence}" for each in value.charts]
-    told += [f"left out: {each}" for each in value.left_out]
+    told += [f"left out: {each}" for each in value.omissions]
     return Shown(checked.html + "".join(map(paragraph, told)))
 
 
@@ -266,7 +266,7 @@ def _(value: Compare) -> Shown:
         rows.append(["verdict", *verdicts])
     units = [each.design.scene.unit for each in value.designs]
     for line in value.lines:
-        told = (cell.told(unit) for cell, unit in zip(line.cells, units, strict=True))
+        told = (cell.words(unit) for cell, unit in zip(line.cells, units, strict=True))
         rows.append([escape(line.name), *starmap(_marked, told)])
     heads = ["", *(each.label for each in value.designs)]
     reasons = dict.fromkeys(one.reason for line in value.lines for one in line.cells if one.reason)

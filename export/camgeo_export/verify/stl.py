@@ -21,8 +21,8 @@ from camgeo.reading import (
     beyond,
     check_size,
     check_text,
-    lines_of,
-    number_of,
+    parse_number,
+    text_lines,
 )
 from camgeo.units import MM_PER, LengthUnit, counted
 from camgeo_export.reading import text_tokens
@@ -164,7 +164,7 @@ def _facets_of(data: bytes) -> tuple[FloatArray, FloatArray]:
     if _is_binary(data):
         return _binary_facets(data)
     normals, corners = array("d"), array("d")
-    for number, line in enumerate(lines_of(data), start=1):
+    for number, line in enumerate(text_lines(data), start=1):
         row = line.split(maxsplit=5)
         if row[:1] == ["vertex"]:
             corners.extend(_triple(row[1:], number))
@@ -190,7 +190,7 @@ def _triple(words: list[str], line: int) -> tuple[float, float, float]:
     """The three numbers in a line of a text; NaN where a word is none."""
     if len(words) != 3:
         raise FileError(f"line {line}: {counted(len(words), 'number')} where 3 are expected")
-    x, y, z = (number_of(word) for word in words)
+    x, y, z = (parse_number(word) for word in words)
     lost = math.nan
     return (lost if x is None else x, lost if y is None else y, lost if z is None else z)
 

@@ -23,7 +23,7 @@ from camgeo.design.product import Product
 from camgeo.design.verify import Check, Origin, Reading, failed, parse_tolerance, unit_check
 from camgeo.errors import FileError
 from camgeo.numeric.arrays import FloatArray, IntArray
-from camgeo.reading import COORDINATE, FACETS, Limits, beyond, check_size, number_of
+from camgeo.reading import COORDINATE, FACETS, Limits, beyond, check_size, parse_number
 from camgeo.units import counted
 from camgeo_export.reading import COMPUTED, text_tokens
 from camgeo_export.verify.body import body_checks, checks_of_body, compensation_checks
@@ -383,7 +383,7 @@ def _bodies(content: bytes, name: str) -> Iterator[tuple[str, Key, int, list[Key
 
 def _check_numbers(texts: Collection[str | None], what: str) -> None:
     for text in texts:
-        if text is None or number_of(text) is None:
+        if text is None or parse_number(text) is None:
             found = "nothing" if text is None else repr(text[:40])
             raise FileError(f"{what} has {found}, which is not a number of at most {COORDINATE:g}")
 

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any, Final
 
 from camgeo.kinematics.mechanism.values import FollowerKind, LinkageKind, Values
-from camgeo.record import schema_beside
+from camgeo.record import stored_schema
 
 if TYPE_CHECKING:
     from camgeo.kinematics.mechanism.linkage import Linkage
@@ -56,7 +56,7 @@ FOLLOWERS: Final = {
             description="the roller moves along a straight guide.",
             unit="mm",
             touching="roller",
-            schema=schema_beside(__file__, "translating_roller"),
+            schema=stored_schema(__file__, "translating_roller"),
             made="rollers:TranslatingRoller",
             sizes=(
                 "base_radius",
@@ -73,7 +73,7 @@ FOLLOWERS: Final = {
             description="the roller sits on a rocker.",
             unit="rad",
             touching="roller",
-            schema=schema_beside(__file__, "oscillating_roller"),
+            schema=stored_schema(__file__, "oscillating_roller"),
             made="rollers:OscillatingRoller",
             sizes=(
                 "pivot",
@@ -90,7 +90,7 @@ FOLLOWERS: Final = {
             description="a flat face square to a straight guide.",
             unit="mm",
             touching="face",
-            schema=schema_beside(__file__, "translating_flat"),
+            schema=stored_schema(__file__, "translating_flat"),
             made="flat:TranslatingFlat",
             sizes=("base_radius",),
             rules=(_face_has_a_length,),
@@ -100,7 +100,7 @@ FOLLOWERS: Final = {
             description="a flat face on a rocker.",
             unit="rad",
             touching="face",
-            schema=schema_beside(__file__, "oscillating_flat"),
+            schema=stored_schema(__file__, "oscillating_flat"),
             made="flat:OscillatingFlat",
             sizes=("pivot", "base_radius", "face_offset"),
             rules=(_face_has_a_length,),
@@ -120,7 +120,7 @@ LINKAGES: Final = {
                 " carries the roller."
             ),
             members={"rad": "slider", "mm": "crank"},
-            schema=schema_beside(__file__, "slider_crank"),
+            schema=stored_schema(__file__, "slider_crank"),
             build=_slider_crank,
             templates=("slider-crank", "slider-driven-crank"),
         ),
@@ -131,7 +131,7 @@ LINKAGES: Final = {
                 " shaft."
             ),
             members={"rad": "lever"},
-            schema=schema_beside(__file__, "four_bar"),
+            schema=stored_schema(__file__, "four_bar"),
             build=_four_bar,
             templates=("four-bar",),
         ),
