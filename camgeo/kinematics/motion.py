@@ -15,7 +15,7 @@ import numpy as np
 from camgeo.errors import GeometryError
 from camgeo.numeric import checked
 from camgeo.numeric.arrays import FloatArray, IntArray, Side
-from camgeo.numeric.extremes import INSIDE, isolated_roots, places_between
+from camgeo.numeric.extremes import INSIDE, isolated_roots, isolation_places
 from camgeo.units import TURN
 
 Jet = FloatArray
@@ -91,7 +91,7 @@ def lift_range(motion: Motion) -> tuple[float, float]:
 def turning_angles(motion: Motion) -> FloatArray:
     """(k,) cam angles [rad] inside the pieces at which the velocity changes its sign."""
     starts, ends = np.array(pieces(motion)).T
-    places = places_between(np.append(starts, TURN))
+    places = isolation_places(np.append(starts, TURN))
 
     def of_order(order: int) -> Callable[[FloatArray, IntArray], FloatArray]:
         return lambda phi, _: np.asarray(motion.jet(phi, "right", 1)[order])
@@ -127,7 +127,9 @@ def boundary_of(key: str, values: Any) -> Boundary:
     """`values` as a boundary; GeometryError unless it is two numbers, or None where free."""
     if not isinstance(values, tuple | list) or len(values) != 2:
         raise GeometryError(
-            "must be a velocity and an acceleration, None where free", key, checked.shown(values)
+            "must be a velocity and an acceleration, None where free",
+            key,
+            checked.value_text(values),
         )
     return checked.optional(key, values[0]), checked.optional(key, values[1])
 

@@ -24,7 +24,7 @@ from camgeo.kinematics.motion import FULL_ORDER, End, Jet, end_of
 from camgeo.kinematics.motion import Dwell as DwellSpan
 from camgeo.numeric import checked
 from camgeo.numeric.arrays import FloatArray, IntArray, Side, ascending, frozen, read_only
-from camgeo.numeric.extremes import cells_between
+from camgeo.numeric.extremes import isolation_cells
 from camgeo.numeric.kept import Answers, Kept, kept_with_owner
 from camgeo.record import Pickled
 from camgeo.units import TURN
@@ -78,7 +78,7 @@ class SplineMove:
     def __post_init__(self) -> None:
         knots = getattr(self.spline, "knots", None)
         if knots is None or (knots[0], knots[-1]) != (0.0, 1.0):
-            raise GeometryError("must be a spline over 0 to 1", "spline", checked.shown(knots))
+            raise GeometryError("must be a spline over 0 to 1", "spline", checked.value_text(knots))
         span, to = span_of("span", self.span, SHORTEST_SPAN), checked.finite("to", self.to)
         checked.hold(self, span=span, to=to)
 
@@ -547,7 +547,7 @@ def _scales(
     plan: MotionPlan, angles: FloatArray, left: FloatArray, right: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """(4, k) bounds of each derivative in the segment before and in the one after each joint."""
-    low, high = cells_between(np.append(plan.borders, TURN))
+    low, high = isolation_cells(np.append(plan.borders, TURN))
     middle, bounds = plan.jet_and_bounds(low, high)
     own = np.concatenate((np.abs(middle[:1]) + bounds[:1], bounds[1:]))
     first = np.searchsorted(0.5 * (low + high), angles)
@@ -593,7 +593,7 @@ def span_of(key: str, value: Any, shortest: Decimal = Decimal(0)) -> Decimal:
         raise GeometryError(
             f"must be {lowest} (degrees), with at most {DECIMALS} decimals",
             key=key,
-            value=checked.shown(str(value) if isinstance(value, Decimal) else value),
+            value=checked.value_text(str(value) if isinstance(value, Decimal) else value),
         )
     return found
 

@@ -33,7 +33,7 @@ from camgeo.errors import GeometryError
 from camgeo.kinematics.motion import FREE, FULL_ORDER, Boundary, boundaries_of, boundary_of
 from camgeo.numeric import checked
 from camgeo.numeric.arrays import BoolArray, FloatArray, IntArray, Side
-from camgeo.numeric.extremes import Extreme, Extremes, extremes_of
+from camgeo.numeric.extremes import Extreme, Extremes, sampled_extremes
 from camgeo.record import Pickled
 from camgeo.units import counted
 
@@ -465,7 +465,7 @@ class Spline(Pickled):
         pieces, places = self._turning_points(order)
         length = np.diff(self.knots)
         values = _each(_derivative(self.taylor, order)[pieces], places) / length[pieces] ** order
-        return extremes_of(self._at(pieces, places), values)
+        return sampled_extremes(self._at(pieces, places), values)
 
     def beyond_knots(self) -> Extreme:
         """How far s goes, inside a piece, beyond both its values at the ends of the piece.

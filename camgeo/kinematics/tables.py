@@ -10,7 +10,7 @@ import numpy as np
 from camgeo.errors import GeometryError
 from camgeo.numeric import checked
 from camgeo.numeric.arrays import FloatArray
-from camgeo.numeric.columns import Asked, NumberColumn, fault, read_columns
+from camgeo.numeric.columns import NumberColumn, RequestedColumns, fault, read_columns
 from camgeo.record import Pickled
 from camgeo.units import TURN
 
@@ -53,7 +53,7 @@ class TwoColumns(Pickled, checked.CheckedFields):
         cls, data: bytes | str, file: str, columns: tuple[NumberColumn, NumberColumn]
     ) -> TwoColumns:
         """Read a table of two numbers a row; format, parameters and errors as of `read_columns`."""
-        found = read_columns(data, file, Asked(columns))
+        found = read_columns(data, file, RequestedColumns(columns))
         first, second = found.values
         return cls(file, first, second, found.units[1], found.lines)
 

@@ -21,10 +21,10 @@ from camgeo.numeric import checked
 from camgeo.numeric.arrays import FloatArray, IntArray, Quantity, Side, ascending
 from camgeo.numeric.extremes import (
     Extremes,
-    extremes_of,
-    extremes_of_each,
     isolated_roots,
-    places_between,
+    isolation_places,
+    piecewise_extremes_of_many,
+    sampled_extremes,
 )
 from camgeo.record import Pickled
 from camgeo.units import RPM, TURN, LiftUnit, at_cam_angles, counted
@@ -292,8 +292,10 @@ class Rows:
         """See `Many.everywhere`."""
         return quantity(x, side)[self.rows]
 
-    def at(self, quantity: Quantity, x: FloatArray, side: Side, which: IntArray) -> FloatArray:
-        """See `Many.at`."""
+    def paired_values(
+        self, quantity: Quantity, x: FloatArray, side: Side, which: IntArray
+    ) -> FloatArray:
+        """See `Many.paired_values`."""
         return np.asarray(quantity(x, side)[self.rows[which], np.arange(len(x))])
 
 
@@ -316,7 +318,7 @@ def time_extremes(motion: Motion, course: TimeCourse, unit: LiftUnit = "mm") -> 
     def row_of(phi: FloatArray, rows: IntArray) -> FloatArray:
         return np.asarray(timed(phi)[rows, np.arange(len(phi))])
 
-    places = places_between(edges)
+    places = isolation_places(edges)
     known = timed(places.ravel())[SMOOTH + 1].reshape(len(SMOOTH), *places.shape)
     roots, which = isolated_roots(
         lambda phi, row: row_of(phi, SMOOTH[row] + 1),
@@ -327,13 +329,13 @@ def time_extremes(motion: Motion, course: TimeCourse, unit: LiftUnit = "mm") -> 
     right, left = timed(edges[:-1]), timed(edges[1:], "left")
     at_roots = row_of(roots, SMOOTH[which])
     velocity, acceleration = (
-        extremes_of(
+        sampled_extremes(
             np.concatenate((edges[:-1], edges[1:], roots[which == k])),
             np.concatenate((right[row], left[row], at_roots[which == k])),
         )
         for k, row in enumerate(SMOOTH)
     )
-    jerk, torque = extremes_of_each(Rows(SHARP), timed, edges)
+    jerk, torque = piecewise_extremes_of_many(Rows(SHARP), timed, edges)
     return TimeExtremes(velocity, acceleration, jerk, torque)
 
 
@@ -358,7 +360,7 @@ def plan_extremes(plan: MotionPlan, course: TimeCourse, unit: LiftUnit = "mm") -
     torque = inertia_torque(timed, course.rates(np.tile(phi, 2))[0], unit=unit)
 
     def extremes(values: FloatArray) -> Extremes:
-        return extremes_of(np.tile(phi, 2), values)
+        return sampled_extremes(np.tile(phi, 2), values)
 
     return TimeExtremes(
         velocity=extremes(timed[1]),

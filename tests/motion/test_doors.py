@@ -392,7 +392,7 @@ def test_the_same_question_is_answered_once(recalling: MotionPlan) -> None:
 def test_what_was_asked_the_longest_time_ago_is_forgotten(
     recalling: MotionPlan, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(kept, "MOST_KEPT", 2 * len(AROUND))
+    monkeypatch.setattr(kept, "MOST_ANGLES", 2 * len(AROUND))
     first, second = recalling.jet(AROUND), recalling.jet(AROUND, "left")
     assert recalling.jet(AROUND) is first
     recalling.jet(AROUND + 0.1)
@@ -426,7 +426,7 @@ def test_what_is_recalled_cannot_be_changed(recalling: MotionPlan, plan: MotionP
 
 
 def test_much_is_not_kept(recalling: MotionPlan, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(kept, "MOST_KEPT", 10)
+    monkeypatch.setattr(kept, "MOST_ANGLES", 10)
     assert recalling.jet(AROUND) is not recalling.jet(AROUND)
     assert recalling.jet(AROUND[:10]) is recalling.jet(AROUND[:10])
 

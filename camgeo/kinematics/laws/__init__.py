@@ -163,7 +163,7 @@ def find_family(name: str) -> Family:
     known = (*FAMILIES, *ALIASES)
     if not checked.among(name, known):
         hint = meant(str(name), known) or f"there are {', '.join(known)}"
-        raise GeometryError(f"is not a motion law; {hint}", "law", checked.shown(name))
+        raise GeometryError(f"is not a motion law; {hint}", "law", checked.value_text(name))
     return FAMILIES[ALIASES.get(name, name)]
 
 
@@ -172,7 +172,7 @@ def law_of(name: str, task: str, given: Mapping[str, float]) -> Law:
     family = find_family(name)
     if not checked.among(task, family.parameters):
         tasks = ", ".join(family.tasks)
-        raise GeometryError(f"{family.name} is made for {tasks}", "task", checked.shown(task))
+        raise GeometryError(f"{family.name} is made for {tasks}", "task", checked.value_text(task))
     taken = family.parameters[task]
     values = checked.by_name("parameters", given, LARGEST)
     for key in values:

@@ -45,7 +45,7 @@ from camgeo.kinematics.mechanism.sketch import Dimension, MechanismSketch, Place
 from camgeo.kinematics.mechanism.values import Angle, Coordinate, Length, Place, Sense, coordinate
 from camgeo.kinematics.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import ComplexArray, FloatArray
-from camgeo.numeric.checked import CheckedFields, check_fields, shown
+from camgeo.numeric.checked import CheckedFields, check_fields, value_text
 
 HIGHEST = FULL_ORDER - 1
 """Order of the highest derivative of Z: each needs one more derivative of the lift."""
@@ -141,10 +141,10 @@ def spread(change: FloatArray, half: FloatArray) -> FloatArray:
 def face_ends(key: str, face: Any) -> tuple[float, float]:
     """Where a face begins and ends [mm]; GeometryError unless it ends beyond its beginning."""
     if not isinstance(face, tuple | list) or len(face) != 2:
-        raise GeometryError("must be two lengths, (from, to)", key, shown(face))
+        raise GeometryError("must be two lengths, (from, to)", key, value_text(face))
     start, end = (coordinate(key, each) for each in face)
     if not start < end:
-        raise GeometryError("must end beyond where it begins", key, shown(face))
+        raise GeometryError("must end beyond where it begins", key, value_text(face))
     return start, end
 
 

@@ -194,12 +194,12 @@ class RockerCrank(ABC):
         for _ in range(ROUNDS):
             far, farther = times(reach, theta1), times(reach, v1)
             across = between.reaching(between.reach + far + farther)
-            area = area.within(across.sine)
+            area = area.intersection(across.sine)
             inverse = area.inverse
             in_line = to_coupler.reaching(to_coupler.reach + farther)
             in_crank = to_crank.reaching(to_crank.reach + far)
-            theta1 = theta1.within((in_line.cosine * inverse).scaled(pace / crank))
-            v1 = v1.within((in_crank.cosine * inverse).scaled(-pace / coupler))
+            theta1 = theta1.intersection((in_line.cosine * inverse).scaled(pace / crank))
+            v1 = v1.intersection((in_crank.cosine * inverse).scaled(-pace / coupler))
         swing, turn = theta1.squared().scaled(crank), v1.squared().scaled(coupler)
         cosine = across.cosine
         theta2 = swing * cosine + turn
@@ -889,12 +889,12 @@ class SliderDrivenCrank:
         Re P = l_sk cos theta + l_4 cos v.
         """
         inner, crank, coupler = self.inner, self.crank, self.coupler
-        theta = Angles.about(self._theta(jet[0]), bounds[0])
+        theta = Angles.from_middles(self._theta(jet[0]), bounds[0])
         sine_theta, cosine_theta = theta.sine, theta.cosine
         height = np.full_like(jet[0], inner.guide_height)
         drop = Interval(height, height) - sine_theta.scaled(crank)
         whole = np.full_like(height, coupler)
-        drop = drop.within(Interval(-whole, whole))
+        drop = drop.intersection(Interval(-whole, whole))
         least, most = (
             np.sqrt((coupler - each) * (coupler + each))
             for each in (drop.magnitude, drop.mignitude)
@@ -1069,7 +1069,7 @@ class FourBar(RockerCrank):
         self, motion: FloatArray, reach: FloatArray
     ) -> tuple[tuple[FloatArray, FloatArray], tuple[FloatArray, FloatArray]]:
         distance, lever = self._shaft_distance, self.lever
-        found = Angles.about(self._bend(motion), reach).cosine
+        found = Angles.from_middles(self._bend(motion), reach).cosine
         least, start = self._least_square, self._start_cosine
 
         def at(level: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -1080,7 +1080,9 @@ class FourBar(RockerCrank):
 
     def _pin_heading(self, motion: FloatArray, reach: FloatArray) -> Angles:
         """The pin moves square to the lever."""
-        return Angles.about(self.lever_angle + self.lever_sense * motion + 0.5 * math.pi, reach)
+        return Angles.from_middles(
+            self.lever_angle + self.lever_sense * motion + 0.5 * math.pi, reach
+        )
 
     @property
     def _pin_pace(self) -> tuple[float, float]:

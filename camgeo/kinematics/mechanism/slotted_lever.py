@@ -32,7 +32,7 @@ import numpy as np
 
 from camgeo.errors import GeometryError
 from camgeo.numeric.arrays import FloatArray
-from camgeo.numeric.checked import CheckedFields, check_fields, shown
+from camgeo.numeric.checked import CheckedFields, check_fields, value_text
 from camgeo.numeric.extremes import Extreme, Extremes
 from camgeo.units import TURN
 
@@ -45,7 +45,7 @@ def any_size(key: str, value: Any) -> float:
     """A number above 0 of any size, for formulas that use ratios only."""
     real = isinstance(value, Real) and not isinstance(value, bool)
     if not (real and 0.0 < value <= sys.float_info.max):
-        raise GeometryError("must be a positive number", key, shown(value))
+        raise GeometryError("must be a positive number", key, value_text(value))
     return float(value)
 
 

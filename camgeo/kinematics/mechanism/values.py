@@ -16,11 +16,11 @@ from camgeo.errors import GeometryError
 from camgeo.numeric.checked import (
     SMALLEST,
     Check,
-    checks_of,
+    field_checks,
     number,
     one_of,
     point,
-    shown,
+    value_text,
 )
 from camgeo.units import TURN, LiftUnit
 
@@ -41,7 +41,7 @@ def radius(key: str, value: Any) -> float:
     """A length [mm] that may be 0."""
     found = number(key, value, least=0.0, unit="mm")
     if 0.0 < found < SMALLEST:
-        raise GeometryError(f"must be 0, or at least {SMALLEST:g}", key, shown(value))
+        raise GeometryError(f"must be 0, or at least {SMALLEST:g}", key, value_text(value))
     return found
 
 
@@ -87,7 +87,7 @@ def of_table(check: Check, value: Any, mm: float) -> Any:
 def able(key: str, value: Any, method: str, what: str) -> None:
     """GeometryError unless `value` has the `method` that makes it `what`."""
     if isinstance(value, type) or not hasattr(value, method):
-        raise GeometryError(f"must be {what}", key, shown(value))
+        raise GeometryError(f"must be {what}", key, value_text(value))
 
 
 # As types of fields, see `camgeo.numeric.checked.check_fields`.
@@ -127,7 +127,7 @@ class Values:
         """The values that the annotations of `make` name, converted as for `build`."""
         return {
             name: of_table(check, self.table[key], self.mm)
-            for name, (check, key, _) in checks_of(make).items()
+            for name, (check, key, _) in field_checks(make).items()
             if key in self.table
         }
 
