@@ -454,7 +454,7 @@ def check_convexity(curve: PitchCurve, severity: Severity = "no-disc") -> tuple[
     found = convexity(curve)
     if found.turn[0] <= 0.0:
         return (_turns_back(found),)
-    findings = [_radius(found, flat_follower(curve.follower).raised_by, severity)]
+    findings = [_radius(found, flat_follower(curve.follower).raising_keys, severity)]
     if found.jumps:
         findings.append(_jump(found))
     if found.clearance[0] <= SMALLEST * found.size:

@@ -96,9 +96,9 @@ class ConstantSpeed(checked.CheckedFields):
 
     def rates(self, phi: FloatArray, side: Side = "right") -> FloatArray:
         del side
-        out = np.zeros((3, len(phi)))
-        out[0] = self.speed
-        return out
+        rates = np.zeros((3, len(phi)))
+        rates[0] = self.speed
+        return rates
 
     def time(self, phi: FloatArray) -> FloatArray:
         return np.asarray(phi, dtype=np.float64) / self.speed
@@ -180,7 +180,7 @@ class SpeedCurve(Pickled):
         table = TwoColumns.read(data, file, (time, ANGLE))
         times = table.first
         table.check_from_zero(times, "time")
-        radians = table.turn_of(table.second)
+        radians = table.turn_radians(table.second)
         try:
             return cls(times, radians)
         except GeometryError as error:  # whose key is not one of the file
@@ -278,7 +278,7 @@ class TimeExtremes:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Rows:
+class RowQuantities:
     """`Many` quantities, which are rows (k,) of one that has several."""
 
     rows: IntArray
@@ -312,22 +312,22 @@ def time_extremes(motion: Motion, course: TimeCourse, unit: LiftUnit = "mm") -> 
     def timed(phi: FloatArray, side: Side = "right") -> FloatArray:
         """(5, n) lift over time, and the torque."""
         rates = course.rates(phi, side)
-        out = _chained(motion.jet(phi, side), rates)
-        return np.concatenate((out, [inertia_torque(out, rates[0], 1.0, unit)]))
+        time_jet = _chained(motion.jet(phi, side), rates)
+        return np.concatenate((time_jet, [inertia_torque(time_jet, rates[0], 1.0, unit)]))
 
-    def row_of(phi: FloatArray, rows: IntArray) -> FloatArray:
+    def row_values(phi: FloatArray, rows: IntArray) -> FloatArray:
         return np.asarray(timed(phi)[rows, np.arange(len(phi))])
 
     places = isolation_places(edges)
     known = timed(places.ravel())[SMOOTH + 1].reshape(len(SMOOTH), *places.shape)
     roots, which = isolated_roots(
-        lambda phi, row: row_of(phi, SMOOTH[row] + 1),
-        lambda phi, row: row_of(phi, SMOOTH[row]),
+        lambda phi, row: row_values(phi, SMOOTH[row] + 1),
+        lambda phi, row: row_values(phi, SMOOTH[row]),
         places,
         known,
     )
     right, left = timed(edges[:-1]), timed(edges[1:], "left")
-    at_roots = row_of(roots, SMOOTH[which])
+    at_roots = row_values(roots, SMOOTH[which])
     velocity, acceleration = (
         sampled_extremes(
             np.concatenate((edges[:-1], edges[1:], roots[which == k])),
@@ -335,7 +335,7 @@ def time_extremes(motion: Motion, course: TimeCourse, unit: LiftUnit = "mm") -> 
         )
         for k, row in enumerate(SMOOTH)
     )
-    jerk, torque = piecewise_extremes_of_many(Rows(SHARP), timed, edges)
+    jerk, torque = piecewise_extremes_of_many(RowQuantities(SHARP), timed, edges)
     return TimeExtremes(velocity, acceleration, jerk, torque)
 
 

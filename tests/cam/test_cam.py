@@ -268,7 +268,7 @@ def test_each_has_its_own_values(
     alone = [quantity(each)(phi, side) for each in made()[:count]]
     assert np.array_equal(together.everywhere(quantity, phi, side), np.stack(alone, axis=-2))
     own = np.stack([alone[number][..., place] for place, number in enumerate(which)], axis=-1)
-    assert np.array_equal(together.at(quantity, phi, side, which), own)
+    assert np.array_equal(together.paired_values(quantity, phi, side, which), own)
     assert len({each.tobytes() for each in alone}) == count
 
 

@@ -68,7 +68,7 @@ KIND = FollowerKind(
     unit="mm",
     touching="roller",
     schema=schema_beside(__file__),
-    made="mushroom:Mushroom",
+    class_path="mushroom:Mushroom",
     sizes=("base_radius", "head_radius"),
     rules=(head_is_a_cap,),
 )

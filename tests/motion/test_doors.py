@@ -27,7 +27,7 @@ import pytest
 from camgeo import load
 from camgeo.app.answers.table import law_table
 from camgeo.errors import GeometryError, VersionError
-from camgeo.kinematics.laws import FAMILIES, law_of, make_law
+from camgeo.kinematics.laws import FAMILIES, build_law, make_law
 from camgeo.kinematics.laws.comparison import Running, compare
 from camgeo.kinematics.laws.law import Law, characteristic
 from camgeo.kinematics.mechanism.linkage import LinkedMotion
@@ -448,11 +448,11 @@ def test_threads_get_the_answers_to_their_own_questions(recalling: MotionPlan) -
 
 def test_a_law_asked_for_again_is_the_same_one() -> None:
     given = {"inflection": 0.3}
-    law = law_of("modified-sine", "R-R", given)
-    assert law_of("modified-sine", "R-R", dict(given)) is law
-    assert law_of("modified-sine", "R-R", {"inflection": 0.31}) is not law
+    law = build_law("modified-sine", "R-R", given)
+    assert build_law("modified-sine", "R-R", dict(given)) is law
+    assert build_law("modified-sine", "R-R", {"inflection": 0.31}) is not law
     assert characteristic(law) is characteristic(law)
-    law = law_of("polynomial-5", "B-B", {"v0": 0.5, "v1": 2.0})
+    law = build_law("polynomial-5", "B-B", {"v0": 0.5, "v1": 2.0})
     half = replace(law, regions=law.regions[:1])
     assert half == law  # regions are made of what is compared
     assert characteristic(half).velocity.value < characteristic(law).velocity.value

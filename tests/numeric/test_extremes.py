@@ -245,7 +245,9 @@ class Waves:
         return np.asarray(np.sum(waves, axis=0) + self.steps[which, np.clip(piece, 0, 3)])
 
     def everywhere(self, asked: None, x: FloatArray, side: Side) -> FloatArray:
-        return np.stack([self.at(asked, x, side, np.full(len(x), k)) for k in range(self.count)])
+        return np.stack(
+            [self.paired_values(asked, x, side, np.full(len(x), k)) for k in range(self.count)]
+        )
 
     def densely(self, number: int, steps: int = 3001) -> tuple[FloatArray, FloatArray]:
         """Places and values all over, each piece with both its ends."""
@@ -253,8 +255,8 @@ class Waves:
         own = np.full(steps, number)
         found = []
         for each in x:
-            values = self.at(None, each, "right", own)
-            values[-1] = self.at(None, each[-1:], "left", own[:1])[0]
+            values = self.paired_values(None, each, "right", own)
+            values[-1] = self.paired_values(None, each[-1:], "left", own[:1])[0]
             found.append(values)
         return np.concatenate(x), np.concatenate(found)
 
@@ -272,11 +274,13 @@ def test_extremes_of_many_at_once_are_those_of_dense_samples(seed: int) -> None:
             (each.highest, np.max(values), 1.0), (each.lowest, np.min(values), -1.0)
         ):  # fmt: skip
             assert -1e-13 <= sign * (extreme.value - best) <= bend
-            there = [waves.at(None, np.array([extreme.place]), side, own)[0] for side in SIDES]
+            there = [
+                waves.paired_values(None, np.array([extreme.place]), side, own)[0] for side in SIDES
+            ]
             assert min(abs(value - extreme.value) for value in there) <= 1e-13
         assert each.magnitude == max(abs(each.lowest.value), abs(each.highest.value))
         assert ceiling(
-            lambda phi, side: waves.at(None, phi, side, np.full(len(phi), number)),  # noqa: B023 - called at once
+            lambda phi, side: waves.paired_values(None, phi, side, np.full(len(phi), number)),  # noqa: B023 - called at once
             waves.edges,
         ) >= np.max(values)
 

@@ -25,7 +25,7 @@ from camgeo.dynamics.effects.results import Bearing, Friction
 from camgeo.dynamics.effects.tables import FrictionCoefficients
 from camgeo.dynamics.effects.wording import at, between
 from camgeo.errors import EffectError, GeometryError
-from camgeo.kinematics.mechanism.linkage import locked_at
+from camgeo.kinematics.mechanism.linkage import first_locked_place
 from camgeo.kinematics.mechanism.linkages import SliderCrank
 from camgeo.kinematics.motion import Motion
 from camgeo.numeric.arrays import ComplexArray, FloatArray, Side, merged, read_only
@@ -149,7 +149,7 @@ def _off(subject: Subject, data: FrictionCoefficients) -> Off:
 def _on_slider(subject: Subject, data: FrictionCoefficients, linkage: SliderCrank) -> Quantity:
     """(4, n) coefficients of friction along the stroke; EffectError where the slider is locked."""
     output = subject.state.output
-    locked = locked_at(linkage, output)
+    locked = first_locked_place(linkage, output)
     if locked is not None:
         raise EffectError(
             f"the rocker cannot move the slider against its friction: {at(locked[0])}, stroke"

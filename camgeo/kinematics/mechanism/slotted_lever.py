@@ -392,20 +392,20 @@ class DrivenLever:
         lever, speed = self.lever, self.speed
         if lever.crank == lever.distance:
             return ()
-        found = []
+        collected = []
         if lever.swings:
             angle = lever.largest_angle
-            found += self._pair("phi", -angle.value, angle.place)
+            collected += self._pair("phi", -angle.value, angle.place)
         velocities = lever.velocity_extremes
         # The smallest phi' is the largest omega_2, for the sense of the angles is opposite.
         at_ends = [
             self._extreme("omega2", largest, -speed * end.value, end.place)
             for largest, end in ((True, velocities.lowest), (False, velocities.highest))
         ]
-        found += sorted(at_ends, key=lambda extreme: extreme.crank)
+        collected += sorted(at_ends, key=lambda extreme: extreme.crank)
         acceleration = lever.largest_acceleration
-        found += self._pair("eps2", -speed * speed * acceleration.value, acceleration.place)
-        return tuple(found)
+        collected += self._pair("eps2", -speed * speed * acceleration.value, acceleration.place)
+        return tuple(collected)
 
     @property
     def strokes(self) -> tuple[Stroke, Stroke] | None:
