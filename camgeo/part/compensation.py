@@ -359,7 +359,7 @@ def _flank_within(boundary: CurveBoundary, distance: float) -> Path:
         within = WorkingCurve(flank.pitch, flank.distance + by)
     else:
         follower: Any = flank.pitch.follower  # a frozen dataclass
-        names = [key.removeprefix("follower.") for key in follower.raised_by]
+        names = [key.removeprefix("follower.") for key in follower.raising_keys]
         try:
             moved = replace(follower, **{each: getattr(follower, each) + by for each in names})
         except GeometryError:
