@@ -21,7 +21,7 @@ import numpy as np
 from camgeo.kinematics.laws import ALIASES, FAMILIES, make_law
 from camgeo.kinematics.laws.law import Law, characteristic
 from camgeo.kinematics.motion import ENDS, NAMES, TASKS
-from camgeo.kinematics.planning.build import best_law, equal_accelerations, size_of
+from camgeo.kinematics.planning.build import best_law, criterion_size, equal_accelerations
 from camgeo.kinematics.planning.requests import CRITERIA
 from camgeo.numeric.extremes import Extreme
 
@@ -291,7 +291,9 @@ def _choice(_name: str, task: str, *values: str) -> str:
     """
     known = {key: float(value) for key, value in (text.split("=") for text in values)}
     compared = _compared(task, {**BOUNDARY[task], **known})
-    sizes = [[size_of(characteristic(law), name) for name in CRITERIA] for _, law in compared]
+    sizes = [
+        [criterion_size(characteristic(law), name) for name in CRITERIA] for _, law in compared
+    ]
     best = [min(column) for column in zip(*sizes, strict=True)]
     rows = []
     for (given, law), row in zip(compared, sizes, strict=True):

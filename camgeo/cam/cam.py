@@ -82,9 +82,9 @@ class Contact(StrEnum):
         return {flank: flank.sign * half for flank in self.flanks}
 
 
-def contact_of(key: str, value: object) -> Contact:
+def contact_by_name(key: str, value: object) -> Contact:
     """The contact of that name; GeometryError with `key` if there is none."""
-    return Contact(one_of(key, value, [each.value for each in Contact]))
+    return Contact(one_of(key, value, [contact.value for contact in Contact]))
 
 
 # -- disc -----------------------------------------------------------------------------------------
@@ -116,7 +116,7 @@ class Disc(Pickled):
         return self.follower.roller_radius + 0.5 * self.clearance
 
     def __post_init__(self) -> None:
-        hold(self, contact=contact_of("follower.contact", self.contact))
+        hold(self, contact=contact_by_name("follower.contact", self.contact))
 
     @lazy
     def pitch_curve(self) -> PitchCurve:
@@ -173,8 +173,8 @@ class Disc(Pickled):
 
     def outline(self, flank: str) -> Outline:
         """What remains of the "inner" or "outer" flank."""
-        own: Outline = getattr(self, f"{Flank(flank)}_outline")
-        return own
+        remainder: Outline = getattr(self, f"{Flank(flank)}_outline")
+        return remainder
 
     def replay(self, flank: str) -> Replay:
         """The roller pressed against what remains of the "inner" or "outer" flank.
@@ -240,7 +240,7 @@ class Cam(Pickled):
     ledger: Ledger = field(default_factory=Ledger, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        hold(self, contact=contact_of("follower.contact", self.contact))
+        hold(self, contact=contact_by_name("follower.contact", self.contact))
 
     @built
     def disc(self) -> Disc:
@@ -336,12 +336,12 @@ class Breadth:
     @property
     def breaks(self) -> FloatArray:
         """(m,) cam angles [rad] at which a derivative may jump on either side."""
-        return _on_both_sides(self.motion.breaks)
+        return _add_opposite_angles(self.motion.breaks)
 
     @property
     def borders(self) -> FloatArray:
         """(k,) cam angles [rad] at which the formula changes on either side."""
-        return _on_both_sides(self.motion.borders)
+        return _add_opposite_angles(self.motion.borders)
 
     dwells: ClassVar[tuple[Dwell, ...]] = ()
     """None: where both sides dwell the slope is simply 0."""
@@ -362,8 +362,8 @@ class Breadth:
     @cached_property
     def range(self) -> tuple[tuple[float, float], tuple[float, float]]:
         """Least and largest width [mm], each with its cam angle [rad]."""
-        found = extremes(self, self.width, self.slope)
-        return found.smallest(), found.largest()
+        width_extremes = extremes(self, self.width, self.slope)
+        return width_extremes.smallest(), width_extremes.largest()
 
     @property
     def best(self) -> float:
@@ -414,7 +414,7 @@ class Breadth:
         return turned
 
 
-def _on_both_sides(angles: FloatArray) -> FloatArray:
+def _add_opposite_angles(angles: FloatArray) -> FloatArray:
     """The cam `angles` (m,) [rad], and those half a turn from them."""
     return merged(np.concatenate((angles, (angles + HALF) % TURN)))
 
@@ -490,7 +490,7 @@ class Drive(Pickled):
             raise GeometryError(message, key="unit", value=self.unit)
 
     @property
-    def demanded_of(self) -> Demanded:
+    def demanded_member(self) -> Demanded:
         """Whose motion is prescribed."""
         return "follower" if self.linkage is None else self.linkage.member
 

@@ -456,7 +456,7 @@ def check_convexity(curve: PitchCurve, severity: Severity = "no-disc") -> tuple[
     shape = convexity(curve)
     if shape.turn[0] <= 0.0:
         return (_turns_back(shape),)
-    findings = [_radius(shape, flat_follower(curve.follower).raised_by, severity)]
+    findings = [_radius(shape, flat_follower(curve.follower).raising_keys, severity)]
     if shape.jumps:
         findings.append(_jump(shape))
     if shape.clearance[0] <= SMALLEST * shape.size:

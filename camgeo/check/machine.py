@@ -11,12 +11,12 @@ from camgeo.cam.cam import Drive
 from camgeo.check.finding import Finding, Limits, is_slow, limit_finding
 from camgeo.kinematics.mechanism.follower import Follower
 from camgeo.kinematics.mechanism.linkage import (
-    BACK,
-    OUT,
+    TO_FAR_END,
+    TO_FOLLOWER,
     Linkage,
     LinkedMotion,
     clear_range,
-    kept_between,
+    clear_range_texts,
     position_text,
 )
 from camgeo.numeric.kept import kept_with_owner
@@ -58,7 +58,7 @@ ANGLE_MEMBERS: Final = {
     "lever": ("lever", "crank"),
     "crank": ("crank", GUIDE_NORMAL),
 }
-"""What makes the transmission angles with the coupler, `OUT` and `BACK`."""
+"""What makes the transmission angles with the coupler, `TO_FAR_END` and `TO_FOLLOWER`."""
 
 
 def linkage_findings(drive: Drive, limits: Limits) -> tuple[Finding, ...]:
@@ -100,7 +100,7 @@ def _to_dead_centre(motion: LinkedMotion) -> Finding:
         return Finding("dead-centre", "ok", sentence, spare, limit, "mm", phi)
     sentence = f"{what} {place}: a dead centre, {infinite} becomes infinite there"
     # If the motion starts in one, it cannot stay clear of it.
-    ranges = [] if 0.0 in clear_range(linkage) else kept_between(linkage)
+    ranges = [] if 0.0 in clear_range(linkage) else clear_range_texts(linkage)
     sentence += f"; {ranges[0]} there is none" if ranges else ""
     return Finding("dead-centre", "no-disc", sentence, spare, limit, "mm", phi)
 
@@ -108,31 +108,31 @@ def _to_dead_centre(motion: LinkedMotion) -> Finding:
 def _forward_angle(motion: LinkedMotion, limit: float | None) -> Finding:
     """The smallest angle between coupler and far member, or where that member cannot be driven."""
     name, linkage = "linkage-transmission-angle", motion.linkage
-    sine, position = _smallest_sine(motion, OUT)
+    sine, position = _smallest_sine(motion, TO_FAR_END)
     place, phi = _place(motion, position)
     angle = math.degrees(math.asin(min(1.0, sine)))
     least = None if limit is None else math.degrees(limit)
     if sine > DEAD_CENTRE:
         statement = (
             f"smallest transmission angle {angle:.3f} deg, between coupler and"
-            f" {ANGLE_MEMBERS[linkage.member][OUT]}, {place}"
+            f" {ANGLE_MEMBERS[linkage.member][TO_FAR_END]}, {place}"
         )
         return limit_finding(name, statement, angle, least, "deg", phi, least=True)
     what, stuck = LOCKED[linkage.member]
     sentence = f"{what} {place}: {stuck} there, its transmission angle is 0"
-    ranges = [] if 0.0 in clear_range(linkage, OUT) else kept_between(linkage, OUT)
+    ranges = [] if 0.0 in clear_range(linkage, TO_FAR_END) else clear_range_texts(linkage, TO_FAR_END)
     sentence += f"; {ranges[0]} it is driven throughout" if ranges else ""
     return Finding(name, "no-disc", sentence, 0.0, least, "deg", phi)
 
 
 def _back_angle(motion: LinkedMotion) -> Finding:
     """The smallest angle between coupler and the follower's member."""
-    sine, position = _smallest_sine(motion, BACK)
+    sine, position = _smallest_sine(motion, TO_FOLLOWER)
     angle = math.degrees(math.asin(min(1.0, sine)))
     place, phi = _place(motion, position)
     sentence = (
         f"driven back, smallest transmission angle {angle:.3f} deg, between coupler and"
-        f" {ANGLE_MEMBERS[motion.linkage.member][BACK]}, {place}"
+        f" {ANGLE_MEMBERS[motion.linkage.member][TO_FOLLOWER]}, {place}"
     )
     return Finding("linkage-back-angle", "ok", sentence, angle, unit="deg", cam_angle=phi)
 
@@ -145,7 +145,7 @@ def _smallest_sine(motion: LinkedMotion, way: int) -> tuple[float, float]:
     linkage, runs = motion.linkage, motion.runs
     low, high = runs.range
     positions = [low, high]
-    if way == OUT:
+    if way == TO_FAR_END:
         positions += linkage.locked_positions(low, high)
         positions += linkage.far_turning_positions(low, high)
     else:  # without a dead centre, where that sine is 0

@@ -92,8 +92,10 @@ class PicturedCam(Pickled):
 
     @property
     def linkage_joint(self) -> tuple[complex, complex]:
-        """Where a linkage takes hold of the follower at lift 0 [mm], see `Follower.linked_at`."""
-        return self.cam.follower.linked_at(self._farthest)
+        """Where a linkage takes hold of the follower at lift 0 [mm]; see
+        `Follower.linkage_joint`.
+        """
+        return self.cam.follower.linkage_joint(self._farthest)
 
     @property
     def _farthest(self) -> float:
@@ -103,7 +105,7 @@ class PicturedCam(Pickled):
 
     def mechanism_sketch(self, phi: float) -> MechanismSketch[complex]:
         """The mechanism at the cam angle `phi` [rad]: its links and joints."""
-        return self.mechanism_sketches(np.array([phi])).at(0)
+        return self.mechanism_sketches(np.array([phi])).position(0)
 
     def mechanism_sketches(self, phi: FloatArray) -> MechanismSketch[Places]:
         """The same at cam angles `phi` (n,) [rad]."""
@@ -124,7 +126,7 @@ class PicturedCam(Pickled):
         place, outward = self.linkage_joint
         linked = linkage.sketch(place, outward, cam.drive.plan.jet(phi)[0])
         way = linkage.sketch(place, outward, np.array(lift_range(cam.drive.plan)))
-        ends_of_way = way.at(0).guides, way.at(1).guides
+        ends_of_way = way.position(0).guides, way.position(1).guides
         guides = tuple(
             replace(guide, travel=tuple(guide_end[number].middle for guide_end in ends_of_way))
             for number, guide in enumerate(linked.guides)

@@ -347,9 +347,9 @@ def _motions(drive: Drive, lift_unit: LiftUnit) -> list[tuple[str, JetOfMotion]]
     """
     follower_jet = _once(lambda phi, side: drive.motion.jet(phi, side))
     motions: list[tuple[str, JetOfMotion]] = [("psi" if lift_unit == "rad" else "", follower_jet)]
-    if drive.demanded_of != "follower":
+    if drive.demanded_member != "follower":
         demanded = _once(lambda phi, side: drive.plan.jet(phi, side))
-        motions.insert(0, (ANGLES.get(drive.demanded_of, ""), demanded))
+        motions.insert(0, (ANGLES.get(drive.demanded_member, ""), demanded))
     return motions
 
 

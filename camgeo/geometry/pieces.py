@@ -17,7 +17,7 @@ from camgeo.kinematics.motion import Dwell, lift_range
 from camgeo.kinematics.plan import MotionPlan
 from camgeo.numeric.arrays import (
     ONE,
-    Asked,
+    AnyQuantity,
     BoolArray,
     ComplexArray,
     FloatArray,
@@ -30,7 +30,7 @@ from camgeo.numeric.arrays import (
     merged,
     read_only,
 )
-from camgeo.numeric.extremes import cells_between, isolated_roots, places_in
+from camgeo.numeric.extremes import cell_places, isolated_roots, isolation_cells
 from camgeo.numeric.kept import kept_with_each, kept_with_owner
 from camgeo.record import Brief
 from camgeo.units import TURN
@@ -239,7 +239,7 @@ def extremes(curve: HasBorders, value: Quantity, slopes: Quantity) -> Extremes:
 
 
 def extremes_of_each(
-    breaks: HasBorders, many: Many[Asked], value: Asked, slopes: Asked
+    breaks: HasBorders, many: Many[AnyQuantity], value: AnyQuantity, slopes: AnyQuantity
 ) -> list[Extremes]:
     """The `extremes` of each of `many`, which all have the same `breaks`."""
     turn = kept_turn(breaks) if isinstance(breaks, PitchCurve) else turn_of(breaks)
@@ -249,7 +249,7 @@ def extremes_of_each(
         middle, which = _turning(many, value, slopes, turn.places)
     at_starts = many.everywhere(value, starts, "right")
     at_ends = many.everywhere(value, ends, "left")
-    between = many.at(value, middle, "right", which)
+    between = many.paired_values(value, middle, "right", which)
     # At a break the end of one piece comes before the start of the next.
     owner = np.searchsorted(starts, middle, side="right") - 1
     each = np.arange(len(starts))
@@ -271,7 +271,7 @@ class Turn:
     Attributes
     ----------
     starts, ends : (m,) of the pieces [rad], ascending; the last end may exceed 2 pi.
-    places : (n, k) in the cells of the pieces that are no dwells, see `places_in`.
+    places : (n, k) in the cells of the pieces that are no dwells, see `cell_places`.
     """
 
     starts: FloatArray
@@ -287,10 +287,10 @@ def turn_of(curve: HasBorders) -> Turn:
     moving = np.array([not piece.dwell for piece in pieces])
     borders = np.concatenate((curve.borders, curve.borders + TURN))
     inner = borders[(borders > starts[0]) & (borders < ends[-1])]
-    low, high = cells_between(merged(np.concatenate((starts, inner, ends[-1:]))))
+    low, high = isolation_cells(merged(np.concatenate((starts, inner, ends[-1:]))))
     owner = np.searchsorted(starts, 0.5 * (low + high)) - 1
     low, high, owner = (each[moving[owner]] for each in (low, high, owner))
-    return Turn(starts, ends, places_in(low, high, starts[owner], ends[owner]))
+    return Turn(starts, ends, cell_places(low, high, starts[owner], ends[owner]))
 
 
 @kept_with_owner
@@ -300,7 +300,7 @@ def kept_turn(curve: PitchCurve) -> Turn:
 
 
 def _turning(
-    many: Many[Asked], value: Asked, slopes: Asked, places: FloatArray
+    many: Many[AnyQuantity], value: AnyQuantity, slopes: AnyQuantity, places: FloatArray
 ) -> tuple[FloatArray, IntArray]:
     """Where one of the `slopes` of one of `many` vanishes, ascending, and of which."""
     known = many.everywhere(slopes, places.ravel(), "right")
@@ -308,11 +308,11 @@ def _turning(
 
     def of_row(phi: FloatArray, row: IntArray) -> FloatArray:
         kind, one = np.divmod(row, many.count)
-        found = many.at(slopes, phi, "right", one)
+        found = many.paired_values(slopes, phi, "right", one)
         return found if found.ndim == 1 else found[kind, np.arange(len(phi))]
 
     def value_of(phi: FloatArray, row: IntArray) -> FloatArray:
-        return many.at(value, phi, "right", row % many.count)
+        return many.paired_values(value, phi, "right", row % many.count)
 
     roots, row = isolated_roots(of_row, value_of, places, known.reshape(-1, *places.shape))
     order = np.argsort(roots, kind="stable")

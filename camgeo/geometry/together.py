@@ -213,10 +213,10 @@ class Together(Generic[Member]):
             which = np.repeat(np.arange(times), length)
             yield (some[0] if times == 1 else self.join(some, which, times)), times
 
-    def at(
+    def paired_values(
         self, quantity: Callable[[Member], Quantity], x: FloatArray, side: Side, which: IntArray
     ) -> FloatArray:
-        """See `Many.at`."""
+        """See `Many.paired_values`."""
         if self.count == 1:
             return quantity(self.members[0])(x, side)
         starts = range(0, max(len(x), 1), BLOCK)

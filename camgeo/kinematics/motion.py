@@ -15,7 +15,7 @@ import numpy as np
 from camgeo.errors import GeometryError
 from camgeo.numeric import checked
 from camgeo.numeric.arrays import FloatArray, IntArray, Side
-from camgeo.numeric.extremes import INSIDE, isolated_roots, places_between
+from camgeo.numeric.extremes import INSIDE, isolated_roots, isolation_places
 from camgeo.units import TURN
 
 Jet = FloatArray
@@ -91,7 +91,7 @@ def lift_range(motion: Motion) -> tuple[float, float]:
 def turning_angles(motion: Motion) -> FloatArray:
     """(k,) cam angles [rad] inside the pieces at which the velocity changes its sign."""
     starts, ends = np.array(pieces(motion)).T
-    places = places_between(np.append(starts, TURN))
+    places = isolation_places(np.append(starts, TURN))
 
     def of_order(order: int) -> Callable[[FloatArray, IntArray], FloatArray]:
         return lambda phi, _: np.asarray(motion.jet(phi, "right", 1)[order])
@@ -101,8 +101,8 @@ def turning_angles(motion: Motion) -> FloatArray:
     roots, _ = isolated_roots(velocity, of_order(0), places, known)
     # At rest at an end of its piece a law may round to 0 at the outermost place.
     piece = np.searchsorted(starts, roots) - 1
-    off = 4.0 * INSIDE * (ends - starts)[piece]
-    return np.asarray(roots[(roots - starts[piece] > off) & (ends[piece] - roots > off)])
+    margin = 4.0 * INSIDE * (ends - starts)[piece]
+    return np.asarray(roots[(roots - starts[piece] > margin) & (ends[piece] - roots > margin)])
 
 
 # -- boundary -------------------------------------------------------------------------------------
@@ -115,19 +115,21 @@ Boundary = tuple[float | None, float | None]
 FREE: Final[Boundary] = (None, None)
 
 
-def boundaries_of(key: str, given: Any, least: int, most: int) -> dict[int, Boundary]:
+def checked_boundaries(key: str, given: Any, least: int, most: int) -> dict[int, Boundary]:
     """`given` by index of the point; GeometryError unless all are from `least` to `most`."""
     return {
-        checked.whole(key, index, least, most): boundary_of(key, values)
+        checked.whole(key, index, least, most): checked_boundary(key, values)
         for index, values in checked.instance(key, given, Mapping, "boundaries by index").items()
     }
 
 
-def boundary_of(key: str, values: Any) -> Boundary:
+def checked_boundary(key: str, values: Any) -> Boundary:
     """`values` as a boundary; GeometryError unless it is two numbers, or None where free."""
     if not isinstance(values, tuple | list) or len(values) != 2:
         raise GeometryError(
-            "must be a velocity and an acceleration, None where free", key, checked.shown(values)
+            "must be a velocity and an acceleration, None where free",
+            key,
+            checked.value_text(values),
         )
     return checked.optional(key, values[0]), checked.optional(key, values[1])
 
@@ -147,13 +149,13 @@ NAMES: Final[dict[End, str]] = {
 }
 
 
-def end_of(velocity: float, acceleration: float) -> End:
+def end_class(velocity: float, acceleration: float) -> End:
     """The class of an end with that velocity and acceleration, in any unit."""
     if velocity == 0.0:
         return "R" if acceleration == 0.0 else "U"
     return "G" if acceleration == 0.0 else "B"
 
 
-def ends_of(task: str) -> tuple[str, str]:
+def task_ends(task: str) -> tuple[str, str]:
     """The classes at the start and at the end of `task`, one of `TASKS`."""
     return task[0], task[-1]

@@ -20,11 +20,11 @@ import numpy as np
 
 from camgeo.errors import GeometryError
 from camgeo.kinematics.laws.law import Formula, Law
-from camgeo.kinematics.motion import FULL_ORDER, End, Jet, end_of
+from camgeo.kinematics.motion import FULL_ORDER, End, Jet, end_class
 from camgeo.kinematics.motion import Dwell as DwellSpan
 from camgeo.numeric import checked
 from camgeo.numeric.arrays import FloatArray, IntArray, Side, ascending, frozen, read_only
-from camgeo.numeric.extremes import cells_between
+from camgeo.numeric.extremes import isolation_cells
 from camgeo.numeric.kept import Answers, Kept, kept_with_owner
 from camgeo.record import Pickled
 from camgeo.units import TURN
@@ -78,8 +78,8 @@ class SplineMove:
     def __post_init__(self) -> None:
         knots = getattr(self.spline, "knots", None)
         if knots is None or (knots[0], knots[-1]) != (0.0, 1.0):
-            raise GeometryError("must be a spline over 0 to 1", "spline", checked.shown(knots))
-        span, to = span_of("span", self.span, SHORTEST_SPAN), checked.finite("to", self.to)
+            raise GeometryError("must be a spline over 0 to 1", "spline", checked.value_text(knots))
+        span, to = checked_span("span", self.span, SHORTEST_SPAN), checked.finite("to", self.to)
         checked.hold(self, span=span, to=to)
 
 
@@ -109,7 +109,7 @@ class MotionPlan(Pickled):
 
     def __post_init__(self) -> None:
         segments = checked.instances("motion", self.segments, (Dwell, Move, SplineMove), "segments")
-        joints = joints_of(segment.span for segment in segments)
+        joints = sum_spans(segment.span for segment in segments)
         checked.hold(self, segments=segments, joints_deg=joints)
         position = 0.0
         for number, segment in enumerate(self.segments, start=1):
@@ -134,7 +134,7 @@ class MotionPlan(Pickled):
         """Each segment that has a length, and the cam angles [rad] at which it begins and ends."""
         joints = [math.radians(float(degrees)) for degrees in self.joints_deg]
         ends = zip(self.segments, joints[:-1], joints[1:], strict=True)
-        return tuple(each for each in ends if each[0].span > 0)
+        return tuple(stretch for stretch in ends if stretch[0].span > 0)
 
     @cached_property
     def _pieces(self) -> tuple[Piece, ...]:
@@ -183,30 +183,32 @@ class MotionPlan(Pickled):
 
         The joints, and the inner borders of the laws; not the middle of a rest.
         """
-        found: list[float] = []
+        angles: list[float] = []
         inner = {
             start + border * (end - start)
             for segment, start, end in self.stretches
             if isinstance(segment, Move)
             for border in segment.law.borders
         }
-        for before, after in zip(self._pieces[-1:] + self._pieces[:-1], self._pieces, strict=True):
-            if before.rests and after.rests:
+        for previous, following in zip(
+            self._pieces[-1:] + self._pieces[:-1], self._pieces, strict=True
+        ):
+            if previous.rests and following.rests:
                 continue
-            inside = before.segment_start == after.segment_start
-            if before.rests or after.rests or not inside or after.start in inner:
-                found.append(after.start)
-        return frozen(found, np.float64)
+            inside = previous.segment_start == following.segment_start
+            if previous.rests or following.rests or not inside or following.start in inner:
+                angles.append(following.start)
+        return frozen(angles, np.float64)
 
     @cached_property
     def dwells(self) -> tuple[DwellSpan, ...]:
         """All rests, neighbours merged, also across cam angle 0."""
         runs = [[*run] for rests, run in groupby(self._pieces, attrgetter("rests")) if rests]
-        found = [[run[0].start, run[-1].end] for run in runs]
-        if len(found) > 1 and self._pieces[0].rests and self._pieces[-1].rests:
-            found[-1][1] += found[0][1]
-            found = found[1:]
-        return tuple(DwellSpan(start, end - start) for start, end in found)
+        spans = [[run[0].start, run[-1].end] for run in runs]
+        if len(spans) > 1 and self._pieces[0].rests and self._pieces[-1].rests:
+            spans[-1][1] += spans[0][1]
+            spans = spans[1:]
+        return tuple(DwellSpan(start, end - start) for start, end in spans)
 
     @cached_property
     def harmonics(self) -> tuple[DwellSpan, ...]:
@@ -228,10 +230,10 @@ class MotionPlan(Pickled):
         """
         phi = np.array(phi, dtype=np.float64, ndmin=1)  # a copy of our own
 
-        def made() -> Jet:
+        def compute_jet() -> Jet:
             return read_only(self._columns.jet(in_turn(phi, side), side))
 
-        return self._answers.recall(made, side, phi)
+        return self._answers.recall(compute_jet, side, phi)
 
     def jet_and_bounds(self, low: FloatArray, high: FloatArray) -> tuple[Jet, Jet]:
         """The lift (4, n) in the middle of the cells [low, high] [rad], and bounds over them.
@@ -243,18 +245,18 @@ class MotionPlan(Pickled):
         middle = 0.5 * (low + high)
         half = 0.5 * (high - low)
         values = self.jet(middle)
-        out = np.abs(values)
-        piece = self._columns.at(middle, "right")
-        jerk = out[3]
+        bounds = np.abs(values)
+        piece = self._columns.piece_numbers(middle, "right")
+        jerk = bounds[3]
         jerk[:] = self._columns.jerk_limits[piece]
-        out[0] = half * (out[1] + half * (out[2] / 2.0 + half * jerk / 6.0))
-        out[1] += half * (out[2] + half * jerk / 2.0)
-        out[2] += half * jerk
+        bounds[0] = half * (bounds[1] + half * (bounds[2] / 2.0 + half * jerk / 6.0))
+        bounds[1] += half * (bounds[2] + half * jerk / 2.0)
+        bounds[2] += half * jerk
         if self._by_data:
-            for number, index in places_of(piece):
+            for number, index in indices_by_key(piece):
                 if self._pieces[number].spline is not None:
-                    out[:, index] = self._pieces[number].spline_bounds(low[index], high[index])
-        return values, out
+                    bounds[:, index] = self._pieces[number].spline_bounds(low[index], high[index])
+        return values, bounds
 
     @cached_property
     def _by_data(self) -> bool:
@@ -391,30 +393,30 @@ class Pieces:
         self._row = np.empty(len(pieces), dtype=np.intp)
         self._tables = []
         for group in range(len(self._formulas)):
-            own = np.flatnonzero(self._group == group)
-            self._row[own] = np.arange(len(own))
-            rest = np.array([pieces[place].numbers for place in own.tolist()]).T
-            self._tables.append(np.concatenate((columns[:, own], rest)))
+            members = np.flatnonzero(self._group == group)
+            self._row[members] = np.arange(len(members))
+            rest = np.array([pieces[place].numbers for place in members.tolist()]).T
+            self._tables.append(np.concatenate((columns[:, members], rest)))
 
     def jet(self, phi: FloatArray, side: Side) -> Jet:
         """(4, n) lift and derivatives at `phi` (n,) in [0, 2 pi] [rad]."""
-        out = np.empty((4, len(phi)))
+        values = np.empty((4, len(phi)))
         for first in range(0, len(phi), BLOCK):
             block = slice(first, first + BLOCK)
-            here, there = phi[block], out[:, block]
+            here, there = phi[block], values[:, block]
             if len(here) > MANY * len(self.starts):
                 for piece, places in self._parts(here, side):
                     group, row = int(self._group[piece]), int(self._row[piece])
                     self._write(group, row, here, there, places)
                 continue
-            pieces = self.at(here, side)
+            pieces = self.piece_numbers(here, side)
             groups, rows = self._group[pieces], self._row[pieces]
             for group in np.flatnonzero(np.bincount(groups)).tolist():
                 places = np.flatnonzero(groups == group)
                 self._write(group, rows[places], here, there, places)
-        return out
+        return values
 
-    def at(self, phi: FloatArray, side: Side) -> IntArray:
+    def piece_numbers(self, phi: FloatArray, side: Side) -> IntArray:
         """(n,) the number of the piece in which each of `phi` (n,) lies."""
         nudge = SNAP if side == "right" else -SNAP
         return self.starts[1:].searchsorted(phi + nudge, side=side)
@@ -422,12 +424,12 @@ class Pieces:
     def _parts(self, phi: FloatArray, side: Side) -> list[tuple[int, slice | IntArray]]:
         """Each piece in which some of `phi` (n,) lie, with their indices."""
         if not np.all(phi[1:] >= phi[:-1]):
-            return [*places_of(self.at(phi, side))]
+            return [*indices_by_key(self.piece_numbers(phi, side))]
         nudge = SNAP if side == "right" else -SNAP
         inner = self.starts[1:] - nudge
         ends = np.searchsorted(phi, inner, side="left" if nudge > 0.0 else "right").tolist()
-        found = enumerate(zip([0, *ends], [*ends, len(phi)], strict=True))
-        return [(piece, slice(*bounds)) for piece, bounds in found if bounds[0] < bounds[1]]
+        runs = enumerate(zip([0, *ends], [*ends, len(phi)], strict=True))
+        return [(piece, slice(*bounds)) for piece, bounds in runs if bounds[0] < bounds[1]]
 
     def _write(
         self,
@@ -451,7 +453,7 @@ class Pieces:
             out[:, places] = values
 
 
-def places_of(keys: IntArray) -> list[tuple[int, IntArray]]:
+def indices_by_key(keys: IntArray) -> list[tuple[int, IntArray]]:
     """Each distinct one of `keys` (n,), ascending, with the indices at which it occurs."""
     order = np.argsort(keys, kind="stable")
     ends = np.flatnonzero(np.diff(keys[order])) + 1
@@ -498,13 +500,13 @@ class Joint(Pickled, checked.CheckedFields):
 @kept_with_owner
 def joints(plan: MotionPlan) -> tuple[Joint, ...]:
     """The joints of `plan`, by ascending cam angle; a segment of zero length adds no joint."""
-    return _joints_at(plan, _angles(plan))
+    return _evaluate_joints(plan, _angles(plan))
 
 
 @kept_with_owner
 def breaks(plan: MotionPlan) -> tuple[Joint, ...]:
     """As `joints`, including the places inside the laws at which a derivative may jump."""
-    return _joints_at(plan, ascending(np.append(_angles(plan), plan.breaks)))
+    return _evaluate_joints(plan, ascending(np.append(_angles(plan), plan.breaks)))
 
 
 def _angles(plan: MotionPlan) -> FloatArray:
@@ -512,18 +514,18 @@ def _angles(plan: MotionPlan) -> FloatArray:
     return ascending(np.radians(degrees))
 
 
-def _joints_at(plan: MotionPlan, angles: FloatArray) -> tuple[Joint, ...]:
+def _evaluate_joints(plan: MotionPlan, angles: FloatArray) -> tuple[Joint, ...]:
     left, right = plan.jet(angles, "left"), plan.jet(angles)
-    before, after = _scales(plan, angles, left, right)
-    jumps = np.abs(right - left) > _slack(angles) * np.maximum(before, after)
-    left = np.where(np.abs(left) > ROUNDING * before, left, 0.0)
-    right = np.where(np.abs(right) > ROUNDING * after, right, 0.0)
+    left_scale, right_scale = _scales(plan, angles, left, right)
+    jumps = np.abs(right - left) > _slack(angles) * np.maximum(left_scale, right_scale)
+    left = np.where(np.abs(left) > ROUNDING * left_scale, left, 0.0)
+    right = np.where(np.abs(right) > ROUNDING * right_scale, right, 0.0)
     return tuple(
         Joint(
             cam_angle=float(angles[k]),
             position=float(right[0, k]),
-            before=end_of(float(left[1, k]), float(left[2, k])),
-            after=end_of(float(right[1, k]), float(right[2, k])),
+            before=end_class(float(left[1, k]), float(left[2, k])),
+            after=end_class(float(right[1, k]), float(right[2, k])),
             order=int(np.argmax([*jumps[:, k], True])) - 1,
             left=left[:, k],
             right=right[:, k],
@@ -547,15 +549,15 @@ def _scales(
     plan: MotionPlan, angles: FloatArray, left: FloatArray, right: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """(4, k) bounds of each derivative in the segment before and in the one after each joint."""
-    low, high = cells_between(np.append(plan.borders, TURN))
+    low, high = isolation_cells(np.append(plan.borders, TURN))
     middle, bounds = plan.jet_and_bounds(low, high)
-    own = np.concatenate((np.abs(middle[:1]) + bounds[:1], bounds[1:]))
+    cell_bounds = np.concatenate((np.abs(middle[:1]) + bounds[:1], bounds[1:]))
     first = np.searchsorted(0.5 * (low + high), angles)
-    size = np.maximum.reduceat(own, first, axis=1)
+    size = np.maximum.reduceat(cell_bounds, first, axis=1)
     size = np.maximum(size, np.abs(right))
-    after: FloatArray = np.maximum(size, np.abs(np.roll(left, -1, axis=1)))
-    after[0] = np.max(after[0])
-    return np.roll(after, 1, axis=1), after
+    right_scale: FloatArray = np.maximum(size, np.abs(np.roll(left, -1, axis=1)))
+    right_scale[0] = np.max(right_scale[0])
+    return np.roll(right_scale, 1, axis=1), right_scale
 
 
 # -- spans ----------------------------------------------------------------------------------------
@@ -574,7 +576,7 @@ EXACT: Final = Context(prec=DECIMALS + 100)
 """In which spans are added and subtracted exactly."""
 
 
-def span_of(key: str, value: Any, shortest: Decimal = Decimal(0)) -> Decimal:
+def checked_span(key: str, value: Any, shortest: Decimal = Decimal(0)) -> Decimal:
     """A span from a decimal or another number; a float counts as Python prints it.
 
     Raises
@@ -582,27 +584,27 @@ def span_of(key: str, value: Any, shortest: Decimal = Decimal(0)) -> Decimal:
     GeometryError
         Unless it is 0 or a number from `shortest` to 360.
     """
-    found = Decimal(repr(checked.finite(key, value))) if isinstance(value, Real) else value
+    span = Decimal(repr(checked.finite(key, value))) if isinstance(value, Real) else value
     if (
-        not isinstance(found, Decimal)
-        or not found.is_finite()
-        or not (found == 0 or shortest <= found <= FULL_TURN)
-        or int(found.as_tuple().exponent) < -DECIMALS
+        not isinstance(span, Decimal)
+        or not span.is_finite()
+        or not (span == 0 or shortest <= span <= FULL_TURN)
+        or int(span.as_tuple().exponent) < -DECIMALS
     ):
         lowest = f"0, or from {shortest} to 360" if shortest else "from 0 to 360"
         raise GeometryError(
             f"must be {lowest} (degrees), with at most {DECIMALS} decimals",
             key=key,
-            value=checked.shown(str(value) if isinstance(value, Decimal) else value),
+            value=checked.value_text(str(value) if isinstance(value, Decimal) else value),
         )
-    return found
+    return span
 
 
-Span = Annotated[Decimal, span_of]
-MovingSpan = Annotated[Decimal, partial(span_of, shortest=SHORTEST_SPAN)]
+Span = Annotated[Decimal, checked_span]
+MovingSpan = Annotated[Decimal, partial(checked_span, shortest=SHORTEST_SPAN)]
 
 
-def joints_of(spans: Iterable[Decimal]) -> tuple[Decimal, ...]:
+def sum_spans(spans: Iterable[Decimal]) -> tuple[Decimal, ...]:
     """Sums of the spans, from 0 on.
 
     Raises

@@ -30,10 +30,16 @@ import numpy as np
 from numpy.polynomial.polynomial import polyval
 
 from camgeo.errors import GeometryError
-from camgeo.kinematics.motion import FREE, FULL_ORDER, Boundary, boundaries_of, boundary_of
+from camgeo.kinematics.motion import (
+    FREE,
+    FULL_ORDER,
+    Boundary,
+    checked_boundaries,
+    checked_boundary,
+)
 from camgeo.numeric import checked
 from camgeo.numeric.arrays import BoolArray, FloatArray, IntArray, Side
-from camgeo.numeric.extremes import Extreme, Extremes, extremes_of
+from camgeo.numeric.extremes import Extreme, Extremes, sampled_extremes
 from camgeo.record import Pickled
 from camgeo.units import counted
 
@@ -62,7 +68,7 @@ class FitReport:
     place: float
 
     @classmethod
-    def of(cls, spline: Spline, x: FloatArray, y: FloatArray) -> FitReport:
+    def from_points(cls, spline: Spline, x: FloatArray, y: FloatArray) -> FitReport:
         """Deviation of `spline` from the points `x`, `y` (n,), at all of them."""
         return cls.of_deviations(x, spline.values(x, 0)[0] - y)
 
@@ -86,13 +92,13 @@ def _smoothed(
     ring: bool,
 ) -> tuple[Spline, FitReport]:
     step = np.diff(knots)
-    found, stress = Smoothing(step, nodes, fixed, ring).within(largest_deviation)
-    spline = Spline(knots, from_stress(step, found[: len(step)], stress), ring)
-    return spline, FitReport.of_deviations(knots[: len(nodes)], found[:, 0] - nodes[:, 0])
+    values, stress = Smoothing(step, nodes, fixed, ring).longest_fit(largest_deviation)
+    spline = Spline(knots, from_stress(step, values[: len(step)], stress), ring)
+    return spline, FitReport.of_deviations(knots[: len(nodes)], values[:, 0] - nodes[:, 0])
 
 
 def smoothest_values(
-    x: FloatArray, y: FloatArray, given: Mapping[int, Boundary], period: float | None = None
+    x: FloatArray, y: FloatArray, prescribed: Mapping[int, Boundary], period: float | None = None
 ) -> FloatArray:
     """(n, 2) s' and s'' at each point of the interpolant with these values prescribed.
 
@@ -110,14 +116,16 @@ def smoothest_values(
         times = -(-MIN_RING // count)
         x = np.concatenate([x + k * period for k in range(times)])
         y = np.tile(y, times)
-        given = {k * count + index: value for index, value in given.items() for k in range(times)}
+        prescribed = {
+            k * count + index: value for index, value in prescribed.items() for k in range(times)
+        }
         x, y = _checked(x, y)
         step, chord = np.diff(np.append(x, x[0] + times * period)), np.diff(np.append(y, y[0]))
         _check_spacing(step)
     else:
         x, y = _checked(x, y)
         step, chord = np.diff(x), np.diff(y)
-    nodes, fixed = _prescribed(y, given)
+    nodes, fixed = _prescribed(y, prescribed)
     fixed[:, 0] = True
     ring = period is not None
     return np.asarray(interpolate(step, chord, nodes, fixed, ring=ring)[:count, 1:])
@@ -152,14 +160,14 @@ def _checked(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 def _check_spacing(step: FloatArray) -> None:
-    found = float(np.max(step)) / float(np.min(step))
-    if not found <= MOST_UNEQUAL * (1.0 + 1e-6):
+    ratio = float(np.max(step)) / float(np.min(step))
+    if not ratio <= MOST_UNEQUAL * (1.0 + 1e-6):
         place = int(np.argmin(step))
         raise GeometryError(
-            f"the points are spaced too unequally: the longest distance is {found:.3g} times the"
+            f"the points are spaced too unequally: the longest distance is {ratio:.3g} times the"
             f" shortest, which follows point {place + 1}; allowed: up to {MOST_UNEQUAL:g}",
             key="x",
-            value=repr(found),
+            value=repr(ratio),
         )
 
 
@@ -206,9 +214,9 @@ def _boundaries(
 ) -> dict[int, Boundary]:
     """The prescribed values, by index of the point."""
     return {
-        0: boundary_of("start", start),
-        **boundaries_of("inner", inner, 1, count - 2),
-        count - 1: boundary_of("end", end),
+        0: checked_boundary("start", start),
+        **checked_boundaries("inner", inner, 1, count - 2),
+        count - 1: checked_boundary("end", end),
     }
 
 
@@ -422,13 +430,13 @@ class Spline(Pickled):
         piece = self._piece(x, side)
         left = self.knots[piece]
         rate = 1.0 / (self.knots[piece + 1] - left)
-        out = _taylor(self.taylor[piece].T, (x - left) * rate, order)
+        derivatives = _taylor(self.taylor[piece].T, (x - left) * rate, order)
         scale = np.ones_like(rate)
         for k in range(1, order + 1):
             scale = scale * rate
-            out[k] *= scale
-        out[0] += turns * self.rise
-        return out
+            derivatives[k] *= scale
+        derivatives[0] += turns * self.rise
+        return derivatives
 
     def bounds(self, order: int) -> FloatArray:
         """(m,) upper bounds of the absolute value of the derivative of `order` in each piece.
@@ -447,13 +455,13 @@ class Spline(Pickled):
         """
         half = 0.5 * (high - low)
         middle = np.abs(self.values(0.5 * (low + high), DEGREE))
-        out = np.zeros((FULL_ORDER + 1, len(half)))
+        bounds = np.zeros((FULL_ORDER + 1, len(half)))
         for k in range(FULL_ORDER + 1):
             for j in range(DEGREE, k - 1, -1):
                 if j == k == 0:
                     continue
-                out[k] += middle[j] * half ** (j - k) / math.factorial(j - k)
-        return out
+                bounds[k] += middle[j] * half ** (j - k) / math.factorial(j - k)
+        return bounds
 
     def extremes(self, order: int) -> Extremes:
         """Smallest and largest derivative of `order` (0 to 5) over the domain, with their places.
@@ -464,8 +472,11 @@ class Spline(Pickled):
         """
         pieces, places = self._turning_points(order)
         length = np.diff(self.knots)
-        values = _each(_derivative(self.taylor, order)[pieces], places) / length[pieces] ** order
-        return extremes_of(self._at(pieces, places), values)
+        values = (
+            _evaluate_rows(_derivative(self.taylor, order)[pieces], places)
+            / length[pieces] ** order
+        )
+        return sampled_extremes(self._arguments(pieces, places), values)
 
     def beyond_knots(self) -> Extreme:
         """How far s goes, inside a piece, beyond both its values at the ends of the piece.
@@ -474,7 +485,7 @@ class Spline(Pickled):
         Exact except for rounding.
         """
         pieces, places = self._turning_points(0)
-        values = _each(self.taylor[pieces], places)
+        values = _evaluate_rows(self.taylor[pieces], places)
         ends = np.stack((self.taylor[:, 0], np.sum(self.taylor, axis=1)))
         above, below = (
             values - np.max(ends, axis=0)[pieces],
@@ -482,7 +493,7 @@ class Spline(Pickled):
         )
         beyond = np.where(above > 0.0, above, np.minimum(below, 0.0))
         most = int(np.argmax(np.abs(beyond)))
-        return Extreme(float(beyond[most]), float(self._at(pieces, places)[most]))
+        return Extreme(float(beyond[most]), float(self._arguments(pieces, places)[most]))
 
     def _turning_points(self, order: int) -> tuple[IntArray, FloatArray]:
         """All (piece, t) at which the derivative of `order` may have an extremum, ends included."""
@@ -499,7 +510,7 @@ class Spline(Pickled):
             piece += [np.repeat(bent, edges.shape[1] - 2), np.repeat(bent, inner.shape[1])]
         return np.concatenate(piece), np.concatenate(place)
 
-    def _at(self, pieces: IntArray, places: FloatArray) -> FloatArray:
+    def _arguments(self, pieces: IntArray, places: FloatArray) -> FloatArray:
         """x at t = `places` (n,) of `pieces` (n,), within the domain."""
         x = self.knots[pieces] + places * np.diff(self.knots)[pieces]
         return np.asarray(np.clip(x, self.knots[0], self.knots[-1]))
@@ -551,8 +562,8 @@ class Spline(Pickled):
         return turns, x - turns * self.period
 
     def _piece(self, x: FloatArray, side: Side) -> IntArray:
-        found = np.searchsorted(self.knots, x, side) - 1
-        return np.asarray(np.clip(found, 0, len(self.knots) - 2))
+        index = np.searchsorted(self.knots, x, side) - 1
+        return np.asarray(np.clip(index, 0, len(self.knots) - 2))
 
 
 def _taylor(rows: FloatArray, t: FloatArray, order: int) -> FloatArray:
@@ -560,19 +571,19 @@ def _taylor(rows: FloatArray, t: FloatArray, order: int) -> FloatArray:
 
     Horner's scheme for all orders at once: it builds s^(k) / k!.
     """
-    out = np.zeros((order + 1, len(t)))
+    derivatives = np.zeros((order + 1, len(t)))
     for row in rows[::-1]:
         for k in range(order, 0, -1):
-            out[k] *= t
-            out[k] += out[k - 1]
-        out[0] *= t
-        out[0] += row
+            derivatives[k] *= t
+            derivatives[k] += derivatives[k - 1]
+        derivatives[0] *= t
+        derivatives[0] += row
     for k in range(2, order + 1):
-        out[k] *= math.factorial(k)
-    return out
+        derivatives[k] *= math.factorial(k)
+    return derivatives
 
 
-def _each(rows: FloatArray, t: FloatArray) -> FloatArray:
+def _evaluate_rows(rows: FloatArray, t: FloatArray) -> FloatArray:
     """Each polynomial of `rows` (n, d + 1) at its own `t` (n,)."""
     return np.asarray(polyval(t, rows.T, tensor=False), np.float64)
 
@@ -613,11 +624,11 @@ def _monotone_edges(rows: FloatArray) -> FloatArray:
 def _sign_changes(rows: FloatArray, edges: FloatArray) -> FloatArray:
     """(m, k) the root of each polynomial in each of its k brackets; without one the left end."""
     count = edges.shape[1]
-    at_edges = np.stack([_each(rows, edges[:, k]) for k in range(count)], axis=1)
-    found = edges[:, :-1].copy()
+    at_edges = np.stack([_evaluate_rows(rows, edges[:, k]) for k in range(count)], axis=1)
+    roots = edges[:, :-1].copy()
     row, cell = np.nonzero(at_edges[:, :-1] * np.sign(at_edges[:, 1:]) < 0.0)
-    found[row, cell] = _roots(rows[row], edges[row, cell], edges[row, cell + 1])
-    return found
+    roots[row, cell] = _roots(rows[row], edges[row, cell], edges[row, cell + 1])
+    return roots
 
 
 def _roots(rows: FloatArray, low: FloatArray, high: FloatArray) -> FloatArray:
@@ -628,19 +639,19 @@ def _roots(rows: FloatArray, low: FloatArray, high: FloatArray) -> FloatArray:
     """
     slope = _derivative(rows, 1)
     low, high = low.copy(), high.copy()
-    rising = _each(rows, high) >= _each(rows, low)
+    rising = _evaluate_rows(rows, high) >= _evaluate_rows(rows, low)
     t = 0.5 * (low + high)
     active = np.arange(len(t))
     for step in range(MAX_STEPS):
         if not len(active):
             break
         here = t[active]
-        value = _each(rows[active], here)
+        value = _evaluate_rows(rows[active], here)
         above = (value > 0.0) == rising[active]
         high[active] = np.where(above, here, high[active])
         low[active] = np.where(above, low[active], here)
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            newton = here - value / _each(slope[active], here)
+            newton = here - value / _evaluate_rows(slope[active], here)
         inside = (newton >= low[active]) & (newton <= high[active]) & (step % 3 != 2)
         following = np.where(inside, newton, 0.5 * (low[active] + high[active]))
         following = np.where(value == 0.0, here, following)
@@ -762,10 +773,10 @@ def interpolate(
     place = place.reshape(-1, 4)
 
     held = np.zeros(2 * count, dtype=np.bool_)
-    own = 2 * positions(count, ring)[:, np.newaxis] + np.arange(2)
-    held[own] = fixed[:, 1:]
+    node_rows = 2 * positions(count, ring)[:, np.newaxis] + np.arange(2)
+    held[node_rows] = fixed[:, 1:]
     unknown = np.zeros(2 * count)
-    unknown[own] = nodes[:, 1:] * np.stack((scale, scale**2), axis=1)
+    unknown[node_rows] = nodes[:, 1:] * np.stack((scale, scale**2), axis=1)
 
     width = 5 if ring else 3
     stiffness = np.einsum("mki,mkj->mij", rows, rows)
@@ -788,10 +799,10 @@ def interpolate(
         force[held] = 0.0
         unknown += balance * cho_solve_banded((factor, True), balance * force)
 
-    out = nodes.copy()
-    free_slopes = unknown[own] / np.stack((scale, scale**2), axis=1)
-    out[:, 1:] = np.where(fixed[:, 1:], nodes[:, 1:], free_slopes)
-    return out
+    solution = nodes.copy()
+    free_slopes = unknown[node_rows] / np.stack((scale, scale**2), axis=1)
+    solution[:, 1:] = np.where(fixed[:, 1:], nodes[:, 1:], free_slopes)
+    return solution
 
 
 class Smoothing:
@@ -850,15 +861,15 @@ class Smoothing:
         solution = solve_banded(
             (width, width), banded, right, overwrite_ab=True, overwrite_b=True, check_finite=False
         )
-        found = np.where(self.fixed, self.nodes, solution[self.of_node] / unit)
-        return found, solution[self.of_piece] / weight[:, np.newaxis]
+        values = np.where(self.fixed, self.nodes, solution[self.of_node] / unit)
+        return values, solution[self.of_piece] / weight[:, np.newaxis]
 
     def _deviating(self, length: float) -> tuple[tuple[FloatArray, FloatArray], float]:
         """What `solve` finds for a cut-off length, and its largest deviation from the points."""
-        found = self.solve(length)
-        return found, float(np.max(np.abs(found[0][:, 0] - self.nodes[:, 0])))
+        solution = self.solve(length)
+        return solution, float(np.max(np.abs(solution[0][:, 0] - self.nodes[:, 0])))
 
-    def within(self, largest_deviation: float) -> tuple[FloatArray, FloatArray]:
+    def longest_fit(self, largest_deviation: float) -> tuple[FloatArray, FloatArray]:
         """Nodal values and moments of the longest cut-off length found that keeps the deviation.
 
         The largest deviation need not grow with the length, so lengths are halved from the longest
@@ -892,9 +903,9 @@ class Smoothing:
                 math.log(above) - math.log(max(below, TINY))
             )
             middle = log_low + min(max(share, 0.1), 0.9) * (log_high - log_low)
-            found, deviation = self._deviating(math.exp(middle))
+            candidate, deviation = self._deviating(math.exp(middle))
             if deviation <= allowed:
-                best = found
+                best = candidate
                 log_low, below = middle, deviation
             else:
                 log_high, above = middle, deviation

@@ -10,7 +10,7 @@ import numpy as np
 from camgeo.errors import GeometryError
 from camgeo.numeric import checked
 from camgeo.numeric.arrays import FloatArray
-from camgeo.numeric.columns import Asked, NumberColumn, fault, read_columns
+from camgeo.numeric.columns import NumberColumn, RequestedColumns, fault, read_columns
 from camgeo.record import Pickled
 from camgeo.units import TURN
 
@@ -53,9 +53,9 @@ class TwoColumns(Pickled, checked.CheckedFields):
         cls, data: bytes | str, file: str, columns: tuple[NumberColumn, NumberColumn]
     ) -> TwoColumns:
         """Read a table of two numbers a row; format, parameters and errors as of `read_columns`."""
-        found = read_columns(data, file, Asked(columns))
-        first, second = found.values
-        return cls(file, first, second, found.units[1], found.lines)
+        table = read_columns(data, file, RequestedColumns(columns))
+        first, second = table.values
+        return cls(file, first, second, table.units[1], table.lines)
 
     @classmethod
     def of_lifts(
@@ -101,7 +101,7 @@ class TwoColumns(Pickled, checked.CheckedFields):
             )
         return table
 
-    def turn_of(self, angles: FloatArray) -> FloatArray:
+    def turn_radians(self, angles: FloatArray) -> FloatArray:
         """The `angles` [degrees] in radians, from 0 to one turn.
 
         Raises GeometryError with the line if they do not ascend from 0 to 360 degrees.
@@ -124,7 +124,7 @@ class TwoColumns(Pickled, checked.CheckedFields):
         falls = np.flatnonzero(np.diff(values) <= 0.0)
         if len(falls):
             place = int(falls[0]) + 1
-            before = float(values[place - 1])
+            previous = float(values[place - 1])
             raise self.fault(
-                place, values, f"the {what} before is {before!r}; allowed: only ascending"
+                place, values, f"the {what} before is {previous!r}; allowed: only ascending"
             )

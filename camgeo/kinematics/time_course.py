@@ -21,10 +21,10 @@ from camgeo.numeric import checked
 from camgeo.numeric.arrays import FloatArray, IntArray, Quantity, Side, ascending
 from camgeo.numeric.extremes import (
     Extremes,
-    extremes_of,
-    extremes_of_each,
     isolated_roots,
-    places_between,
+    isolation_places,
+    piecewise_extremes_of_many,
+    sampled_extremes,
 )
 from camgeo.record import Pickled
 from camgeo.units import RPM, TURN, LiftUnit, at_cam_angles, counted
@@ -96,9 +96,9 @@ class ConstantSpeed(checked.CheckedFields):
 
     def rates(self, phi: FloatArray, side: Side = "right") -> FloatArray:
         del side
-        out = np.zeros((3, len(phi)))
-        out[0] = self.speed
-        return out
+        rates = np.zeros((3, len(phi)))
+        rates[0] = self.speed
+        return rates
 
     def time(self, phi: FloatArray) -> FloatArray:
         return np.asarray(phi, dtype=np.float64) / self.speed
@@ -180,7 +180,7 @@ class SpeedCurve(Pickled):
         table = TwoColumns.read(data, file, (time, ANGLE))
         times = table.first
         table.check_from_zero(times, "time")
-        radians = table.turn_of(table.second)
+        radians = table.turn_radians(table.second)
         try:
             return cls(times, radians)
         except GeometryError as error:  # whose key is not one of the file
@@ -278,7 +278,7 @@ class TimeExtremes:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Rows:
+class RowQuantities:
     """`Many` quantities, which are rows (k,) of one that has several."""
 
     rows: IntArray
@@ -292,8 +292,10 @@ class Rows:
         """See `Many.everywhere`."""
         return quantity(x, side)[self.rows]
 
-    def at(self, quantity: Quantity, x: FloatArray, side: Side, which: IntArray) -> FloatArray:
-        """See `Many.at`."""
+    def paired_values(
+        self, quantity: Quantity, x: FloatArray, side: Side, which: IntArray
+    ) -> FloatArray:
+        """See `Many.paired_values`."""
         return np.asarray(quantity(x, side)[self.rows[which], np.arange(len(x))])
 
 
@@ -310,30 +312,30 @@ def time_extremes(motion: Motion, course: TimeCourse, unit: LiftUnit = "mm") -> 
     def timed(phi: FloatArray, side: Side = "right") -> FloatArray:
         """(5, n) lift over time, and the torque."""
         rates = course.rates(phi, side)
-        out = _chained(motion.jet(phi, side), rates)
-        return np.concatenate((out, [inertia_torque(out, rates[0], 1.0, unit)]))
+        time_jet = _chained(motion.jet(phi, side), rates)
+        return np.concatenate((time_jet, [inertia_torque(time_jet, rates[0], 1.0, unit)]))
 
-    def row_of(phi: FloatArray, rows: IntArray) -> FloatArray:
+    def row_values(phi: FloatArray, rows: IntArray) -> FloatArray:
         return np.asarray(timed(phi)[rows, np.arange(len(phi))])
 
-    places = places_between(edges)
+    places = isolation_places(edges)
     known = timed(places.ravel())[SMOOTH + 1].reshape(len(SMOOTH), *places.shape)
     roots, which = isolated_roots(
-        lambda phi, row: row_of(phi, SMOOTH[row] + 1),
-        lambda phi, row: row_of(phi, SMOOTH[row]),
+        lambda phi, row: row_values(phi, SMOOTH[row] + 1),
+        lambda phi, row: row_values(phi, SMOOTH[row]),
         places,
         known,
     )
     right, left = timed(edges[:-1]), timed(edges[1:], "left")
-    at_roots = row_of(roots, SMOOTH[which])
+    at_roots = row_values(roots, SMOOTH[which])
     velocity, acceleration = (
-        extremes_of(
+        sampled_extremes(
             np.concatenate((edges[:-1], edges[1:], roots[which == k])),
             np.concatenate((right[row], left[row], at_roots[which == k])),
         )
         for k, row in enumerate(SMOOTH)
     )
-    jerk, torque = extremes_of_each(Rows(SHARP), timed, edges)
+    jerk, torque = piecewise_extremes_of_many(RowQuantities(SHARP), timed, edges)
     return TimeExtremes(velocity, acceleration, jerk, torque)
 
 
@@ -358,7 +360,7 @@ def plan_extremes(plan: MotionPlan, course: TimeCourse, unit: LiftUnit = "mm") -
     torque = inertia_torque(timed, course.rates(np.tile(phi, 2))[0], unit=unit)
 
     def extremes(values: FloatArray) -> Extremes:
-        return extremes_of(np.tile(phi, 2), values)
+        return sampled_extremes(np.tile(phi, 2), values)
 
     return TimeExtremes(
         velocity=extremes(timed[1]),

@@ -36,7 +36,7 @@ from camgeo.numeric.checked import (
     number,
     point,
     positive,
-    shown,
+    value_text,
 )
 from camgeo.part.part import Boundary, BoundaryField, boundary_tuple
 
@@ -92,7 +92,9 @@ class Cut:
         depths = array("toolpath", instance("toolpath", self.depths, tuple, "a tuple of depths"))
         if not len(depths) or not np.all(np.diff(depths) < 0.0) or depths[0] > self.top:
             raise GeometryError(
-                f"must be descending depths below {self.top:g} mm", "toolpath", shown(self.depths)
+                f"must be descending depths below {self.top:g} mm",
+                "toolpath",
+                value_text(self.depths),
             )
         given = instance("toolpath", self.obstacles, tuple, "a tuple of obstacles")
         obstacles = instances("toolpath", given, (Obstacle,), "obstacles")
@@ -243,7 +245,7 @@ class PointCut(Cut):
         Cut.__post_init__(self)
         points = instance("toolpath", self.points, tuple, "a tuple of points")
         if not points:
-            raise GeometryError("needs a point", "toolpath", shown(points))
+            raise GeometryError("needs a point", "toolpath", value_text(points))
         holes = instance("toolpath", self.holes, tuple, "a tuple of names")
         instances("toolpath", holes, (str,), "names")
         hold(self, points=tuple(point("toolpath", each, "mm") for each in points))
@@ -281,7 +283,7 @@ class LineCut(Cut):
     def __post_init__(self) -> None:
         Cut.__post_init__(self)
         if self.start == self.end:
-            raise GeometryError("needs a line with a length", "toolpath", shown(self.start))
+            raise GeometryError("needs a line with a length", "toolpath", value_text(self.start))
 
     @property
     def produced(self) -> tuple[str, ...]:

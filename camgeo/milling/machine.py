@@ -28,7 +28,7 @@ from camgeo.numeric.checked import (
     number,
     one_of,
     positive,
-    shown,
+    value_text,
     whole,
 )
 from camgeo.reading import Limits, check_toml, read_limited
@@ -76,7 +76,7 @@ def texts(key: str, given: Any) -> tuple[str, ...]:
     """`given` as a tuple of texts; GeometryError if it is not a list of them."""
     if isinstance(given, list | tuple) and all(isinstance(line, str) for line in given):
         return tuple(given)
-    raise GeometryError("must be a list of texts", key, shown(given))
+    raise GeometryError("must be a list of texts", key, value_text(given))
 
 
 def blocks_with(*names: str) -> Any:
@@ -108,7 +108,7 @@ def offsets(key: str, given: Any) -> Mapping[str, str]:
     """Work offsets by name, each with its block, read-only; GeometryError if there is none."""
     table = instance(key, given, Mapping, "a table of names with their blocks")
     if not table:
-        raise GeometryError("must name at least one", key, shown(given))
+        raise GeometryError("must name at least one", key, value_text(given))
     found = {name: instance(f"{key}.{name}", table[name], str, "a text") for name in table}
     for name, block in found.items():
         blocks_of(f"{key}.{name}", (block,), ())
@@ -119,7 +119,7 @@ def meanings(key: str, given: Any) -> Mapping[str, str]:
     """Words with their `MEANINGS`, read-only; GeometryError for another one."""
     table = instance(key, given, Mapping, "a table of words with their meanings")
     if not table:
-        raise GeometryError("must name at least one", key, shown(given))
+        raise GeometryError("must name at least one", key, value_text(given))
     found = {word: one_of(f"{key}.{word}", table[word], MEANINGS) for word in table}
     return MappingProxyType(found)
 
@@ -260,7 +260,7 @@ def _sets(key: str, given: Any) -> tuple[str, ...]:
     found = texts(key, given)
     for each in found:
         if len(each.split()) < 2:
-            raise GeometryError("must be texts of two words or more", key, shown(each))
+            raise GeometryError("must be texts of two words or more", key, value_text(each))
     return found
 
 
@@ -410,7 +410,7 @@ class Machine:
             raise GeometryError(
                 "must be a point and up to eight letters or digits",
                 "extension",
-                shown(self.extension),
+                value_text(self.extension),
             )
         compensation = self.compensation
         if compensation is None or not compensation.nominal:
@@ -420,7 +420,7 @@ class Machine:
             raise GeometryError(
                 "must stand as {nominal} in compensation.left and right or tool_change.change",
                 "compensation.nominal",
-                shown(compensation.nominal),
+                value_text(compensation.nominal),
             )
         called = any("{nominal}" in block for block in self.tool_change.change)
         if called and not self.tool_change.repeat:
@@ -564,7 +564,7 @@ def faults_of(table: dict[str, Any]) -> list[Fault]:
             for step in path:
                 value = value[step]
             close = meant(value, node.get("enum", ()), '"') if isinstance(value, str) else ""
-            found.append(Fault(_key(path), shown(value), allowed(node), close))
+            found.append(Fault(_key(path), value_text(value), allowed(node), close))
         if len(found) >= MOST_FAULTS:
             return [*found[:MOST_FAULTS], Fault("", "", "there are more faults than are listed")]
     return found

@@ -40,7 +40,7 @@ from camgeo.numeric.checked import (
     instance,
     one_of,
     positive,
-    shown,
+    value_text,
 )
 from camgeo.part.part import Part
 from camgeo.reading import PROGRAM_LINES
@@ -54,7 +54,7 @@ SWITCHES: Final = ("", "left", "right", "off")
 def _require(point: Any, size: int) -> None:
     """Raise GeometryError unless `point` has `size` finite coordinates."""
     if not (isinstance(point, tuple) and len(point) == size):
-        raise GeometryError(f"must be {size} coordinates", "toolpath", shown(point))
+        raise GeometryError(f"must be {size} coordinates", "toolpath", value_text(point))
     for each in point:
         if type(each) is not float or not -LARGEST <= each <= LARGEST:
             finite("toolpath", each, "mm")
@@ -156,7 +156,7 @@ class Operation:
             raise GeometryError(
                 f"the operation {self.cut.name} must begin with a traverse",
                 "toolpath",
-                shown(self.moves[:1]),
+                value_text(self.moves[:1]),
             )
 
     @property

@@ -79,8 +79,8 @@ def merged(angles: FloatArray) -> FloatArray:
     ordered = ascending(angles)
     if len(ordered) < 2:
         return ordered
-    apart = np.diff(ordered) > 8.0 * np.spacing(ordered[-1])
-    first = ordered[np.concatenate(([True], apart))]
+    distinct = np.diff(ordered) > 8.0 * np.spacing(ordered[-1])
+    first = ordered[np.concatenate(([True], distinct))]
     first[-1] = ordered[-1]
     return first
 
@@ -94,12 +94,15 @@ def joined(parts: Sequence[Rows]) -> Rows:
     """The rows of all `parts` one after the other; a column may itself be such a dataclass."""
     columns = zip(*map(_columns, parts), strict=True)
     return type(parts[0])(
-        *(joined(each) if is_dataclass(each[0]) else np.concatenate(each) for each in columns)
+        *(
+            joined(column) if is_dataclass(column[0]) else np.concatenate(column)
+            for column in columns
+        )
     )
 
 
 def _columns(rows: Any) -> list[Any]:
-    return [getattr(rows, each.name) for each in fields(rows)]
+    return [getattr(rows, entry.name) for entry in fields(rows)]
 
 
 # -- rounding -------------------------------------------------------------------------------------
@@ -132,10 +135,10 @@ def resolved(value: float, size: float) -> float:
 Quantity = Callable[[FloatArray, Side], FloatArray]
 """(..., n) values at n arguments, approached from the given side."""
 
-Asked = TypeVar("Asked", contravariant=True)
+AnyQuantity = TypeVar("AnyQuantity", contravariant=True)
 
 
-class Many(Protocol[Asked]):
+class Many(Protocol[AnyQuantity]):
     """Objects that are asked for the values of a quantity, together or each at its own places.
 
     Attributes
@@ -146,10 +149,12 @@ class Many(Protocol[Asked]):
     @property
     def count(self) -> int: ...
 
-    def everywhere(self, quantity: Asked, x: FloatArray, side: Side) -> FloatArray:
+    def everywhere(self, quantity: AnyQuantity, x: FloatArray, side: Side) -> FloatArray:
         """(..., count, n) values of each object at x (n,)."""
 
-    def at(self, quantity: Asked, x: FloatArray, side: Side, which: IntArray) -> FloatArray:
+    def paired_values(
+        self, quantity: AnyQuantity, x: FloatArray, side: Side, which: IntArray
+    ) -> FloatArray:
         """(..., n) values at x (n,), each of the object with the number in `which` (n,)."""
 
 
@@ -162,8 +167,10 @@ class One:
         """See `Many.everywhere`."""
         return quantity(x, side)[..., None, :]
 
-    def at(self, quantity: Quantity, x: FloatArray, side: Side, _: IntArray) -> FloatArray:
-        """See `Many.at`."""
+    def paired_values(
+        self, quantity: Quantity, x: FloatArray, side: Side, _: IntArray
+    ) -> FloatArray:
+        """See `Many.paired_values`."""
         return quantity(x, side)
 
 

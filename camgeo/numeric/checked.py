@@ -68,20 +68,20 @@ def number(
     GeometryError
         With `key`, the value, and the allowed range in `unit`.
     """
-    found = _float(value)
+    real = _float(value)
     if not (
-        math.isfinite(found)
-        and (above is None or found > above)
-        and (least is None or found >= least)
-        and (below is None or found < below)
-        and (most is None or found <= most)
+        math.isfinite(real)
+        and (above is None or real > above)
+        and (least is None or real >= least)
+        and (below is None or real < below)
+        and (most is None or real <= most)
     ):
-        raise GeometryError(_allowed(above, least, below, most, unit), key, shown(value))
-    if abs(found) > largest:
-        raise GeometryError(f"must be at most {largest:g} in magnitude", key, shown(value))
-    if above == 0.0 and found < SMALLEST:
-        raise GeometryError(f"must be at least {SMALLEST:g}", key, shown(value))
-    return found
+        raise GeometryError(_allowed(above, least, below, most, unit), key, value_text(value))
+    if abs(real) > largest:
+        raise GeometryError(f"must be at most {largest:g} in magnitude", key, value_text(value))
+    if above == 0.0 and real < SMALLEST:
+        raise GeometryError(f"must be at least {SMALLEST:g}", key, value_text(value))
+    return real
 
 
 def finite(key: str, value: Any, unit: str = "") -> float:
@@ -107,25 +107,25 @@ def decimal(
         With `key`, the value, and the allowed range of `what` in `unit`.
     """
     if isinstance(value, Decimal):
-        found = value
+        exact = value
     elif math.isfinite(number := _float(value)):
-        found = Decimal(int(value) if isinstance(value, Integral) else repr(number))
+        exact = Decimal(int(value) if isinstance(value, Integral) else repr(number))
     else:
-        found = Decimal("NaN")
-    if found.is_finite() and least <= found <= most:
-        return found
+        exact = Decimal("NaN")
+    if exact.is_finite() and least <= exact <= most:
+        return exact
     allowed = f"must be a {what} from {least:f} to {most:f}"
     raise GeometryError(
         f"{allowed} ({unit})" if unit else allowed,
         key,
-        str(value) if isinstance(value, Decimal) else shown(value),
+        str(value) if isinstance(value, Decimal) else value_text(value),
     )
 
 
 def point(key: str, value: Any, unit: str = "") -> complex:
     """`value` as a point x + i y; GeometryError unless both are finite numbers."""
     if isinstance(value, bool) or not isinstance(value, Complex):
-        raise GeometryError("must be a point x + i y, a complex number", key, shown(value))
+        raise GeometryError("must be a point x + i y, a complex number", key, value_text(value))
     return complex(finite(key, value.real, unit), finite(key, value.imag, unit))
 
 
@@ -133,7 +133,7 @@ def whole(key: str, value: Any, least: int, most: int) -> int:
     """`value` as an int; GeometryError unless it is a whole number from `least` to `most`."""
     if isinstance(value, Integral) and least <= _float(value) <= most:
         return int(value)
-    raise GeometryError(f"must be a whole number from {least} to {most}", key, shown(value))
+    raise GeometryError(f"must be a whole number from {least} to {most}", key, value_text(value))
 
 
 def one_of(key: str, value: Any, choices: Sequence[Choice]) -> Choice:
@@ -143,7 +143,7 @@ def one_of(key: str, value: Any, choices: Sequence[Choice]) -> Choice:
             if choice == value:
                 return choice
     allowed = ", ".join(repr(choice).replace("'", '"') for choice in choices)
-    raise GeometryError(f"must be one of {allowed}", key, shown(value))
+    raise GeometryError(f"must be one of {allowed}", key, value_text(value))
 
 
 def among(value: object, names: Collection[str]) -> bool:
@@ -154,7 +154,7 @@ def among(value: object, names: Collection[str]) -> bool:
 def instance(key: str, value: Any, kind: type[Kind] | tuple[type[Kind], ...], what: str) -> Kind:
     """`value`; GeometryError unless it is of the class `kind`, which messages call `what`."""
     if not isinstance(value, kind):
-        raise GeometryError(f"must be {what}", key, shown(value))
+        raise GeometryError(f"must be {what}", key, value_text(value))
     return value
 
 
@@ -162,7 +162,7 @@ def instances(key: str, values: Any, kinds: tuple[type, ...], what: str) -> tupl
     """`values` as a tuple; GeometryError unless they are a sequence of objects of these classes."""
     for value in instance(key, values, Sequence, f"a sequence of {what}"):
         if not isinstance(value, kinds):
-            raise GeometryError(f"must be a sequence of {what}", key, shown(value))
+            raise GeometryError(f"must be a sequence of {what}", key, value_text(value))
     return tuple(values)
 
 
@@ -176,31 +176,31 @@ def by_name(key: str, values: Any, largest: float = LARGEST) -> Mapping[str, flo
 
     The key of a number is its own name.
     """
-    found = instance(key, values, Mapping, "numbers by name")
-    names = [instance(key, name, str, "numbers by name") for name in found]
-    return MappingProxyType({name: number(name, found[name], largest=largest) for name in names})
+    mapping = instance(key, values, Mapping, "numbers by name")
+    names = [instance(key, name, str, "numbers by name") for name in mapping]
+    return MappingProxyType({name: number(name, mapping[name], largest=largest) for name in names})
 
 
 def array(key: str, values: Any, dimensions: int = 1, largest: float = LARGEST) -> FloatArray:
     """`values` as a read-only array of finite numbers; GeometryError if they are not."""
     try:
-        found = np.array(values)
+        numbers = np.array(values)
     except (ValueError, OverflowError):  # rows of unequal length
-        found = np.empty(())
-    if found.dtype.kind not in "iuf" or found.ndim != dimensions:
+        numbers = np.empty(())
+    if numbers.dtype.kind not in "iuf" or numbers.ndim != dimensions:
         shape = "a row of numbers" if dimensions == 1 else "rows of numbers of equal length"
-        raise GeometryError(f"must be {shape}", key, shown(values))
-    found = found.astype(np.float64, copy=False)
-    wrong = np.flatnonzero(~(np.abs(found) <= largest))
+        raise GeometryError(f"must be {shape}", key, value_text(values))
+    numbers = numbers.astype(np.float64, copy=False)
+    wrong = np.flatnonzero(~(np.abs(numbers) <= largest))
     if len(wrong):
         raise GeometryError(
             f"must be finite numbers, at most {largest:g} in magnitude; number {wrong[0] + 1} of"
             " them is not",
             key=key,
-            value=repr(float(found.ravel()[wrong[0]])),
+            value=repr(float(numbers.ravel()[wrong[0]])),
         )
-    found.flags.writeable = False
-    return found
+    numbers.flags.writeable = False
+    return numbers
 
 
 def check_fields(owner: object, path: str = "") -> None:
@@ -211,7 +211,7 @@ def check_fields(owner: object, path: str = "") -> None:
     an instance of it. With `| None` it may also be None.
     """
     kind: Any = type(owner)  # a class is hashable, though mypy denies it
-    for name, (check, key, optional) in checks_of(kind).items():
+    for name, (check, key, optional) in field_checks(kind).items():
         value = getattr(owner, name)
         if value is not None or not optional:
             hold(owner, **{name: check(path + key, value)})
@@ -234,19 +234,19 @@ class CheckedFields:
 
 
 @cache
-def checks_of(kind: type) -> Mapping[str, tuple[Check, str, bool]]:
+def field_checks(kind: type) -> Mapping[str, tuple[Check, str, bool]]:
     """The check, the key and whether None is allowed, for each field that has a check."""
-    found: dict[str, tuple[Check, str, bool]] = {}
+    checks: dict[str, tuple[Check, str, bool]] = {}
     for name, hint in get_type_hints(kind, include_extras=True).items():
         kinds = get_args(hint) if get_origin(hint) in (Union, UnionType) else (hint,)
-        for each in kinds:
-            if isinstance(each, type) and is_dataclass(each):
-                check = partial(instance, kind=each, what=f"a `{each.__name__}`")
-                found[name] = check, name, NoneType in kinds
-            elif get_origin(each) is Annotated:
-                _, check, *key = get_args(each)
-                found[name] = check, *(key or [name]), NoneType in kinds
-    return found
+        for alternative in kinds:
+            if isinstance(alternative, type) and is_dataclass(alternative):
+                check = partial(instance, kind=alternative, what=f"a `{alternative.__name__}`")
+                checks[name] = check, name, NoneType in kinds
+            elif get_origin(alternative) is Annotated:
+                _, check, *key = get_args(alternative)
+                checks[name] = check, *(key or [name]), NoneType in kinds
+    return checks
 
 
 def instance_from_table(kind: type[Kind], table: Mapping[str, Any]) -> Kind:
@@ -269,18 +269,18 @@ def _hints(kind: type) -> dict[str, Any]:
     return get_type_hints(kind)
 
 
-def _field_value(hint: Any, given: Any) -> Any:
+def _field_value(hint: Any, value: Any) -> Any:
     """A value of a table as a field of that type takes it."""
     kinds = (hint, *get_args(hint))
-    inner = next((each for each in kinds if is_dataclass(each)), None)
-    if isinstance(given, Mapping) and isinstance(inner, type):
-        return instance_from_table(inner, given)
-    if isinstance(given, list | tuple):
+    inner = next((candidate for candidate in kinds if is_dataclass(candidate)), None)
+    if isinstance(value, Mapping) and isinstance(inner, type):
+        return instance_from_table(inner, value)
+    if isinstance(value, list | tuple):
         if complex in kinds:
-            return complex(*given)
-        return tuple(_field_value(inner, each) for each in given)
-    kind = next((each for each in (float, int) if each in kinds), None)
-    return kind(given) if kind and isinstance(given, Decimal) else given
+            return complex(*value)
+        return tuple(_field_value(inner, entry) for entry in value)
+    kind = next((candidate for candidate in (float, int) if candidate in kinds), None)
+    return kind(value) if kind and isinstance(value, Decimal) else value
 
 
 def hold(owner: object, /, **values: Any) -> None:
@@ -289,7 +289,7 @@ def hold(owner: object, /, **values: Any) -> None:
         object.__setattr__(owner, name, value)
 
 
-def shown(value: Any) -> str:
+def value_text(value: Any) -> str:
     """A value as a message shows it, shortened."""
     number = _float(value)
     if not math.isnan(number):

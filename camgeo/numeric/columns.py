@@ -46,11 +46,11 @@ class NumberColumn:
     what: str
     names: tuple[str, ...]
     units: tuple[str, ...] = ()
-    shown: str = ""
+    units_text: str = ""
 
 
 @dataclass(frozen=True, slots=True)
-class Asked:
+class RequestedColumns:
     """The columns that a table may have.
 
     Attributes
@@ -58,11 +58,11 @@ class Asked:
     needed : those that it must have.
     besides : those that it may have, all of them or none.
     fewest, most : rows.
-    named : whether `besides` are only found by their names in a heading.
+    named : whether `optional` are only found by their names in a heading.
     """
 
-    needed: tuple[NumberColumn, ...]
-    besides: tuple[NumberColumn, ...] = ()
+    required: tuple[NumberColumn, ...]
+    optional: tuple[NumberColumn, ...] = ()
     fewest: int = 2
     most: int = MOST_ROWS
     named: bool = False
@@ -70,8 +70,8 @@ class Asked:
     @property
     def sets(self) -> tuple[tuple[NumberColumn, ...], ...]:
         """The columns of a table without a heading, one set or two."""
-        both = (self.needed, self.needed + self.besides)
-        return both if self.besides and not self.named else both[:1]
+        both = (self.required, self.required + self.optional)
+        return both if self.optional and not self.named else both[:1]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -101,7 +101,7 @@ class _Layout:
     has_heading: bool
 
 
-def read_columns(data: bytes | str, file: str, asked: Asked) -> Columns:
+def read_columns(data: bytes | str, file: str, requested: RequestedColumns) -> Columns:
     """Read a table of numbers.
 
     Cells are separated by ; or tab or comma or blanks, the first of these that occurs in the first
@@ -129,13 +129,13 @@ def read_columns(data: bytes | str, file: str, asked: Asked) -> Columns:
         if line.strip() and not line.lstrip().startswith("#")
     ]
     if not rows:
-        raise fault(file, len(lines), "", f"no rows; allowed: {asked.fewest} or more")
-    layout = _layout(rows[0][1], file, rows[0][0], asked)
+        raise fault(file, len(lines), "", f"no rows; allowed: {requested.fewest} or more")
+    layout = _layout(rows[0][1], file, rows[0][0], requested)
     if layout.has_heading:
         rows = rows[1:]
-    if not asked.fewest <= len(rows) <= asked.most:
-        place = rows[min(len(rows), asked.most + 1) - 1][0] if rows else len(lines)
-        message = f"of numbers; allowed: {asked.fewest} to {asked.most:,}"
+    if not requested.fewest <= len(rows) <= requested.most:
+        place = rows[min(len(rows), requested.most + 1) - 1][0] if rows else len(lines)
+        message = f"of numbers; allowed: {requested.fewest} to {requested.most:,}"
         raise fault(file, place, "", f"{counted(len(rows), 'row')} {message}")
     values = _values(rows, layout, file)
     return Columns(values, layout.units, tuple(number for number, _ in rows))
@@ -143,7 +143,7 @@ def read_columns(data: bytes | str, file: str, asked: Asked) -> Columns:
 
 def _values(rows: list[tuple[int, str]], layout: _Layout, file: str) -> FloatArray:
     """(k, n) the columns of the numbered lines."""
-    out = np.empty((len(layout.places), len(rows)))
+    values = np.empty((len(layout.places), len(rows)))
     decimal = ""
     for row, (number, line) in enumerate(rows):
         cells = _cells(line, layout.separator)
@@ -165,8 +165,8 @@ def _values(rows: list[tuple[int, str]], layout: _Layout, file: str) -> FloatArr
             if not abs(value) <= checked.LARGEST:
                 message = f"too large; allowed: numbers up to {checked.LARGEST:g}"
                 raise fault(file, number, text, message)
-            out[column, row] = value
-    return out
+            values[column, row] = value
+    return values
 
 
 def _lines(data: bytes | str, file: str) -> list[str]:
@@ -191,7 +191,7 @@ def _lines(data: bytes | str, file: str) -> list[str]:
     return LINE_END.split(text.removeprefix("\N{BYTE ORDER MARK}"))
 
 
-def _layout(line: str, file: str, number: int, asked: Asked) -> _Layout:
+def _layout(line: str, file: str, number: int, requested: RequestedColumns) -> _Layout:
     """Separator and columns, from the first line that is not skipped."""
     separator = next((mark for mark in (";", "\t", ",") if mark in line), " ")
     words = BLANKS.split(line.strip(), MOST_COLUMNS + 1)
@@ -205,10 +205,16 @@ def _layout(line: str, file: str, number: int, asked: Asked) -> _Layout:
         message = f"{counted(len(cells), 'column')} or more; allowed: at most {MOST_COLUMNS:,}"
         raise fault(file, number, line, message)
     if NUMBER.fullmatch(cells[0]):
-        if len(cells) not in map(len, asked.sets):
-            allowed = " or ".join(str(len(each)) for each in asked.sets)
-            what = ", or ".join(listed([column.what for column in each]) for each in asked.sets)
-            more = f"; {listed([c.what for c in asked.besides])} by name" if asked.named else ""
+        if len(cells) not in map(len, requested.sets):
+            allowed = " or ".join(str(len(columns)) for columns in requested.sets)
+            what = ", or ".join(
+                listed([column.what for column in columns]) for columns in requested.sets
+            )
+            more = (
+                f"; {listed([c.what for c in requested.optional])} by name"
+                if requested.named
+                else ""
+            )
             raise fault(
                 file,
                 number,
@@ -219,21 +225,21 @@ def _layout(line: str, file: str, number: int, asked: Asked) -> _Layout:
         places = tuple(range(len(cells)))
         return _Layout(separator, len(cells), places, ("",) * len(cells), has_heading=False)
     headings = [_heading(cell) for cell in cells]
-    wanted = asked.needed
-    if any(name in column.names for column in asked.besides for name, _ in headings):
-        wanted += asked.besides
-    found = tuple(_column(headings, column, file, number) for column in wanted)
-    for place, column in zip(found, wanted, strict=True):
+    wanted = requested.required
+    if any(name in column.names for column in requested.optional for name, _ in headings):
+        wanted += requested.optional
+    places = tuple(_column(headings, column, file, number) for column in wanted)
+    for place, column in zip(places, wanted, strict=True):
         unit = headings[place][1]
         if unit and column.units and unit.lower() not in column.units:
             raise fault(
                 file,
                 number,
                 cells[place],
-                f"the unit of the {column.what}; allowed: {column.shown}",
+                f"the unit of the {column.what}; allowed: {column.units_text}",
             )
-    units = tuple(headings[place][1] for place in found)
-    return _Layout(separator, len(cells), found, units, has_heading=True)
+    units = tuple(headings[place][1] for place in places)
+    return _Layout(separator, len(cells), places, units, has_heading=True)
 
 
 def _cells(line: str, separator: str) -> list[str]:
@@ -252,21 +258,21 @@ def _heading(cell: str) -> tuple[str, str]:
 
 
 def _column(headings: list[tuple[str, str]], column: NumberColumn, file: str, number: int) -> int:
-    found = [k for k, (name, _) in enumerate(headings) if name in column.names]
-    if len(found) != 1:
-        given = ", ".join(name[:LONGEST_HEADING] for name, _ in headings)
+    matches = [k for k, (name, _) in enumerate(headings) if name in column.names]
+    if len(matches) != 1:
+        heading_names = ", ".join(name[:LONGEST_HEADING] for name, _ in headings)
         raise fault(
             file,
             number,
-            given,
-            f"{counted(len(found), 'column')} of {column.what}; allowed: one, called"
+            heading_names,
+            f"{counted(len(matches), 'column')} of {column.what}; allowed: one, called"
             f" {' or '.join(column.names)}",
         )
-    return found[0]
+    return matches[0]
 
 
 def fault(file: str, line: int, value: str, message: str) -> GeometryError:
     """The error for a line of a table."""
-    shown = value.strip() if len(value.strip()) <= 60 else value.strip()[:57] + "..."
-    given = f"{shown!r}: " if shown else ""
-    return GeometryError(f"{file}, line {line}: {given}{message}", value=shown)
+    excerpt = value.strip() if len(value.strip()) <= 60 else value.strip()[:57] + "..."
+    quoted = f"{excerpt!r}: " if excerpt else ""
+    return GeometryError(f"{file}, line {line}: {quoted}{message}", value=excerpt)

@@ -12,7 +12,7 @@ import numpy as np
 
 from camgeo.numeric.arrays import (
     ONE,
-    Asked,
+    AnyQuantity,
     BoolArray,
     FloatArray,
     IntArray,
@@ -48,7 +48,7 @@ class Extremes:
         return max(abs(self.lowest.value), abs(self.highest.value))
 
 
-def extremes_of(x: FloatArray, values: FloatArray) -> Extremes:
+def sampled_extremes(x: FloatArray, values: FloatArray) -> Extremes:
     """Smallest and largest of `values` (n,) at `x` (n,), in any order."""
     order = np.argsort(x, kind="stable")
     x, values = x[order], values[order]
@@ -99,7 +99,7 @@ BOTH: Final = (*TOPS, *BOTTOMS)
 """Signs that make turning points largest values."""
 
 
-def grid_of(edges: FloatArray) -> FloatArray:
+def sample_grid(edges: FloatArray) -> FloatArray:
     """(m, k) grid points, a row for each piece between two neighbours of `edges` (m + 1,)."""
     pieces = len(edges) - 1
     samples = int(np.clip(MOST_POINTS // max(pieces, 1), FEWEST_SAMPLES, SAMPLES))
@@ -123,59 +123,64 @@ def piecewise_extremes(function: Quantity, edges: FloatArray) -> Extremes:
     edge has the extreme value except for rounding, the edge is the place: near a flat top
     many arguments have that value.
     """
-    return extremes_of_each(ONE, function, edges)[0]
+    return piecewise_extremes_of_many(ONE, function, edges)[0]
 
 
 def piecewise_lowest(function: Quantity, edges: FloatArray) -> Extreme:
     """The smallest value alone, see `piecewise_extremes`: no turning point of the largest one is
     refined.
     """
-    return extremes_of_each(ONE, function, edges, BOTTOMS)[0].lowest
+    return piecewise_extremes_of_many(ONE, function, edges, BOTTOMS)[0].lowest
 
 
 def piecewise_highest(function: Quantity, edges: FloatArray) -> Extreme:
     """The largest value alone, see `piecewise_lowest`."""
-    return extremes_of_each(ONE, function, edges, TOPS)[0].highest
+    return piecewise_extremes_of_many(ONE, function, edges, TOPS)[0].highest
 
 
-def extremes_of_each(
-    many: Many[Asked], quantity: Asked, edges: FloatArray, signs: tuple[float, ...] = BOTH
+def piecewise_extremes_of_many(
+    many: Many[AnyQuantity],
+    quantity: AnyQuantity,
+    edges: FloatArray,
+    signs: tuple[float, ...] = BOTH,
 ) -> list[Extremes]:
     """`piecewise_extremes` of a quantity of each of `many`, which jumps at the same `edges`.
 
     Of those that `signs` do not select, no turning point is refined.
     """
-    inside = grid_of(edges)
+    inside = sample_grid(edges)
     x, ends = inside.ravel(), np.concatenate((edges[:-1], edges[1:]))
     flat = many.everywhere(quantity, x, "right")
     sign, low, high, which = tops(inside, flat.reshape(many.count, *inside.shape), signs)
 
     def on_grid(places: FloatArray, bracket: IntArray) -> FloatArray:
-        return many.at(quantity, places, "right", which[bracket])
+        return many.paired_values(quantity, places, "right", which[bracket])
 
     turning = climbed(on_grid, sign, low, high, which)
-    after = many.everywhere(quantity, edges[:-1], "right")
-    before = many.everywhere(quantity, edges[1:], "left")
-    at_ends = np.concatenate((after, before), axis=1)
-    there = on_grid(turning, np.arange(len(which)))
-    found = []
-    for one in range(many.count):
-        own = which == one
-        places = np.concatenate((ends, x, turning[own]))
-        values = np.concatenate((at_ends[one], flat[one], there[own]))
-        known = extremes_of(places, values)
-        rows = flat[one].reshape(inside.shape)
-        finer = _finer(partial(_of_one, many, quantity, one), inside, rows, known, signs)
+    right_values = many.everywhere(quantity, edges[:-1], "right")
+    left_values = many.everywhere(quantity, edges[1:], "left")
+    end_values = np.concatenate((right_values, left_values), axis=1)
+    turning_values = on_grid(turning, np.arange(len(which)))
+    extremes = []
+    for index in range(many.count):
+        selected = which == index
+        places = np.concatenate((ends, x, turning[selected]))
+        values = np.concatenate((end_values[index], flat[index], turning_values[selected]))
+        known = sampled_extremes(places, values)
+        rows = flat[index].reshape(inside.shape)
+        finer = _finer(partial(_object_values, many, quantity, index), inside, rows, known, signs)
         if len(finer[0]):
             pairs = zip((places, values), finer, strict=True)
-            known = extremes_of(*(np.concatenate(each) for each in pairs))
-        found.append(_at_edges(known, ends, at_ends[one]))
-    return found
+            known = sampled_extremes(*(np.concatenate(pair) for pair in pairs))
+        extremes.append(_snap_to_edges(known, ends, end_values[index]))
+    return extremes
 
 
-def _of_one(many: Many[Asked], quantity: Asked, one: int, x: FloatArray) -> FloatArray:
+def _object_values(
+    many: Many[AnyQuantity], quantity: AnyQuantity, index: int, x: FloatArray
+) -> FloatArray:
     """(n,) the quantity of one of `many` at x (n,)."""
-    return many.at(quantity, x, "right", np.full(len(x), one))
+    return many.paired_values(quantity, x, "right", np.full(len(x), index))
 
 
 def _finer(
@@ -189,32 +194,36 @@ def _finer(
     with `values` (m, n) do not resolve it and it may be beyond what is `known`.
     """
     best = {sign: max(sign * known.lowest.value, sign * known.highest.value) for sign in signs}
-    places, found = [np.empty(0)], [np.empty(0)]
-    off = _unresolved(values)
+    places, refined = [np.empty(0)], [np.empty(0)]
+    excess = _unresolved(values)
     for _ in range(ROUNDS):
-        if not np.any(off):
+        if not np.any(excess):
             break
-        wanted = np.zeros(off.shape, dtype=np.bool_)
+        wanted = np.zeros(excess.shape, dtype=np.bool_)
         for sign, height in best.items():
             ends = np.maximum(sign * values[:, :-1], sign * values[:, 1:])
-            wanted |= ends + off > height + NEGLIGIBLE * abs(height)
-        row, cell = np.nonzero(wanted & (off > 0.0))
+            wanted |= ends + excess > height + NEGLIGIBLE * abs(height)
+        row, cell = np.nonzero(wanted & (excess > 0.0))
         if not 0 < len(row) <= MOST_FINER:
             break
         low, high = grid[row, cell], grid[row, cell + 1]
         grid = low[:, np.newaxis] + (high - low)[:, np.newaxis] * PARTS
         values = function(grid.ravel()).reshape(grid.shape)
-        off = _unresolved(values)
-        smooth = ~np.all(off, axis=1)  # tops of what is unresolved all over are not worth climbing
+        excess = _unresolved(values)
+        smooth = ~np.all(
+            excess, axis=1
+        )  # tops of what is unresolved all over are not worth climbing
         turning = np.empty(0)
         if np.any(smooth):
             climbing = tops(grid[smooth], values[np.newaxis, smooth], tuple(best))
             turning = climbed(lambda x, _: function(x), *climbing)
         places += [grid.ravel(), turning]
-        found += [values.ravel(), function(turning)]
+        refined += [values.ravel(), function(turning)]
         for sign, height in best.items():
-            best[sign] = max(height, *(float(np.max(sign * e, initial=height)) for e in found[-2:]))
-    return np.concatenate(places), np.concatenate(found)
+            best[sign] = max(
+                height, *(float(np.max(sign * e, initial=height)) for e in refined[-2:])
+            )
+    return np.concatenate(places), np.concatenate(refined)
 
 
 def _unresolved(values: FloatArray) -> FloatArray:
@@ -223,13 +232,13 @@ def _unresolved(values: FloatArray) -> FloatArray:
     """
     fourth, second = (np.abs(np.diff(values, order, axis=1)) for order in (4, 2))
     bend = np.maximum(np.maximum(second[:, :-2], second[:, 1:-1]), second[:, 2:])
-    off = np.pad(np.where(fourth > ROUGH * bend, fourth, 0.0), ((0, 0), (2, 2)), mode="edge")
-    return np.asarray(np.maximum(off[:, :-1], off[:, 1:]))
+    excess = np.pad(np.where(fourth > ROUGH * bend, fourth, 0.0), ((0, 0), (2, 2)), mode="edge")
+    return np.asarray(np.maximum(excess[:, :-1], excess[:, 1:]))
 
 
-def _at_edges(found: Extremes, edges: FloatArray, values: FloatArray) -> Extremes:
+def _snap_to_edges(extremes: Extremes, edges: FloatArray, values: FloatArray) -> Extremes:
     """The same extremes, at an edge if it has such a value but for rounding."""
-    rounding = ROUNDING * found.magnitude
+    rounding = ROUNDING * extremes.magnitude
 
     def placed(extreme: Extreme) -> Extreme:
         same = np.abs(values - extreme.value) <= rounding
@@ -238,7 +247,7 @@ def _at_edges(found: Extremes, edges: FloatArray, values: FloatArray) -> Extreme
         place = float(np.min(edges[same]))
         return Extreme(float(values[same & (edges == place)][0]), place)
 
-    return Extremes(placed(found.lowest), placed(found.highest))
+    return Extremes(placed(extremes.lowest), placed(extremes.highest))
 
 
 def tops(
@@ -251,15 +260,17 @@ def tops(
     those that cannot be the largest or the smallest of their quantity are omitted.
     """
     padded = np.concatenate((grid[:, :1], grid, grid[:, -1:]), axis=1)
-    lows, highs = (np.broadcast_to(each, values.shape) for each in (padded[:, :-2], padded[:, 2:]))
+    lows, highs = (
+        np.broadcast_to(neighbours, values.shape) for neighbours in (padded[:, :-2], padded[:, 2:])
+    )
     moving = np.ptp(values, axis=-1, keepdims=True) > 0.0
-    found = []
+    brackets = []
     for sign in signs:
         heights = sign * values
         inner = np.pad(heights, ((0, 0), (0, 0), (1, 1)), constant_values=-np.inf)
-        before, after = inner[..., :-2], inner[..., 2:]
-        top = (heights >= before) & (heights >= after)
-        top &= (heights > before) | (heights > after)
+        left, right = inner[..., :-2], inner[..., 2:]
+        top = (heights >= left) & (heights >= right)
+        top &= (heights > left) | (heights > right)
         # A parabola through three points rises above the middle one by at most an eighth of the
         # larger difference; what cannot reach the largest value even with that is omitted.
         ends = heights[..., :1], heights[..., -1:]
@@ -267,10 +278,10 @@ def tops(
         highest = np.max(heights, axis=(-2, -1), keepdims=True)
         top &= heights + np.maximum(falls[..., :-1], falls[..., 1:]) >= highest
         top &= moving
-        of = np.nonzero(top)[0]
-        found.append((np.full(len(of), sign), lows[top], highs[top], of))
-    sign_of, low, high, which = (np.concatenate(each) for each in zip(*found, strict=True))
-    return sign_of, low, high, which
+        owner = np.nonzero(top)[0]
+        brackets.append((np.full(len(owner), sign), lows[top], highs[top], owner))
+    top_sign, low, high, which = (np.concatenate(column) for column in zip(*brackets, strict=True))
+    return top_sign, low, high, which
 
 
 def climbed(
@@ -294,15 +305,15 @@ def climbed(
         grid = low[:, np.newaxis] + (high - low)[:, np.newaxis] * share
         values = function(grid.ravel(), np.repeat(left, SECTIONS - 1))
         heights = sign[left, np.newaxis] * values.reshape(grid.shape)
-        each, top = np.arange(len(left)), np.argmax(heights, axis=1)
-        best[left], peaks = grid[each, top], heights[each, top]
+        row, top = np.arange(len(left)), np.argmax(heights, axis=1)
+        best[left], peaks = grid[row, top], heights[row, top]
         width = (high - low) / SECTIONS
         low, high = best[left] - width, best[left] + width
         highest = np.full(2 * int(np.max(which)) + 2, -np.inf)
         np.maximum.at(highest, group[left], peaks)
         rise = np.max(np.abs(np.diff(heights, axis=1)), axis=1)
-        up = peaks + rise >= highest[group[left]]
-        left, low, high = left[up], low[up], high[up]
+        promising = peaks + rise >= highest[group[left]]
+        left, low, high = left[promising], low[promising], high[promising]
     return best
 
 
@@ -314,12 +325,12 @@ def dips(function: Function, grid: FloatArray) -> FloatArray:
     """
     values = function(grid.ravel()).reshape(grid.shape)
     size = np.abs(values)
-    before, here, after = size[:, :-2], size[:, 1:-1], size[:, 2:]
+    left, middle, right = size[:, :-2], size[:, 1:-1], size[:, 2:]
     signs = np.sign(values)
     near = (signs[:, :-2] == signs[:, 1:-1]) & (signs[:, 2:] == signs[:, 1:-1])
-    near &= (here <= before) & (here <= after) & (here > 0.0)
-    near &= 4.0 * here <= np.maximum(before, after) - here
-    found = []
+    near &= (middle <= left) & (middle <= right) & (middle > 0.0)
+    near &= 4.0 * middle <= np.maximum(left, right) - middle
+    dip_places = []
     for row, column in np.argwhere(near):
         sign = signs[row, column + 1]
 
@@ -328,8 +339,8 @@ def dips(function: Function, grid: FloatArray) -> FloatArray:
 
         lowest = piecewise_lowest(upright, grid[row, [column, column + 2]])
         if lowest.value < 0.0:
-            found.append(lowest.place)
-    return np.array(found)
+            dip_places.append(lowest.place)
+    return np.array(dip_places)
 
 
 def stretch_below(
@@ -368,10 +379,10 @@ def stretch_around(cuts: FloatArray, inside: BoolArray, place: float) -> tuple[f
     if np.all(inside):
         return 0.0, TURN
     pieces = len(inside)
-    after = int(np.searchsorted(cuts, place)) % pieces
-    if not (inside[after] or inside[after - 1]):
+    following = int(np.searchsorted(cuts, place)) % pieces
+    if not (inside[following] or inside[following - 1]):
         return None
-    first = last = after if inside[after] else (after - 1) % pieces
+    first = last = following if inside[following] else (following - 1) % pieces
     while inside[first - 1]:
         first -= 1
     while inside[(last + 1) % pieces]:
@@ -431,7 +442,7 @@ MOST: Final = 200_000
 """Most cells halved at once; a table of thousands of noisy rows needs some thousand."""
 
 
-def _judging() -> FloatArray:
+def _bernstein_matrix() -> FloatArray:
     """(7, 14) from values at `SHARES` to the Bernstein coefficients of the polynomial through them,
     the differences of these, and the last difference of the values.
     """
@@ -444,7 +455,7 @@ def _judging() -> FloatArray:
     return np.asarray(np.concatenate((hull, np.diff(hull, axis=0), last)).T)
 
 
-def _between() -> FloatArray:
+def _midpoint_matrix() -> FloatArray:
     """(7, 6) from values at `SHARES` to those of the polynomial in the middle between them."""
     middle = 0.5 * (SHARES[:-1] + SHARES[1:])
     powers = np.arange(PLACES)
@@ -452,11 +463,11 @@ def _between() -> FloatArray:
     return np.asarray((middle[:, np.newaxis] ** powers @ through).T)
 
 
-JUDGING: Final = _judging()
-BETWEEN: Final = _between()
+BERNSTEIN_MATRIX: Final = _bernstein_matrix()
+MIDPOINT_MATRIX: Final = _midpoint_matrix()
 
 
-def cells_between(edges: FloatArray) -> tuple[FloatArray, FloatArray]:
+def isolation_cells(edges: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Ends (n,), (n,) [rad] of the cells between neighbours of `edges` (m,), ascending, none longer
     than `WIDEST`.
     """
@@ -467,7 +478,7 @@ def cells_between(edges: FloatArray) -> tuple[FloatArray, FloatArray]:
     return low, np.append(low[1:], edges[-1:])
 
 
-def places_in(
+def cell_places(
     low: FloatArray, high: FloatArray, starts: FloatArray, ends: FloatArray
 ) -> FloatArray:
     """(n, 7) the places in the cells [low, high] (n,), off both ends of the pieces [start, end]
@@ -480,11 +491,11 @@ def places_in(
     return places
 
 
-def places_between(edges: FloatArray) -> FloatArray:
+def isolation_places(edges: FloatArray) -> FloatArray:
     """(n, 7) the places in the cells of the pieces between neighbours of `edges` (m,)."""
-    low, high = cells_between(edges)
+    low, high = isolation_cells(edges)
     piece = np.searchsorted(edges, 0.5 * (low + high)) - 1
-    return places_in(low, high, edges[piece], edges[piece + 1])
+    return cell_places(low, high, edges[piece], edges[piece + 1])
 
 
 def isolated_roots(
@@ -496,7 +507,7 @@ def isolated_roots(
     ----------
     slopes : of r quantities, one for each row; each smooth inside the cells.
     values : what is extreme where the slope of a row vanishes.
-    places : (n, 7) of the cells, see `places_in`.
+    places : (n, 7) of the cells, see `cell_places`.
     known : (r, n, 7) the slopes there.
 
     A slope that is 0 at all places of a cell has no root in it.
@@ -504,35 +515,41 @@ def isolated_roots(
     rows = len(known)
     row = np.repeat(np.arange(rows), len(places))
     x, slope = np.tile(places, (rows, 1)), known.reshape(-1, PLACES)
-    off, last = np.zeros(len(x)), np.full(len(x), np.inf)
+    estimate, last = np.zeros(len(x)), np.full(len(x), np.inf)
     ready = []
     for number in range(HALVINGS + 1):
-        judged = slope @ JUDGING
-        before, last = last, np.abs(judged[:, -1])
-        error = np.maximum(SPARE * last, off)
-        done = _decided(judged, error)
+        coefficients = slope @ BERNSTEIN_MATRIX
+        previous, last = last, np.abs(coefficients[:, -1])
+        error = np.maximum(SPARE * last, estimate)
+        decided = _decided(coefficients, error)
         if number >= NOISY:
-            done |= last > SHRINKING * before
-        left = np.flatnonzero(~done)
-        done[left] = _counted(judged[left, :PLACES], error[left], slope[left])
-        left = left[~done[left]]
-        if len(left):
-            at = values(x[left].ravel(), np.repeat(row[left], PLACES)).reshape(-1, PLACES)
-            done[left] = _negligible(judged[left, :PLACES], error[left], at)
-            left = np.flatnonzero(~done)
-        if not len(left) or number == HALVINGS or len(left) > MOST:
+            decided |= last > SHRINKING * previous
+        undecided = np.flatnonzero(~decided)
+        decided[undecided] = _counted(
+            coefficients[undecided, :PLACES], error[undecided], slope[undecided]
+        )
+        undecided = undecided[~decided[undecided]]
+        if len(undecided):
+            cell_values = values(x[undecided].ravel(), np.repeat(row[undecided], PLACES)).reshape(
+                -1, PLACES
+            )
+            decided[undecided] = _negligible(
+                coefficients[undecided, :PLACES], error[undecided], cell_values
+            )
+            undecided = np.flatnonzero(~decided)
+        if not len(undecided) or number == HALVINGS or len(undecided) > MOST:
             ready.append((x, slope, row))
             break
-        ready.append((x[done], slope[done], row[done]))
-        x, slope, row, last = x[left], slope[left], row[left], last[left]
+        ready.append((x[decided], slope[decided], row[decided]))
+        x, slope, row, last = x[undecided], slope[undecided], row[undecided], last[undecided]
         middle = 0.5 * (x[:, :-1] + x[:, 1:])
-        there = slopes(middle.ravel(), np.repeat(row, DEGREE)).reshape(middle.shape)
-        miss = np.abs(there - slope @ BETWEEN).reshape(-1, DEGREE // 2)
-        off = np.max(miss, axis=1) / 32.0  # an error is 128 times less in a half
-        x, slope = _halved(x, middle), _halved(slope, there)
+        middle_slopes = slopes(middle.ravel(), np.repeat(row, DEGREE)).reshape(middle.shape)
+        miss = np.abs(middle_slopes - slope @ MIDPOINT_MATRIX).reshape(-1, DEGREE // 2)
+        estimate = np.max(miss, axis=1) / 32.0  # an error is 128 times less in a half
+        x, slope = _halved(x, middle), _halved(slope, middle_slopes)
         row, last = np.repeat(row, 2), np.repeat(last, 2)
-    x, slope, row = (np.concatenate(each) for each in zip(*ready, strict=True))
-    roots, cell = roots_in_rows(lambda at, cell: slopes(at, row[cell]), x, slope)
+    x, slope, row = (np.concatenate(parts) for parts in zip(*ready, strict=True))
+    roots, cell = roots_in_rows(lambda arguments, cell: slopes(arguments, row[cell]), x, slope)
     return roots, row[cell]
 
 
@@ -543,17 +560,17 @@ def _halved(ends: FloatArray, middle: FloatArray) -> FloatArray:
     return np.concatenate((both[:, :PLACES], both[:, PLACES - 1 :]), axis=1).reshape(-1, PLACES)
 
 
-def _decided(judged: FloatArray, error: FloatArray) -> BoolArray:
+def _decided(coefficients: FloatArray, error: FloatArray) -> BoolArray:
     """(n,) whether the slopes of cells have at most one root: they keep their sign, or ascend, or
     descend, with the `error` (n,) to spare; or they are 0.
     """
     kinds = [0, PLACES]
-    least = np.minimum.reduceat(judged[:, :-1], kinds, axis=1)
-    most = np.maximum.reduceat(judged[:, :-1], kinds, axis=1)
+    least = np.minimum.reduceat(coefficients[:, :-1], kinds, axis=1)
+    most = np.maximum.reduceat(coefficients[:, :-1], kinds, axis=1)
     spare = error[:, np.newaxis]
-    found: BoolArray = np.any((least > spare) | (most < -spare), axis=1)
-    found |= (least[:, 0] == 0.0) & (most[:, 0] == 0.0)
-    return found
+    decided: BoolArray = np.any((least > spare) | (most < -spare), axis=1)
+    decided |= (least[:, 0] == 0.0) & (most[:, 0] == 0.0)
+    return decided
 
 
 def _counted(hull: FloatArray, error: FloatArray, slopes: FloatArray) -> BoolArray:
@@ -563,7 +580,7 @@ def _counted(hull: FloatArray, error: FloatArray, slopes: FloatArray) -> BoolArr
     sure = np.min(np.abs(hull), axis=1) > error
     sure &= error < RESOLVED * np.max(np.abs(slopes), axis=1)
     most, seen = (
-        np.count_nonzero(np.diff(np.sign(each), axis=1), axis=1) for each in (hull, slopes)
+        np.count_nonzero(np.diff(np.sign(numbers), axis=1), axis=1) for numbers in (hull, slopes)
     )
     return np.asarray(sure & (most == seen))
 
@@ -607,8 +624,8 @@ def bracketed_roots(
     """
 
     def values(x: FloatArray, which: IntArray) -> FloatArray:
-        found = function(x)
-        return found if rows is None else found[rows[which], np.arange(len(x))]
+        all_values = function(x)
+        return all_values if rows is None else all_values[rows[which], np.arange(len(x))]
 
     return indexed_roots(values, low, high, ends)
 
@@ -648,12 +665,12 @@ def indexed_roots(
     for _ in range(MAX_STEPS):
         if not len(active):
             break
-        before, across = a[:, active], b[:, active]
-        x = before[0] + step[active] * (across[0] - before[0])
+        previous, across = a[:, active], b[:, active]
+        x = previous[0] + step[active] * (across[0] - previous[0])
         new = np.stack((x, function(x, active)))
-        same = np.sign(new[1]) == np.sign(before[1])
-        last = np.where(same, before, across)
-        across = np.where(same, across, before)
+        same = np.sign(new[1]) == np.sign(previous[1])
+        last = np.where(same, previous, across)
+        across = np.where(same, across, previous)
         a[:, active], b[:, active], c[:, active] = new, across, last
         nearer = np.abs(new[1]) < np.abs(across[1])
         root[active] = np.where(nearer, new[0], across[0])
@@ -705,20 +722,22 @@ def roots_on_grid(function: Function, grid: FloatArray) -> FloatArray:
     One call of the function evaluates all rows, however many there are. A function that gives
     several quantities at once, (k, n), has the roots of all of them, one quantity after the other.
     """
-    found = function(grid.ravel())
-    values = found.reshape(found.shape[:-1] + grid.shape)
-    of_each = math.prod(grid.shape[:-1])
+    flat_values = function(grid.ravel())
+    values = flat_values.reshape(flat_values.shape[:-1] + grid.shape)
+    row_count = math.prod(grid.shape[:-1])
 
     def in_row(x: FloatArray, row: IntArray) -> FloatArray:
-        found = function(x)
-        return found if found.ndim == 1 else found[row // of_each, np.arange(len(x))]
+        row_values = function(x)
+        return (
+            row_values if row_values.ndim == 1 else row_values[row // row_count, np.arange(len(x))]
+        )
 
     return roots_in_rows(in_row, grid, values)[0]
 
 
 def with_roots(function: Function, edges: FloatArray) -> FloatArray:
     """(k,) `edges` and the roots of `function` between them, see `roots_on_grid`."""
-    return merged(np.concatenate((edges, roots_on_grid(function, grid_of(edges)))))
+    return merged(np.concatenate((edges, roots_on_grid(function, sample_grid(edges)))))
 
 
 def roots_in_rows(
@@ -734,8 +753,8 @@ def roots_in_rows(
     """
     change = _changing(values)
     sides = (slice(None, -1), slice(1, None))
-    low, high = (np.broadcast_to(grid[..., each], change.shape)[change] for each in sides)
-    ends = np.stack([values[..., each][change] for each in sides])
+    low, high = (np.broadcast_to(grid[..., side], change.shape)[change] for side in sides)
+    ends = np.stack([values[..., side][change] for side in sides])
     row = np.flatnonzero(change) // change.shape[-1]
     return indexed_roots(lambda x, which: function(x, row[which]), low, high, ends), row
 
@@ -771,9 +790,9 @@ def inverse(function: Function, slope: Function, edges: FloatArray, y: FloatArra
         step = x - miss / slope(x)
         step = np.where((step >= low) & (step <= high), step, 0.5 * (low + high))
         step = np.where(miss == 0.0, x, step)
-        done = np.abs(step - x) <= CLOSE * width
+        converged = np.abs(step - x) <= CLOSE * width
         x = step
-        if np.all(done):
+        if np.all(converged):
             break
     return x
 

@@ -83,7 +83,7 @@ class Interval:
         least = np.where((self.low <= 0.0) & (self.high >= 0.0), 0.0, np.minimum(one, other))
         return _widened(least, np.maximum(one, other))
 
-    def within(self, other: Interval) -> Interval:
+    def intersection(self, other: Interval) -> Interval:
         """The intersection of both ranges, where both hold."""
         return Interval(np.maximum(self.low, other.low), np.minimum(self.high, other.high))
 
@@ -124,7 +124,7 @@ class Angles:
         return _swept(self.sines, self.cosines, self.reach)
 
     @classmethod
-    def about(cls, middles: FloatArray, reach: FloatArray) -> Angles:
+    def from_middles(cls, middles: FloatArray, reach: FloatArray) -> Angles:
         """The ranges of angles within `reach` (n,) of `middles` (n,) [rad]."""
         rounding = WIDENED * np.abs(middles)
         return cls(np.cos(middles), np.sin(middles), reach + rounding)

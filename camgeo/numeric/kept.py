@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 from camgeo.numeric.arrays import FloatArray, Number, read_only
 
 P = ParamSpec("P")
-Out = TypeVar("Out")
+Result = TypeVar("Result")
 
-MOST_KEPT: Final = 65_536
+MOST_ANGLES: Final = 65_536
 """Total number of cam angles of whose values `Answers` keep those of the latest requests [3 MB]."""
 
 MOST_VALUES: Final = 1 << 19
@@ -40,38 +40,38 @@ class HasKept(Protocol):
 Owner = TypeVar("Owner", bound=HasKept)
 
 
-class Answers(Generic[Out]):
-    """A cache of the values at the latest cam angles, `most` in total or MOST_KEPT, by request;
+class Answers(Generic[Result]):
+    """A cache of the values at the latest cam angles, `most` in total or MOST_ANGLES, by request;
     safe for concurrent threads.
     """
 
     def __init__(self, most: int | None = None) -> None:
         self._most = most
-        self._kept: dict[Hashable, tuple[Out, int]] = {}
+        self._entries: dict[Hashable, tuple[Result, int]] = {}
         self._angles = 0
         self._lock = Lock()
 
-    def recall(self, make: Callable[[], Out], way: Hashable, *angles: FloatArray) -> Out:
+    def recall(self, make: Callable[[], Result], way: Hashable, *angles: FloatArray) -> Result:
         """The result of `make`, which depends on `way` and `angles` (n,) [rad] alone: read-only,
         and while it is kept the same object for equal arguments.
         """
-        count, most = len(angles[0]), MOST_KEPT if self._most is None else self._most
+        count, most = len(angles[0]), MOST_ANGLES if self._most is None else self._most
         if count > most:
             return make()
-        question = way, *(each.tobytes() for each in angles)
+        question = way, *(phi.tobytes() for phi in angles)
         with self._lock:
-            found = self._kept.pop(question, None)
-            if found is not None:
-                self._kept[question] = found  # behind those that were asked for before
-                return found[0]
-        made = make()
+            entry = self._entries.pop(question, None)
+            if entry is not None:
+                self._entries[question] = entry  # behind those that were asked for before
+                return entry[0]
+        answer = make()
         with self._lock:
-            if question not in self._kept:
-                self._kept[question] = made, count
+            if question not in self._entries:
+                self._entries[question] = answer, count
                 self._angles += count
             while self._angles > most:
-                self._angles -= self._kept.pop(next(iter(self._kept)))[1]
-        return made
+                self._angles -= self._entries.pop(next(iter(self._entries)))[1]
+        return answer
 
 
 def recalling(
@@ -83,16 +83,16 @@ def recalling(
     answers: Answers[NDArray[Number]] = Answers(most)
 
     def values(*question: P.args, **_: P.kwargs) -> NDArray[Number]:
-        angles = [each for each in question if isinstance(each, np.ndarray)]
-        way = tuple(each for each in question if not isinstance(each, np.ndarray))
+        angles = [argument for argument in question if isinstance(argument, np.ndarray)]
+        way = tuple(argument for argument in question if not isinstance(argument, np.ndarray))
         return answers.recall(lambda: read_only(quantity(*question, **_)), way, *angles)
 
     return values
 
 
 def kept_with_owner(
-    make: Callable[Concatenate[Owner, P], Out],
-) -> Callable[Concatenate[Owner, P], Out]:
+    make: Callable[Concatenate[Owner, P], Result],
+) -> Callable[Concatenate[Owner, P], Result]:
     """Keep the result of `make` with its first argument until `make` is called with other ones.
 
     What depends on the motion plan alone is kept with the plan: editing the follower does not
@@ -100,39 +100,39 @@ def kept_with_owner(
     """
 
     @wraps(make)
-    def once(owner: Owner, /, *rest: P.args, **named: P.kwargs) -> Out:
+    def once(owner: Owner, /, *rest: P.args, **named: P.kwargs) -> Result:
         question = rest, named
-        kept = owner.kept.get(make)  # read once: another thread may replace it
-        if kept is None or kept[0] != question:
-            kept = owner.kept[make] = question, make(owner, *rest, **named)
-        found: Out = kept[1]
-        return found
+        entry = owner.kept.get(make)  # read once: another thread may replace it
+        if entry is None or entry[0] != question:
+            entry = owner.kept[make] = question, make(owner, *rest, **named)
+        result: Result = entry[1]
+        return result
 
     return once
 
 
-class kept_with_each(Generic[Owner, Out]):
+class kept_with_each(Generic[Owner, Result]):
     """A function of one owner that is computed for many at once; the results are kept with each.
 
     The result of an owner must not depend, not even in its last bit, on those that are computed
     together with it.
     """
 
-    def __init__(self, make: Callable[[Sequence[Owner]], Sequence[Out]]) -> None:
+    def __init__(self, make: Callable[[Sequence[Owner]], Sequence[Result]]) -> None:
         self._make = make
         self.__doc__ = make.__doc__
 
-    def __call__(self, owner: Owner) -> Out:
+    def __call__(self, owner: Owner) -> Result:
         """The result of one owner."""
-        kept = owner.kept.get(self._make)
-        if kept is None:
+        entry = owner.kept.get(self._make)
+        if entry is None:
             self.settle((owner,))
-            kept = owner.kept[self._make]
-        found: Out = kept[1]
-        return found
+            entry = owner.kept[self._make]
+        result: Result = entry[1]
+        return result
 
     def settle(self, owners: Sequence[Owner]) -> None:
         """Compute the results of those `owners` that have none, all at once."""
-        missing = [each for each in owners if self._make not in each.kept]
-        for owner, found in zip(missing, self._make(missing) if missing else (), strict=True):
-            owner.kept[self._make] = None, found
+        missing = [owner for owner in owners if self._make not in owner.kept]
+        for owner, result in zip(missing, self._make(missing) if missing else (), strict=True):
+            owner.kept[self._make] = None, result

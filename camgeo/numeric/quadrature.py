@@ -54,7 +54,7 @@ def piecewise_integral(
     """
     low, high = edges[:-1], edges[1:]
     owner = np.arange(len(low))
-    out = np.zeros(len(low))
+    integrals = np.zeros(len(low))
     parts, magnitude = _gauss(function, low, high)
     most = max(MOST_PIECES, 4 * len(low))
     error, settled, scale = 0.0, 0.0, 0.0
@@ -68,25 +68,25 @@ def piecewise_integral(
         change = np.abs(finer - parts)
         sizes = magnitudes[:count] + magnitudes[count:]
         scale = settled + float(np.sum(sizes))
-        done = change <= tolerance * scale * (high - low) / width
+        converged = change <= tolerance * scale * (high - low) / width
         if count > most:
-            done[:] = True
-        settled += float(np.sum(sizes[done]))
-        np.add.at(out, owner[done], finer[done])
-        error += float(np.sum(change[done]))
-        left = np.concatenate((~done, ~done))
-        low, high, parts = lows[left], highs[left], halves[left]
-        owner = np.concatenate((owner, owner))[left]
-        magnitude = magnitudes[left]
+            converged[:] = True
+        settled += float(np.sum(sizes[converged]))
+        np.add.at(integrals, owner[converged], finer[converged])
+        error += float(np.sum(change[converged]))
+        remaining = np.concatenate((~converged, ~converged))
+        low, high, parts = lows[remaining], highs[remaining], halves[remaining]
+        owner = np.concatenate((owner, owner))[remaining]
+        magnitude = magnitudes[remaining]
         if not len(low):
             break
     else:
-        np.add.at(out, owner, parts)
+        np.add.at(integrals, owner, parts)
         error += float(np.sum(magnitude))
-    return Integral(float(np.sum(out)), error + SHARE * scale, scale, out)
+    return Integral(float(np.sum(integrals)), error + SHARE * scale, scale, integrals)
 
 
-def nodes_beside(place: float) -> int:
+def nodes_for_singularity(place: float) -> int:
     """Nodes of Gauss-Legendre's rule that integrate to rounding over [-1, 1] what is analytic but
     at `place` < -1 and beyond.
 

@@ -367,7 +367,7 @@ def _inset_flank(boundary: CurveBoundary, distance: float) -> Path:
         inset = WorkingCurve(flank.pitch, flank.distance + displacement)
     else:
         follower: Any = flank.pitch.follower  # a frozen dataclass
-        names = [key.removeprefix("follower.") for key in follower.raised_by]
+        names = [key.removeprefix("follower.") for key in follower.raising_keys]
         try:
             moved = replace(
                 follower, **{name: getattr(follower, name) + displacement for name in names}

@@ -24,7 +24,7 @@ from camgeo.geometry.contour.contour import (
 from camgeo.geometry.outline.exact_flank import ExactFlank
 from camgeo.geometry.outline.path import Flank, Moments
 from camgeo.numeric.checked import CheckedFields, Floats
-from camgeo.numeric.quadrature import gauss, nodes_beside
+from camgeo.numeric.quadrature import gauss, nodes_for_singularity
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
 from camgeo.part.part import Band, Boundary, Layer, Part
 from camgeo.part.spec import text_name
@@ -127,7 +127,7 @@ def _slices(part: Part) -> Iterator[_Slice]:
 def _sections(band: Band) -> Iterator[_Slice]:
     """The sections of a chamfer over which integrals are taken."""
     radius = band.wall.corner_radius
-    nodes = NODES if radius is None else nodes_beside(-1.0 - radius / band.width)
+    nodes = NODES if radius is None else nodes_for_singularity(-1.0 - radius / band.width)
     places, half, weights = gauss(np.array([band.z0]), np.array([band.z1]), nodes)
     for z, share in zip(places[0].tolist(), (half[0] * weights).tolist(), strict=True):
         yield _Slice(band.section(z), share, share * z, share * z * z)

@@ -23,7 +23,7 @@ from camgeo.numeric.checked import (
     instance,
     number,
     positive,
-    shown,
+    value_text,
 )
 from camgeo.record import Brief
 
@@ -134,7 +134,7 @@ class Part(Brief):
     def __post_init__(self) -> None:
         layers = instance("part", self.layers, tuple, "a tuple of layers")
         if not layers or not all(isinstance(layer, Layer) for layer in layers):
-            raise GeometryError("a part needs layers", key="part", value=shown(layers))
+            raise GeometryError("a part needs layers", key="part", value=value_text(layers))
         for lower, upper in pairwise(self.layers):
             if lower.z1 != upper.z0:
                 raise GeometryError(
@@ -484,7 +484,7 @@ def written_contour(
 def require_boundary(value: Any) -> None:
     """Raise GeometryError with key "part" unless `value` has the members of a boundary."""
     if not (isinstance(getattr(value, "name", None), str) and hasattr(value, "offset")):
-        raise GeometryError("must be a boundary of a part", "part", shown(value))
+        raise GeometryError("must be a boundary of a part", "part", value_text(value))
 
 
 def valid_boundary(_: str, value: Any) -> Boundary:

@@ -20,7 +20,7 @@ from camgeo.numeric.checked import (
     instances,
     number,
     one_of,
-    shown,
+    value_text,
     whole,
 )
 from camgeo.part.glyphs import require_glyphs
@@ -105,7 +105,7 @@ def text_to_engrave(key: str, value: Any) -> str:
         raise GeometryError(
             f"must be a text of 1 to {MOST_LETTERS} characters, not of spaces alone",
             key,
-            shown(value),
+            value_text(value),
         )
     for character in text:
         known = f"U+{ord(character):04X}"
@@ -113,13 +113,13 @@ def text_to_engrave(key: str, value: Any) -> str:
             raise GeometryError(
                 f"{known} in it is no character of its own, so it cannot be engraved",
                 key,
-                shown(value),
+                value_text(value),
             )
         if unicodedata.bidirectional(character) in SHAPED:
             raise GeometryError(
                 f'"{character}" ({known}) is written from right to left, which is not engraved',
                 key,
-                shown(value),
+                value_text(value),
             )
     return text
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from camgeo.kinematics.laws.comparison import Entry as Compared
 from camgeo.kinematics.laws.law import Law
-from camgeo.kinematics.motion import NAMES, ends_of
+from camgeo.kinematics.motion import NAMES, task_ends
 from camgeo.numeric.arrays import FloatArray
 from camgeo.pictures.model import (
     AUXILIARY,
@@ -130,7 +130,7 @@ def _share(*, numbered: bool) -> Axis:
 
 def _title(task: str) -> str:
     words = {str(end): name for end, name in NAMES.items()}
-    start, end = ends_of(task)
+    start, end = task_ends(task)
     return f"Motion laws for {task}: {words[start]} to {words[end]} (normalised)"
 
 
@@ -174,7 +174,7 @@ def _piece(law: Law, index: int) -> tuple[FloatArray, tuple[FloatArray, ...]]:
 
 def _neighbour(law: Law, *, at_end: bool) -> tuple[float, ...] | None:
     """f', f'', f''', f' f'' of what the task joins to the law there; None if unknown."""
-    kind = ends_of(law.task)[at_end]
+    kind = task_ends(law.task)[at_end]
     end = law.end if at_end else law.start
     return {"R": (0.0, 0.0, 0.0, 0.0), "G": (end.velocity, 0.0, 0.0, 0.0)}.get(kind)
 

@@ -359,7 +359,7 @@ def animation(product: Product, *, moving: bool = False) -> Animation:
     cam = product.cam
     angles = np.linspace(0.0, TURN, POSITIONS, endpoint=False)
     sketch = product.pictured.mechanism_sketches(angles)
-    first = sketch.at(0)
+    first = sketch.position(0)
     marks, reach, note = _turning(product, moving=moving)
     low, high = window(reach, [sketch])
     lifts = cam.drive.motion.jet(angles)[0]

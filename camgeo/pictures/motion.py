@@ -609,9 +609,9 @@ def of_drive(
     speed = drive.speed if drive.speed_curve is None else None
     sketch = plan_sketch(drive.plan)
     unit = _unit(drive.unit, length)
-    if drive.demanded_of in ANGLES:
-        unit = replace(unit, symbol=ANGLES[drive.demanded_of])
-    ends: list[tuple[str, Motion, Unit]] = [(drive.demanded_of, drive.plan, unit)]
+    if drive.demanded_member in ANGLES:
+        unit = replace(unit, symbol=ANGLES[drive.demanded_member])
+    ends: list[tuple[str, Motion, Unit]] = [(drive.demanded_member, drive.plan, unit)]
     if drive.linkage is not None:
         ends.append(("follower", drive.motion, _unit(lift_unit, length)))
     size = size or (SIZE[0], SIZE[1] + (len(ends) - 1) * (HEADING + NUMBERED + HEIGHT))
@@ -619,7 +619,7 @@ def of_drive(
     strips.skip(TOP)
     below = len(ends) * (HEADING + HEIGHT) + (len(ends) - 1) * NUMBERED + BOTTOM
     panels = plan_panels(strips, sketch, unit, below)
-    titles = [_title(strips, f"{name}: motion plan of the {drive.demanded_of}", 0.14)]
+    titles = [_title(strips, f"{name}: motion plan of the {drive.demanded_member}", 0.14)]
     right = "" if speed is None else f" (right: at {speed / RPM:.4g} rev/min)"
     for number, (whose, motion, own) in enumerate(ends):
         strips.skip(NUMBERED if number else 0.0)

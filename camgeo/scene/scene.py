@@ -753,7 +753,7 @@ class MotionRequests:
             to=to,
             shares=np.array(shares),
             positions=np.array([self._scale * point["to"] for point in table["points"]]),
-            given={index: boundary for index, boundary in given.items() if boundary != FREE},
+            boundaries={index: boundary for index, boundary in given.items() if boundary != FREE},
             **end,
         )
 

@@ -30,7 +30,7 @@ from camgeo.errors import (
     unreadable,
 )
 from camgeo.kinematics.mechanism.declared.registry import FOLLOWERS, LINKAGES
-from camgeo.kinematics.mechanism.values import UNIT_OF, FollowerKind, Member
+from camgeo.kinematics.mechanism.values import MEMBER_UNITS, FollowerKind, Member
 from camgeo.reading import SCENE, TABLE, check_toml
 from camgeo.record import Brief, allowed
 from camgeo.scene.keys import KeyPath, key_lines, line_of, path_of, quoted, spelled, value_at
@@ -158,7 +158,7 @@ class ValidValues:
         if self.lacks("linkage"):
             return self.lift_unit == "rad"
         far_end = far_end_of(self)
-        return far_end is not None and UNIT_OF[far_end] == "rad"
+        return far_end is not None and MEMBER_UNITS[far_end] == "rad"
 
 
 def far_end_of(values: ValidValues) -> Member | None:

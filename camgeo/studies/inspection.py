@@ -30,7 +30,7 @@ from camgeo.geometry.outline.exact_flank import ExactFlank, Feet, Places
 from camgeo.geometry.outline.replay import edges_between, replay_contour, replay_outline
 from camgeo.numeric.arrays import ComplexArray, FloatArray, Side, dot, joined, taken
 from camgeo.numeric.columns import Columns, NumberColumn, fault
-from camgeo.numeric.extremes import Extreme, Extremes, extremes_of, piecewise_extremes
+from camgeo.numeric.extremes import Extreme, Extremes, piecewise_extremes, sampled_extremes
 from camgeo.reading import COORDINATE
 from camgeo.units import MM_PER, TURN, LengthUnit
 
@@ -123,7 +123,7 @@ class Deviations:
     @property
     def extremes(self) -> Extremes:
         """Smallest and largest [mm], each with its cam angle [rad]."""
-        return extremes_of(self.places.phi, self.values)
+        return sampled_extremes(self.places.phi, self.values)
 
     @property
     def profile(self) -> float:

@@ -15,14 +15,14 @@ import numpy as np
 from camgeo.errors import FileError, GeometryError
 from camgeo.geometry.contour.contour import Contour
 from camgeo.geometry.contour.foreign import Outlines
-from camgeo.numeric.columns import Asked, NumberColumn, read_columns
+from camgeo.numeric.columns import NumberColumn, RequestedColumns, read_columns
 from camgeo.studies.inspection import LENGTHS, places_of
 from camgeo.units import LengthUnit, counted
 
 FEWEST: Final = 2
 """Two rows with bulges are a lens or a circle."""
 
-ASKED: Final = Asked(LENGTHS, (NumberColumn("bulge", ("bulge",)),), FEWEST, named=True)
+ASKED: Final = RequestedColumns(LENGTHS, (NumberColumn("bulge", ("bulge",)),), FEWEST, named=True)
 
 
 class ContourCsvReader:

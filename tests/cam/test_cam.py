@@ -23,7 +23,7 @@ from camgeo.cam.cam import (
     Disc,
     Drive,
     Yoke,
-    contact_of,
+    contact_by_name,
     smooth_angles,
 )
 from camgeo.design.design import Design
@@ -95,7 +95,7 @@ def test_the_motion_is_that_of_the_near_end_of_the_linkage(
     phi = np.linspace(0.1, 6.1, 13)
     far = plan.jet(phi)
     assert np.array_equal(drive.motion.jet(phi), linkage.transform(far))
-    assert drive.demanded_of == member
+    assert drive.demanded_member == member
     # From where the follower is, the far end is where the plan has it.
     assert drive.far_end is not None
     found = drive.far_end.place(phi, drive.motion.jet(phi)[0])
@@ -267,7 +267,7 @@ def test_each_has_its_own_values(
     alone = [quantity(each)(phi, side) for each in made()[:count]]
     assert np.array_equal(together.everywhere(quantity, phi, side), np.stack(alone, axis=-2))
     own = np.stack([alone[number][..., place] for place, number in enumerate(which)], axis=-1)
-    assert np.array_equal(together.at(quantity, phi, side, which), own)
+    assert np.array_equal(together.paired_values(quantity, phi, side, which), own)
     assert len({each.tobytes() for each in alone}) == count
 
 
@@ -468,7 +468,7 @@ def test_each_contact_by_its_flanks(
     distances: dict[Flank, float],
 ) -> None:
     """The inner flank lies within the pitch curve and pushes the follower outward."""
-    contact = contact_of("follower.contact", name)
+    contact = contact_by_name("follower.contact", name)
     assert contact.value == name
     assert contact.flanks == flanks
     assert contact.closed_by_form is by_form
@@ -483,7 +483,7 @@ def test_each_contact_by_its_flanks(
 @pytest.mark.parametrize("value", ["Inner", "ring", "", None, 1, True])
 def test_another_contact_is_refused_with_those_there_are(value: object) -> None:
     with pytest.raises(GeometryError, match='must be one of "inner", "outer", "groove"') as caught:
-        contact_of("follower.contact", value)
+        contact_by_name("follower.contact", value)
     assert caught.value.key == "follower.contact"
     assert len(Contact) == 3
 

@@ -25,7 +25,7 @@ from camgeo.dynamics.effects.tables import parse_friction as parse
 from camgeo.errors import EffectError
 from camgeo.kinematics.mechanism.rollers import OscillatingRoller, TranslatingRoller
 from camgeo.numeric.arrays import FloatArray
-from camgeo.numeric.extremes import grid_of
+from camgeo.numeric.extremes import sample_grid
 from camgeo.scene.scene import load_scene
 from camgeo.units import RPM, TURN
 from tests.effects.bodies import (
@@ -77,7 +77,7 @@ def statics(made: Any, **table: float) -> Statics:
 
 def angles(made: Design) -> FloatArray:
     """Between the borders of the motion."""
-    return grid_of(made.drive.smooth_angles).ravel()
+    return sample_grid(made.drive.smooth_angles).ravel()
 
 
 @pytest.mark.parametrize("sense", [1, -1])

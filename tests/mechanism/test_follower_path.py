@@ -42,7 +42,7 @@ def test_the_pitch_curve_has_its_own_coordinates(curve: PitchCurve, seed: int) -
     # strategies keep off those by a tenth of the base radius and more.
     path = path_of(curve.follower, curve.rotation)
     phi = np.random.default_rng(seed).uniform(0.0, 2.0 * math.pi, 20)
-    found, q = path.cam_angle_of(curve.point(phi))
+    found, q = path.cam_coordinates(curve.point(phi))
     assert np.max(np.abs(np.exp(1j * (found - phi)) - 1.0)) < 1e-13
     lift = path.outward * (q - path.start)
     assert lift == pytest.approx(curve.motion.jet(phi)[0], abs=1e-12)
@@ -96,7 +96,7 @@ def test_the_path_meets_what_passes_through_its_point(
 ) -> None:
     path, phi, q, bows = meeting
     at = np.array([phi]), np.array([q])
-    facing = np.sign((bows.normal_at(path.point(*at)).conj() * path.along(*at)[0]).real)
+    facing = np.sign((bows.unit_normals(path.point(*at)).conj() * path.along(*at)[0]).real)
     found = path.meet(at[0], bows, facing)
     # The point is known to 1e-14 mm or so; the tilt of 1.2 rad makes 1/cos = 3 of it.
     assert found[0] == pytest.approx(q, abs=1e-11)
@@ -109,7 +109,7 @@ def test_derivatives_by_mpmath(meeting: tuple[FollowerPath, float, float, Bows])
     path, phi, q, bows = meeting
     at = np.array([phi])
     facing = np.sign(
-        (bows.normal_at(path.point(at, np.array([q]))).conj() * path.along(at, np.array([q]))[0]
+        (bows.unit_normals(path.point(at, np.array([q]))).conj() * path.along(at, np.array([q]))[0]
     ).real)  # fmt: skip
     jet = bows.lift_jet(path, at, path.meet(at, bows, facing))
     follower = path.follower
@@ -162,13 +162,13 @@ def test_a_touched_circle_is_touched(follower: TranslatingRoller | OscillatingRo
     bows = Bows(centre + radius * normal, normal, np.array([1.0 / radius]))
     places = path.touching(bows)[:, 0]
     places = places[np.isfinite(places)]
-    points = np.concatenate([bows.at(np.array([place])) for place in places])
-    phi, q = path.cam_angle_of(points)
+    points = np.concatenate([bows.evaluate(np.array([place])) for place in places])
+    phi, q = path.cam_coordinates(points)
     across = ((points - centre) / radius).conj() * path.along(phi, q)[0]
     named = np.count_nonzero(np.abs(across.real) < 1e-10 * np.abs(across))
     # Where the cam angle turns back along the circle, found by dense points.
     ring = centre + radius * np.exp(1j * np.linspace(0.0, 2.0 * math.pi, 20001))
-    turning = np.unwrap(path.cam_angle_of(ring)[0])
+    turning = np.unwrap(path.cam_coordinates(ring)[0])
     turns = np.count_nonzero(np.diff(np.sign(np.diff(turning))))
     assert turns == named == 2
     assert len(places) == 4
@@ -180,7 +180,7 @@ def test_no_meeting_is_an_error() -> None:
     with pytest.raises(GeometryError, match="does not meet"):
         path.meet(np.zeros(1), away, np.ones(1))
     with pytest.raises(GeometryError, match="must lie at least 9 mm from the cam axis"):
-        path.cam_angle_of(one(1.0))
+        path.cam_coordinates(one(1.0))
 
 
 @pytest.mark.parametrize("distance", [1e3, 1e6, 1e9])
@@ -198,7 +198,7 @@ def test_a_distant_pivot_costs_no_digits(distance: float, side: int) -> None:
             w = follower.arm * mpmath.expj(side * mpmath.mpf(at)) - l1
             exact = w * mpmath.expj(mpmath.arg(-mpmath.mpc(pivot)) - angle)
             assert abs(exact - point) <= 64 * 2.0**-53 * 50.0
-    angles, again = path.cam_angle_of(found)
+    angles, again = path.cam_coordinates(found)
     assert angles == pytest.approx(phi, rel=64 * 2.0**-53)
     assert again == pytest.approx(q, rel=64 * 2.0**-53)
     along = path.along(phi, q)[0]
@@ -216,10 +216,10 @@ def test_a_place_is_within_reach_up_to_its_rounding(
     ends = [(low, -1.0, low)] if math.isinf(high) else [(low, -1.0, high), (high, 1.0, high)]
     for end, sign, size in ends:
         for share in (0.0, 0.9):
-            angle, _ = path.cam_angle_of(one(end + sign * share * 1e-9 * size))
+            angle, _ = path.cam_coordinates(one(end + sign * share * 1e-9 * size))
             assert 0.0 <= angle[0] < 2.0 * math.pi
         with pytest.raises(GeometryError, match="cannot reach that place"):
-            path.cam_angle_of(one(end + sign * 1.1e-9 * size))
+            path.cam_coordinates(one(end + sign * 1.1e-9 * size))
 
 
 # Paths of flat faces ------------------------------------------------------------------------------

@@ -17,15 +17,15 @@ from hypothesis import strategies as st
 from camgeo.errors import GeometryError
 from camgeo.kinematics.laws import make_law
 from camgeo.kinematics.mechanism.linkage import (
-    BACK,
-    OUT,
     SIZES,
+    TO_FAR_END,
+    TO_FOLLOWER,
     Linkage,
     LinkedMotion,
     Size,
     clear_range,
     closing_sizes,
-    locked_at,
+    first_locked_place,
     monotone_runs,
     openings,
     position_text,
@@ -114,14 +114,14 @@ def test_transmission_angles_are_those_of_the_drawn_members(linkage: Linkage) ->
     grid = low + (high - low) * np.linspace(0.001, 0.999, COUNT)
     found = linkage.transmission_sines(grid)
     out, back = sines(linkage, grid)
-    assert np.abs(found[OUT]) == pytest.approx(out, abs=1e-9)
-    assert np.abs(found[BACK]) == pytest.approx(back, abs=1e-9)
-    assert np.all(found[BACK] > 0.0) or np.all(found[BACK] < 0.0)
+    assert np.abs(found[TO_FAR_END]) == pytest.approx(out, abs=1e-9)
+    assert np.abs(found[TO_FOLLOWER]) == pytest.approx(back, abs=1e-9)
+    assert np.all(found[TO_FOLLOWER] > 0.0) or np.all(found[TO_FOLLOWER] < 0.0)
     # Locked where the far member cannot be driven, and nowhere else.
     locked = linkage.locked_positions(grid[0], grid[-1])
-    crossed = np.flatnonzero(found[OUT][:-1] * found[OUT][1:] < 0.0)
+    crossed = np.flatnonzero(found[TO_FAR_END][:-1] * found[TO_FAR_END][1:] < 0.0)
     within(locked, grid, crossed)
-    at = linkage.transmission_sines(np.array([0.0, *locked]))[OUT, 1:]
+    at = linkage.transmission_sines(np.array([0.0, *locked]))[TO_FAR_END, 1:]
     assert at == pytest.approx(np.zeros(len(locked)), abs=1e-7)
     # Up to rounding a range has those at its ends.
     for each in locked:
@@ -132,7 +132,7 @@ def test_transmission_angles_are_those_of_the_drawn_members(linkage: Linkage) ->
                 ends = linkage.locked_positions(low_end, high_end)
                 assert any(abs(end - each) <= 1e-9 for end in ends)
     far = linkage.far_turning_positions(grid[0], grid[-1])
-    size = np.abs(found[OUT])
+    size = np.abs(found[TO_FAR_END])
     lows = 1 + np.flatnonzero((size[1:-1] < size[:-2]) & (size[1:-1] <= size[2:]))
     lows = lows[(lows > BESIDE) & (lows < COUNT - BESIDE) & (size[lows] > 1e-2)]
     for side in (-BESIDE, BESIDE):  # of a parallelogram the angle stays, but for rounding
@@ -141,7 +141,7 @@ def test_transmission_angles_are_those_of_the_drawn_members(linkage: Linkage) ->
     # The way back is the quotient of both sines, with the lever of each member.
     free = size > 0.05
     way = linkage.per_follower(grid[free])
-    quotient = way * found[OUT][free] / found[BACK][free]
+    quotient = way * found[TO_FAR_END][free] / found[TO_FOLLOWER][free]
     assert np.all(quotient > 0.0) or np.all(quotient < 0.0)
     spread = np.ptp(np.abs(quotient)) / np.max(np.abs(quotient))
     assert spread <= 1e-9 or isinstance(linkage, SliderDrivenCrank)
@@ -164,7 +164,7 @@ def test_the_clear_range_ends_at_the_next_dead_centre(linkage: Linkage) -> None:
     locked = linkage.locked_positions(-far, far)
     if any(abs(each) < 1e-3 for each in locked):
         return
-    low_out, high_out = clear_range(linkage, OUT)
+    low_out, high_out = clear_range(linkage, TO_FAR_END)
     assert low_out >= low
     assert high_out <= high
     nearer = [each for each in locked if low < each < high]
@@ -452,13 +452,13 @@ def test_a_far_end_is_locked_where_the_follower_turns_back(name: str) -> None:
     assert len(changes) == len(positions)
     for place, after in zip(sorted(positions), changes, strict=True):
         assert grid[after] < place < grid[after + 1]
-    found = locked_at(linkage, there_and_back(end))
+    found = first_locked_place(linkage, there_and_back(end))
     assert found is not None
     phi, position = found
     assert there_and_back(end).jet(np.array([phi]))[0, 0] == pytest.approx(position, rel=1e-12)
     first = min(positions, key=abs)  # the motion starts at 0
     assert position == first
-    assert locked_at(linkage, there_and_back(0.99 * first)) is None
+    assert first_locked_place(linkage, there_and_back(0.99 * first)) is None
     # Near it the ratio is a pole: it grows as the reciprocal of the way to it, on both sides.
     ways = linkage.per_follower(first + 1e-5 * np.array([-2.0, -1.0, 1.0, 2.0]))
     assert ways[1] / ways[0] == pytest.approx(2.0, rel=1e-3)

@@ -176,7 +176,7 @@ def test_rollers_are_on_the_turned_discs_and_joints_at_the_ends_of_links(name: s
 def test_one_position_of_many_is_the_position_alone(name: str) -> None:
     many: MechanismSketch[Places] = design(name).disc.pictured.mechanism_sketches(PHI)
     for number, phi in enumerate(map(float, PHI)):
-        found, alone = many.at(number), sketch_at(name, phi)
+        found, alone = many.position(number), sketch_at(name, phi)
         assert len(found.points) == len(alone.points)
         assert found.points == pytest.approx(alone.points, abs=1e-12 * 200.0)
         for each, other in zip(found.dimensions, alone.dimensions, strict=True):

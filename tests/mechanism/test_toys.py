@@ -68,7 +68,7 @@ KIND = FollowerKind(
     unit="mm",
     touching="roller",
     schema=stored_schema(__file__),
-    made="mushroom:Mushroom",
+    class_path="mushroom:Mushroom",
     sizes=("base_radius", "head_radius"),
     rules=(head_is_a_cap,),
 )

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 
 from camgeo.errors import GeometryError
 from camgeo.kinematics.laws import BALANCES, FAMILIES, make_law
-from camgeo.kinematics.laws.comparison import QUANTITIES, Entry, Running, compare, entry_of
+from camgeo.kinematics.laws.comparison import QUANTITIES, Entry, Running, compare, law_entry
 from camgeo.kinematics.laws.law import Characteristic, Law, characteristic
 from camgeo.kinematics.laws.pulse import Parts
 from camgeo.kinematics.laws.sine_straight import LEAST, curved_for
@@ -146,7 +146,7 @@ def test_physical_values_are_those_of_the_move_in_time(name: str) -> None:
     speed, span, stroke = 7.5, math.radians(80.0), 22.0
     running = Running(speed, span, stroke)
     law = make_law(name)
-    values = {key: getattr(entry_of(law).values, key).value for key in QUANTITIES}
+    values = {key: getattr(law_entry(law).values, key).value for key in QUANTITIES}
     time = np.linspace(0.0, span / speed, 200_001)
     step = time[1]
     lift = stroke * law(speed * time / span)[0]

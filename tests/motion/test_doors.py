@@ -27,7 +27,7 @@ import pytest
 from camgeo import load
 from camgeo.app.answers.table import law_table
 from camgeo.errors import GeometryError, VersionError
-from camgeo.kinematics.laws import FAMILIES, law_of, make_law
+from camgeo.kinematics.laws import FAMILIES, build_law, make_law
 from camgeo.kinematics.laws.comparison import Running, compare
 from camgeo.kinematics.laws.law import Law, characteristic
 from camgeo.kinematics.mechanism.linkage import LinkedMotion
@@ -392,7 +392,7 @@ def test_the_same_question_is_answered_once(recalling: MotionPlan) -> None:
 def test_what_was_asked_the_longest_time_ago_is_forgotten(
     recalling: MotionPlan, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(kept, "MOST_KEPT", 2 * len(AROUND))
+    monkeypatch.setattr(kept, "MOST_ANGLES", 2 * len(AROUND))
     first, second = recalling.jet(AROUND), recalling.jet(AROUND, "left")
     assert recalling.jet(AROUND) is first
     recalling.jet(AROUND + 0.1)
@@ -425,7 +425,7 @@ def test_what_is_recalled_cannot_be_changed(recalling: MotionPlan, plan: MotionP
 
 
 def test_much_is_not_kept(recalling: MotionPlan, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(kept, "MOST_KEPT", 10)
+    monkeypatch.setattr(kept, "MOST_ANGLES", 10)
     assert recalling.jet(AROUND) is not recalling.jet(AROUND)
     assert recalling.jet(AROUND[:10]) is recalling.jet(AROUND[:10])
 
@@ -447,11 +447,11 @@ def test_threads_get_the_answers_to_their_own_questions(recalling: MotionPlan) -
 
 def test_a_law_asked_for_again_is_the_same_one() -> None:
     given = {"inflection": 0.3}
-    law = law_of("modified-sine", "R-R", given)
-    assert law_of("modified-sine", "R-R", dict(given)) is law
-    assert law_of("modified-sine", "R-R", {"inflection": 0.31}) is not law
+    law = build_law("modified-sine", "R-R", given)
+    assert build_law("modified-sine", "R-R", dict(given)) is law
+    assert build_law("modified-sine", "R-R", {"inflection": 0.31}) is not law
     assert characteristic(law) is characteristic(law)
-    law = law_of("polynomial-5", "B-B", {"v0": 0.5, "v1": 2.0})
+    law = build_law("polynomial-5", "B-B", {"v0": 0.5, "v1": 2.0})
     half = replace(law, regions=law.regions[:1])
     assert half == law  # regions are made of what is compared
     assert characteristic(half).velocity.value < characteristic(law).velocity.value

@@ -11,7 +11,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from camgeo.errors import GeometryError
-from camgeo.kinematics.laws import FAMILIES, law_of, make_law
+from camgeo.kinematics.laws import FAMILIES, build_law, make_law
 from camgeo.kinematics.motion import Dwell as DwellSpan
 from camgeo.kinematics.motion import Jet, lift_range, pieces, turning_angles
 from camgeo.kinematics.plan import MANY, Dwell, MotionPlan, Move, joints
@@ -376,7 +376,7 @@ def test_laws_that_differ_by_numbers_have_equal_formulas(name: str, task: str) -
                 if key in taken
             }
         given |= {key: 0.3 + number for key in ("v0", "v1") if key in taken}
-        found.append([region.formula for region in law_of(name, task, given).regions])
+        found.append([region.formula for region in build_law(name, task, given).regions])
     assert found[0] == found[1]
     assert [hash(formula) for formula in found[0]] == [hash(formula) for formula in found[1]]
 

@@ -526,9 +526,9 @@ def test_the_weight_of_many_noisy_points_is_found() -> None:
     y = 10.0 * np.sin(x) + np.random.default_rng(1).uniform(-0.01, 0.01, len(x))
     spline = smoothed_ring(x, y, 0.1)
     again, fit = Spline.smooth_closed(
-        x, y, 2.0 * np.pi, FitReport.of(spline, x, y).largest_deviation
+        x, y, 2.0 * np.pi, FitReport.from_points(spline, x, y).largest_deviation
     )
-    assert FitReport.of(again, x, y).largest_deviation == pytest.approx(
+    assert FitReport.from_points(again, x, y).largest_deviation == pytest.approx(
         fit.largest_deviation, abs=1e-12
     )
 

@@ -142,5 +142,7 @@ def test_one_object_is_asked_as_one_of_many() -> None:
     found = ONE.everywhere(lambda phi, side: np.stack((phi, phi * len(side))), x, "left")
     assert found.shape == (2, ONE.count, 5)
     assert found[1, 0].tolist() == (4.0 * x).tolist()
-    at = ONE.at(lambda phi, side: phi * len(side), x, "right", np.zeros(5, dtype=np.intp))
+    at = ONE.paired_values(
+        lambda phi, side: phi * len(side), x, "right", np.zeros(5, dtype=np.intp)
+    )
     assert at.tolist() == (5.0 * x).tolist()

@@ -21,9 +21,9 @@ from camgeo.numeric import checked
 from camgeo.numeric.columns import (
     LONGEST_HEADING,
     MOST_COLUMNS,
-    Asked,
     Columns,
     NumberColumn,
+    RequestedColumns,
     read_columns,
 )
 from camgeo.reading import DIGITS, TABLE
@@ -336,17 +336,17 @@ def test_fields_that_are_wrong_are_told_by_their_keys(
 
 @pytest.mark.parametrize("what", ["a" * 60, "a" * 61, "a" * 57 + "bcd", [1] * 60, 10**400])
 def test_values_are_shown_up_to_sixty_characters(what: Any) -> None:
-    found = checked.shown(what)
+    found = checked.value_text(what)
     assert len(found) <= checked.LONGEST
     if isinstance(what, str):
         assert found == (what if len(what) <= 60 else what[:57] + "...")
-    assert checked.shown(10**400) == "inf"
-    assert checked.shown(-(10**400)) == "-inf"
-    assert checked.shown(Fraction(1, 2)) == "0.5"
+    assert checked.value_text(10**400) == "inf"
+    assert checked.value_text(-(10**400)) == "-inf"
+    assert checked.value_text(Fraction(1, 2)) == "0.5"
 
 
 # Tables with columns that may be missing; lift tables test the format itself ----------------------
-ASKED = Asked(
+ASKED = RequestedColumns(
     (NumberColumn("x", ("x",), ("mm", "inch"), "mm or inch"), NumberColumn("y", ("y",))),
     (NumberColumn("nx", ("nx", "i")), NumberColumn("ny", ("ny", "j"))),
     fewest=1,
@@ -431,7 +431,7 @@ def test_a_written_table_is_read_back_with_its_lines(
         count += 1
         places.append(count)
     data = "\N{BYTE ORDER MARK}" * (len(rows) % 2) + text
-    asked = Asked(ASKED.needed, fewest=2, most=6)
+    asked = RequestedColumns(ASKED.required, fewest=2, most=6)
     for given_data in (data, data.encode("utf-8")):
         found = read_columns(given_data, "points.csv", asked)
         assert found.values.T.tolist() == [list(row) for row in rows]
@@ -501,7 +501,7 @@ def test_a_fault_is_told_with_its_line_and_what_is_allowed(
     data: bytes | str, message: str, value: str
 ) -> None:
     with pytest.raises(GeometryError) as caught:
-        read_columns(data, "points.csv", Asked(ASKED.needed, fewest=2, most=5))
+        read_columns(data, "points.csv", RequestedColumns(ASKED.required, fewest=2, most=5))
     assert (caught.value.message, caught.value.value) == (message, value)
 
 
@@ -515,7 +515,7 @@ def wide_table(columns: int) -> str:
 
 
 def test_limits_of_tables_are_allowed_and_one_more_is_not() -> None:
-    asked = Asked(ASKED.needed, fewest=2, most=5)
+    asked = RequestedColumns(ASKED.required, fewest=2, most=5)
     for rows in (2, 5):
         assert read_columns(table(rows), "points.csv", asked).values.shape == (2, rows)
     assert read_columns("1,1e30\n1,-1e30\n", "points.csv", asked).values[1].tolist() == [

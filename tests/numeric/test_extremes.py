@@ -21,15 +21,15 @@ from camgeo.numeric.extremes import (
     SAMPLES,
     WIDEST,
     OfRows,
-    cells_between,
     dips,
-    extremes_of_each,
-    grid_of,
     isolated_roots,
+    isolation_cells,
+    isolation_places,
     piecewise_extremes,
+    piecewise_extremes_of_many,
     piecewise_highest,
     piecewise_lowest,
-    places_between,
+    sample_grid,
     stretch_around,
     stretch_below,
 )
@@ -124,7 +124,7 @@ def test_a_crest_at_the_very_end_of_a_piece() -> None:
 @pytest.mark.parametrize("pieces", [1, 7, MOST_POINTS // SAMPLES + 100, MOST_POINTS // 4])
 def test_the_grid(pieces: int) -> None:
     edges = np.linspace(0.0, 6.0, pieces + 1)
-    grid = grid_of(edges)
+    grid = sample_grid(edges)
     assert len(grid) == pieces
     assert FEWEST_SAMPLES <= grid.shape[1] <= SAMPLES
     assert grid.size <= max(MOST_POINTS, FEWEST_SAMPLES * pieces)
@@ -239,13 +239,15 @@ class Waves:
         self.phases = source.uniform(0.0, TURN, (count, 3))
         self.steps = np.round(source.uniform(-1.0, 1.0, (count, 4)), 1)
 
-    def at(self, _: None, x: FloatArray, side: Side, which: IntArray) -> FloatArray:
+    def paired_values(self, _: None, x: FloatArray, side: Side, which: IntArray) -> FloatArray:
         piece = np.searchsorted(self.edges, x, side) - 1
         waves = self.sizes[which].T * np.sin(np.outer([1.0, 2.0, 3.0], x) + self.phases[which].T)
         return np.asarray(np.sum(waves, axis=0) + self.steps[which, np.clip(piece, 0, 3)])
 
     def everywhere(self, asked: None, x: FloatArray, side: Side) -> FloatArray:
-        return np.stack([self.at(asked, x, side, np.full(len(x), k)) for k in range(self.count)])
+        return np.stack(
+            [self.paired_values(asked, x, side, np.full(len(x), k)) for k in range(self.count)]
+        )
 
     def densely(self, number: int, steps: int = 3001) -> tuple[FloatArray, FloatArray]:
         """Places and values all over, each piece with both its ends."""
@@ -253,8 +255,8 @@ class Waves:
         own = np.full(steps, number)
         found = []
         for each in x:
-            values = self.at(None, each, "right", own)
-            values[-1] = self.at(None, each[-1:], "left", own[:1])[0]
+            values = self.paired_values(None, each, "right", own)
+            values[-1] = self.paired_values(None, each[-1:], "left", own[:1])[0]
             found.append(values)
         return np.concatenate(x), np.concatenate(found)
 
@@ -263,7 +265,7 @@ class Waves:
 @settings(deadline=None, max_examples=20)
 def test_extremes_of_many_at_once_are_those_of_dense_samples(seed: int) -> None:
     waves = Waves(seed, 3)
-    found = extremes_of_each(waves, None, waves.edges)
+    found = piecewise_extremes_of_many(waves, None, waves.edges)
     for number, each in enumerate(found):
         _, values = waves.densely(number)
         bend = 0.2 * 14.0 * (TURN / 3000) ** 2
@@ -272,11 +274,13 @@ def test_extremes_of_many_at_once_are_those_of_dense_samples(seed: int) -> None:
             (each.highest, np.max(values), 1.0), (each.lowest, np.min(values), -1.0)
         ):  # fmt: skip
             assert -1e-13 <= sign * (extreme.value - best) <= bend
-            there = [waves.at(None, np.array([extreme.place]), side, own)[0] for side in SIDES]
+            there = [
+                waves.paired_values(None, np.array([extreme.place]), side, own)[0] for side in SIDES
+            ]
             assert min(abs(value - extreme.value) for value in there) <= 1e-13
         assert each.magnitude == max(abs(each.lowest.value), abs(each.highest.value))
         assert ceiling(
-            lambda phi, side: waves.at(None, phi, side, np.full(len(phi), number)),  # noqa: B023 - called at once
+            lambda phi, side: waves.paired_values(None, phi, side, np.full(len(phi), number)),  # noqa: B023 - called at once
             waves.edges,
         ) >= np.max(values)
 
@@ -339,7 +343,7 @@ def test_crests_that_cannot_be_the_highest_cost_nothing() -> None:
 
 def roots_of(slopes: OfRows, values: OfRows, edges: FloatArray, rows: int = 1) -> FloatArray:
     """The roots of all rows, ascending."""
-    places = places_between(edges)
+    places = isolation_places(edges)
     known = np.stack([slopes(places.ravel(), np.full(places.size, row)) for row in range(rows)])
     known = known.reshape(rows, *places.shape)
     roots, _ = isolated_roots(slopes, values, places, known)
@@ -348,7 +352,7 @@ def roots_of(slopes: OfRows, values: OfRows, edges: FloatArray, rows: int = 1) -
 
 def test_cells_end_at_every_edge_and_are_not_wide() -> None:
     edges = np.array([0.0, 1e-7, 1.0, 1.0 + 0.5 * WIDEST, 6.0])
-    low, high = cells_between(edges)
+    low, high = isolation_cells(edges)
     assert low[0] == edges[0]
     assert high[-1] == edges[-1]
     assert np.array_equal(low[1:], high[:-1])
@@ -358,7 +362,7 @@ def test_cells_end_at_every_edge_and_are_not_wide() -> None:
 
 def test_places_stay_off_the_edges() -> None:
     edges = np.array([0.0, 0.05, 3.0])
-    places = places_between(edges)
+    places = isolation_places(edges)
     assert places[0, 0] == INSIDE * 0.05
     assert places[-1, -1] == 3.0 - INSIDE * 2.95
     assert np.all(np.diff(places, axis=1) > 0.0)
@@ -434,7 +438,7 @@ def test_rounding_ends_the_halving() -> None:
     def value(x: FloatArray, _: IntArray) -> FloatArray:
         return np.asarray(1.0 + 1e-9 * noise.standard_normal(len(x)))
 
-    places = places_between(np.array([0.0, 6.0]))
+    places = isolation_places(np.array([0.0, 6.0]))
     roots_of(slope, value, np.array([0.0, 6.0]))
     assert max(asked) < 50 * places.size
 
@@ -449,7 +453,7 @@ def test_rows_are_what_they_are_alone_and_zeros_have_no_root() -> None:
         return np.asarray(np.sin(9.0 * x + phases[row]))
 
     edges = np.array([0.0, 1.0, 4.0])
-    places = places_between(edges)
+    places = isolation_places(edges)
     known = np.stack(
         [slope(places.ravel(), np.full(places.size, k)).reshape(places.shape) for k in range(3)]
     )

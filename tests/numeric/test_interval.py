@@ -56,7 +56,7 @@ def test_results_hold_for_all_exact_numbers_of_the_ranges(
     share=st.floats(-1.0, 1.0),
 )
 def test_cosines_and_sines_hold(middle: float, reach: float, share: float) -> None:
-    angles = Angles.about(np.array([middle]), np.array([reach]))
+    angles = Angles.from_middles(np.array([middle]), np.array([reach]))
     with mpmath.workdps(40):
         angle = mpmath.mpf(middle) + mpmath.mpf(share) * mpmath.mpf(reach)
         for found, exact in ((angles.cosine, mpmath.cos(angle)), (angles.sine, mpmath.sin(angle))):
@@ -74,7 +74,7 @@ def test_differences_of_angles_hold(
     middles: tuple[float, float], reaches: tuple[float, float], shares: tuple[float, float]
 ) -> None:
     one, other = (
-        Angles.about(np.array([middle]), np.array([reach]))
+        Angles.from_middles(np.array([middle]), np.array([reach]))
         for middle, reach in zip(middles, reaches, strict=True)
     )
     with mpmath.workdps(40):
@@ -93,12 +93,12 @@ def test_what_is_not_known_stays_unknown() -> None:
     for found in (unknown * nothing, interval(1.0, 2.0) / interval(-1.0, 1.0)):
         assert np.isinf(found.magnitude[0])
     for middle in (0.0, 1.0, 0.5 * math.pi):
-        found = Angles.about(np.array([middle]), np.array([math.inf])).cosine
+        found = Angles.from_middles(np.array([middle]), np.array([math.inf])).cosine
         assert (found.low[0], found.high[0]) == (-1.0, 1.0)
 
 
 def test_of_two_ranges_the_common_part_remains() -> None:
-    found = interval(0.0, 2.0).within(interval(1.0, 3.0))
+    found = interval(0.0, 2.0).intersection(interval(1.0, 3.0))
     assert (found.low[0], found.high[0]) == (1.0, 2.0)
 
 
@@ -138,7 +138,7 @@ def test_results_are_no_wider_than_rounding_makes_them(
 @pytest.mark.parametrize("reach", [3.9, 4.0, 4.1, 1e9])
 def test_ranges_of_more_than_a_turn_are_all_of_it_and_no_more(reach: float) -> None:
     for middle in np.linspace(-3.0, 3.0, 13):
-        angles = Angles.about(np.array([middle]), np.array([reach]))
+        angles = Angles.from_middles(np.array([middle]), np.array([reach]))
         for found in (angles.cosine, angles.sine):
             assert (found.low[0], found.high[0]) == (-1.0, 1.0)
 
@@ -161,12 +161,12 @@ def test_several_ranges_are_each_by_itself() -> None:
 @given(middle=st.floats(-9.0, 9.0), reach=st.floats(1e-6, 0.5))
 def test_ranges_of_cosines_and_sines_are_close(middle: float, reach: float) -> None:
     """Too wide by no more than the second order of the reach."""
-    angles = Angles.about(np.array([middle]), np.array([reach]))
+    angles = Angles.from_middles(np.array([middle]), np.array([reach]))
     dense = middle + reach * np.linspace(-1.0, 1.0, 201)
     for found, values in ((angles.cosine, np.cos(dense)), (angles.sine, np.sin(dense))):
         assert found.low[0] >= np.min(values) - 0.5 * reach**2 - 1e-9
         assert found.high[0] <= np.max(values) + 0.5 * reach**2 + 1e-9
-    both = angles - Angles.about(np.array([0.3]), np.array([0.1]))
+    both = angles - Angles.from_middles(np.array([0.3]), np.array([0.1]))
     assert both.reach[0] == pytest.approx(reach + 0.1, abs=1e-14)
     assert both.reaching(np.array([0.25])).reach.tolist() == [0.25]
     assert both.reaching(np.array([0.25])).cosine.low[0] <= math.cos(middle - 0.3)

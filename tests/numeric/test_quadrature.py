@@ -17,7 +17,7 @@ from camgeo.numeric.quadrature import (
     NODES,
     Integral,
     gauss,
-    nodes_beside,
+    nodes_for_singularity,
     piecewise_integral,
 )
 
@@ -238,7 +238,7 @@ def test_pieces_add_up_and_jumps_at_edges_cost_nothing() -> None:
 @pytest.mark.parametrize("place", [-1.02, -1.5, -3.0, -30.0])
 def test_nodes_for_a_root_that_branches_outside(place: float) -> None:
     """Integral of the root of x - place over [-1, 1], to rounding."""
-    places, half, weights = gauss(np.array([-1.0]), np.array([1.0]), nodes_beside(place))
+    places, half, weights = gauss(np.array([-1.0]), np.array([1.0]), nodes_for_singularity(place))
     found = float(half[0] * (np.sqrt(places[0] - place) @ weights))
     wanted = 2.0 / 3.0 * ((1.0 - place) ** 1.5 - (-1.0 - place) ** 1.5)
     assert found == pytest.approx(wanted, rel=128.0 * EPS)

@@ -316,7 +316,7 @@ def test_each_derivative_is_that_of_the_one_before(
 ) -> None:
     assume_easy(curve, clearance)
     lift = played(curve, press, clearance)
-    borders, _ = lift.path.cam_angle_of(lift.parallel.point(curve.borders))
+    borders, _ = lift.path.cam_coordinates(lift.parallel.point(curve.borders))
     low, high = cells(np.sort(borders), 6)
     change = lift.jet(high, "left")[:2] - lift.jet(low, "right")[:2]
     found = integrals(lambda phi: lift.jet(phi)[1:], low, high)

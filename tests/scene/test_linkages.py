@@ -45,7 +45,7 @@ def test_the_keys_of_a_four_bar() -> None:
     assert made.cam.drive.linkage.lever_sense == 1
     # Positions are degrees of the lever; the rocker's own angle is another one.
     assert made.drive.unit == "rad"
-    assert made.drive.demanded_of == "lever"
+    assert made.drive.demanded_member == "lever"
     at = np.radians([200.0])
     assert made.drive.plan.jet(at)[0] == pytest.approx(math.radians(22.0), rel=1e-14)
     assert made.drive.motion.jet(at)[0] == pytest.approx(
@@ -56,7 +56,7 @@ def test_the_keys_of_a_four_bar() -> None:
 def test_the_follower_decides_which_member_of_a_slider_crank_moves_as_demanded() -> None:
     made = loaded(SLIDER_DRIVEN)
     assert isinstance(made.cam.drive.linkage, SliderDrivenCrank)
-    assert (made.drive.unit, made.drive.demanded_of, made.cam.lift_unit) == (
+    assert (made.drive.unit, made.drive.demanded_member, made.cam.lift_unit) == (
         "rad",
         "crank",
         "mm",

@@ -43,7 +43,7 @@ from camgeo.errors import GeometryError
 from camgeo.geometry.outline.exact_flank import ExactFlank
 from camgeo.geometry.outline.path import Flank
 from camgeo.numeric.arrays import ComplexArray, frozen
-from camgeo.numeric.columns import Asked, NumberColumn, fault, read_columns
+from camgeo.numeric.columns import NumberColumn, RequestedColumns, fault, read_columns
 from camgeo.numeric.extremes import Extremes
 from camgeo.pictures.model import Figure
 from camgeo.reading import TABLE
@@ -424,7 +424,7 @@ MOST: Final = 50_000
 
 NORMALS: Final = (NumberColumn("nx", ("nx", "i")), NumberColumn("ny", ("ny", "j")))
 
-POINT_COLUMNS: Final = Asked(LENGTHS, NORMALS, FEWEST, MOST)
+POINT_COLUMNS: Final = RequestedColumns(LENGTHS, NORMALS, FEWEST, MOST)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

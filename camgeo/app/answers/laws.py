@@ -21,9 +21,9 @@ from camgeo.app.cli.command import (
 )
 from camgeo.errors import Fault, SceneError
 from camgeo.kinematics.laws import ALIASES, FAMILIES, OPTIONS, find_family
-from camgeo.kinematics.laws.comparison import QUANTITIES, Entry, Running, compare, entry_of
+from camgeo.kinematics.laws.comparison import QUANTITIES, Entry, Running, compare, law_entry
 from camgeo.kinematics.laws.law import Law
-from camgeo.kinematics.motion import ENDS, NAMES, TASKS, ends_of
+from camgeo.kinematics.motion import ENDS, NAMES, TASKS, task_ends
 from camgeo.numeric.extremes import Extreme
 from camgeo.pictures.model import Figure
 from camgeo.units import RPM, counted
@@ -79,7 +79,7 @@ class TaskLaws:
     def ends(self) -> tuple[str, ...]:
         """What the move meets at its start and at its end, in words."""
         names: dict[str, str] = {end: NAMES[end] for end in ENDS}
-        return tuple(names[end] for end in ends_of(self.task))
+        return tuple(names[end] for end in task_ends(self.task))
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,7 +102,7 @@ class Laws(Answer):
     @classmethod
     def from_law(cls, law: Law) -> Laws:
         """One law alone."""
-        return cls((LawRow(entry_of(law)),))
+        return cls((LawRow(law_entry(law)),))
 
     @property
     def cells(self) -> list[list[str]]:

@@ -157,7 +157,7 @@ class ToleranceAnalysis(Answer):
     @property
     def member(self) -> str:
         """Whose position it is: the follower's, or that of the far end of the linkage."""
-        return str(self.linear.stated.machine.cam.drive.demanded_of)
+        return str(self.linear.stated.machine.cam.drive.demanded_member)
 
     @property
     def unit(self) -> str:

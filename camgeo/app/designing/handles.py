@@ -417,7 +417,7 @@ def _(follower: TranslatingRoller, _: Mount, returning: Follower) -> Iterator[Gr
 
 @return_grips.register
 def _(follower: OscillatingRoller, mount: Mount, returning: Follower) -> Iterator[Grip]:
-    pivot, arm, now = follower.pivot, returning.start_arm, dict(mount.given)["arm_angle"]
+    pivot, arm, now = follower.pivot, returning.start_arm, dict(mount.arguments)["arm_angle"]
 
     def centre(to: complex) -> Sizes:
         new_arm = to - pivot

@@ -35,9 +35,9 @@ from camgeo.dynamics.effects.registry import effect_names, find_effect
 from camgeo.errors import CamgeoError, GeometryError, SceneError
 from camgeo.geometry.outline.path import Flank
 from camgeo.kinematics.laws import FAMILIES, OPTIONS
-from camgeo.kinematics.laws.comparison import entry_of
+from camgeo.kinematics.laws.comparison import law_entry
 from camgeo.kinematics.laws.law import Law
-from camgeo.kinematics.motion import ends_of
+from camgeo.kinematics.motion import task_ends
 from camgeo.kinematics.plan import FULL_TURN, MotionPlan, joints
 from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray, frozen
 from camgeo.pictures import laws as picture
@@ -714,7 +714,7 @@ def _law(job: Job, recent: Recent, edits: dict[str, Any], segment: int) -> Law |
 def _law_in_plan(law: Law, plan: MotionPlan, segment: int) -> Law:
     """The law for the task that it has in the plan: from or to a rest where the velocity jumps."""
     ends = []
-    for class_, angle in zip(ends_of(law.task), plan.joints_deg[segment:], strict=False):
+    for class_, angle in zip(task_ends(law.task), plan.joints_deg[segment:], strict=False):
         place = math.radians(float(angle % FULL_TURN))
         joint = min(joints(plan), key=lambda each: abs(each.cam_angle - place))
         ends.append("R" if joint.order < 1 else class_)
@@ -722,7 +722,7 @@ def _law_in_plan(law: Law, plan: MotionPlan, segment: int) -> Law:
 
 
 def _law_offer(name: str, law: Law, edits: dict[str, Any]) -> dict[str, Any]:
-    entry = entry_of(law)
+    entry = law_entry(law)
     facts = []
     for symbol, (names, quantities) in FACTS.items():
         extremes = dict.fromkeys(shown(getattr(entry.values, name).value) for name in names)

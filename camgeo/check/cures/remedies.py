@@ -30,7 +30,7 @@ from camgeo.check.finding import BROKEN, DIGITS, NO_OUTLINE, RETURN, Finding, ro
 from camgeo.errors import GeometryError, SceneError
 from camgeo.geometry.pieces import curvature_extremes
 from camgeo.geometry.together import LinkedMotions, Repeated
-from camgeo.kinematics.laws import FAMILIES, law_of
+from camgeo.kinematics.laws import FAMILIES, build_law
 from camgeo.kinematics.laws.law import Law, acceleration_jumps, characteristic
 from camgeo.kinematics.mechanism.flat import flat_follower
 from camgeo.kinematics.mechanism.linkage import LinkedMotion
@@ -538,7 +538,7 @@ def raised_face(task: Task) -> Cure:
     (cam,) = task.discs
     follower = flat_follower(cam.follower)
     old, mm = follower.base_radius, MM_PER[task.unit]
-    present = {key: getattr(follower, _field(key)) / mm for key in follower.raised_by}
+    present = {key: getattr(follower, _field(key)) / mm for key in follower.raising_keys}
 
     def raised(value: float) -> dict[str, float]:
         """Each length in the unit that goes with the base radius `value` [mm], by its key."""
@@ -550,8 +550,8 @@ def raised_face(task: Task) -> Cure:
         return task.discs.sized(0, **sizes)
 
     length = _nearest_length(task, Size(old, old, raised_discs), (old, LARGEST_BASE * old), raised)
-    first, *others = follower.raised_by
-    none = f"no larger {' and '.join(follower.raised_by)} cures it"
+    first, *others = follower.raising_keys
+    none = f"no larger {' and '.join(follower.raising_keys)} cures it"
     cure = length_cure("base radius", first, old, length, old, none, task.unit, "at least ")
     if length is None:
         return task.finished(cure)
@@ -706,7 +706,7 @@ def offers_for(plan: MotionPlan, number: int) -> list[Offer]:
     for family in FAMILIES.values():
         if TASK not in family.tasks:
             continue
-        law = law_of(family.name, TASK, {})
+        law = build_law(family.name, TASK, {})
         same = law.name == present.name and law.parameters == present.parameters
         jerks = _jerks(law)
         if not same and (jerky or not jerks) and joins_neighbours(plan, number, law):

@@ -50,14 +50,14 @@ from camgeo.numeric.extremes import (
     Extreme,
     Extremes,
     dips,
-    grid_of,
     piecewise_extremes,
     piecewise_lowest,
     roots_on_grid,
+    sample_grid,
     stretch_below,
     with_roots,
 )
-from camgeo.numeric.kept import MOST_KEPT, recalling
+from camgeo.numeric.kept import MOST_ANGLES, recalling
 from camgeo.units import TURN
 
 
@@ -154,7 +154,7 @@ def bearings_of(
     loads = loads_of(request.subject, request.results, forces, idle=False)
     return BearingFriction(
         friction.rubbing,
-        recalling(partial(loads.on_bearings, friction), MOST_KEPT),
+        recalling(partial(loads.on_bearings, friction), MOST_ANGLES),
         partial(loads.per_far, friction),
     )
 
@@ -466,7 +466,7 @@ def edges_of(balance: ForceBalance) -> FloatArray:
     the leverage, at which the flank that carries changes.
     """
     edges = smooth_edges(balance.subject.state.smooth_angles, balance.forces)
-    grid = grid_of(edges)
+    grid = sample_grid(edges)
 
     def demand(phi: FloatArray) -> FloatArray:
         return balance.released(phi, "right", balance.rates(phi, "right"))
@@ -475,7 +475,7 @@ def edges_of(balance: ForceBalance) -> FloatArray:
         return balance.leverage(phi, "right", sense)
 
     senses = (INNER,) if balance.subject.returning is None else (INNER, OUTER)
-    inner = grid_of(merged(np.concatenate((edges, dips(demand, grid)))))
+    inner = sample_grid(merged(np.concatenate((edges, dips(demand, grid)))))
     found = [edges, roots_on_grid(demand, inner)]
     found += [roots_on_grid(partial(leverage, sense=sense), grid) for sense in senses]
     return merged(np.concatenate(found))

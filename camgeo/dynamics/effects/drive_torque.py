@@ -40,8 +40,8 @@ from camgeo.numeric.arrays import SHARE, FloatArray, Side, resolved
 from camgeo.numeric.extremes import (
     Extreme,
     Extremes,
-    extremes_of,
     piecewise_extremes,
+    sampled_extremes,
     with_roots,
 )
 from camgeo.numeric.quadrature import piecewise_integral
@@ -528,7 +528,7 @@ def stored_energy(
     places = with_roots(surplus, edges)
     stored = piecewise_integral(surplus, places, tolerance)
     energy = np.concatenate(([0.0], np.cumsum(stored.parts)))
-    return StoredEnergy(extremes_of(places, energy), stored.error + TURN * unsure)
+    return StoredEnergy(sampled_extremes(places, energy), stored.error + TURN * unsure)
 
 
 def moment_of_inertia(energy: float, fluctuation: float, speed: float) -> float:

@@ -16,7 +16,7 @@ import numpy as np
 
 from camgeo.check.finding import Finding
 from camgeo.errors import GeometryError
-from camgeo.kinematics.mechanism.values import UNIT_OF, Member, Touching
+from camgeo.kinematics.mechanism.values import MEMBER_UNITS, Member, Touching
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.record import Displayed
 
@@ -329,7 +329,7 @@ class Machine:
     @property
     def demanded(self) -> LiftUnit | None:
         """Unit of the demanded motion; None if unknown."""
-        return UNIT_OF[self.far] if self.far else None if self.far is None else self.lift
+        return MEMBER_UNITS[self.far] if self.far else None if self.far is None else self.lift
 
     @property
     def straight(self) -> bool | None:

@@ -27,7 +27,7 @@ from camgeo.dynamics.effects.effect import Quantity, Subject
 from camgeo.dynamics.oscillator.steady import Response
 from camgeo.dynamics.oscillator.train import Train
 from camgeo.errors import EffectError
-from camgeo.kinematics.mechanism.linkage import Linkage, locked_at
+from camgeo.kinematics.mechanism.linkage import Linkage, first_locked_place
 from camgeo.kinematics.mechanism.values import Member
 from camgeo.numeric.arrays import FloatArray, Side, merged
 from camgeo.units import TURN, at_cam_angles
@@ -192,7 +192,7 @@ def refuse_locked(subject: Subject, burden: str) -> None:
     if linkage is None:
         return
 
-    locked = locked_at(linkage, subject.state.output)
+    locked = first_locked_place(linkage, subject.state.output)
     if locked is None:
         return
     pose, what, cannot = POSES[linkage.member]

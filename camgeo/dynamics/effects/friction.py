@@ -25,11 +25,11 @@ from camgeo.dynamics.effects.results import Bearing, Friction
 from camgeo.dynamics.effects.tables import FrictionCoefficients
 from camgeo.dynamics.effects.wording import at, between
 from camgeo.errors import EffectError, GeometryError
-from camgeo.kinematics.mechanism.linkage import locked_at
+from camgeo.kinematics.mechanism.linkage import first_locked_place
 from camgeo.kinematics.mechanism.linkages import SliderCrank
 from camgeo.kinematics.motion import Motion
 from camgeo.numeric.arrays import ComplexArray, FloatArray, Side, merged, read_only
-from camgeo.numeric.extremes import grid_of, piecewise_lowest, roots_on_grid, stretch_below
+from camgeo.numeric.extremes import piecewise_lowest, roots_on_grid, sample_grid, stretch_below
 from camgeo.numeric.kept import Answers
 from camgeo.units import TURN
 
@@ -81,14 +81,16 @@ def _borders(statics: Statics, edges: FloatArray) -> FloatArray:
     """Where an angular velocity, a reaction or a direction changes sign on either flank."""
     found = [edges]
     if statics.data.face and statics.swing:
-        found.append(roots_on_grid(lambda phi: statics.state(phi, "right", 1).slip, grid_of(edges)))
+        found.append(
+            roots_on_grid(lambda phi: statics.state(phi, "right", 1).slip, sample_grid(edges))
+        )
     for sense in (INNER, OUTER):
 
         def spin(phi: FloatArray, sense: int = sense) -> FloatArray:
             return statics.state(phi, "right", sense).spin
 
         if statics.data.roller_pin:
-            found.append(roots_on_grid(spin, grid_of(edges)))
+            found.append(roots_on_grid(spin, sample_grid(edges)))
         cuts = merged(np.concatenate(found))
 
         def signed(phi: FloatArray, sense: int = sense) -> FloatArray:
@@ -96,7 +98,7 @@ def _borders(statics: Statics, edges: FloatArray) -> FloatArray:
             guided = () if statics.swing else (state.near, state.far)
             return np.stack((state.sine, state.cosine, *guided))
 
-        found.append(roots_on_grid(signed, grid_of(cuts)))
+        found.append(roots_on_grid(signed, sample_grid(cuts)))
     return np.mod(merged(np.concatenate(found[1:])), TURN)
 
 
@@ -147,7 +149,7 @@ def _off(subject: Subject, data: FrictionCoefficients) -> Off:
 def _on_slider(subject: Subject, data: FrictionCoefficients, linkage: SliderCrank) -> Quantity:
     """(4, n) coefficients of friction along the stroke; EffectError where the slider is locked."""
     output = subject.state.output
-    locked = locked_at(linkage, output)
+    locked = first_locked_place(linkage, output)
     if locked is not None:
         raise EffectError(
             f"the rocker cannot move the slider against its friction: {at(locked[0])}, stroke"

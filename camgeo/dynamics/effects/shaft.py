@@ -24,7 +24,7 @@ from camgeo.numeric.arrays import (
     merged,
     read_only,
 )
-from camgeo.numeric.extremes import dips, grid_of, roots_on_grid, with_roots
+from camgeo.numeric.extremes import dips, roots_on_grid, sample_grid, with_roots
 from camgeo.numeric.kept import Answers
 from camgeo.units import TURN
 
@@ -553,7 +553,7 @@ def switches(
         shaft, y = turned(phi)
         return shaft.push(law(phi, "right"), y)
 
-    grid = grid_of(merged(np.concatenate((edges, dips(push, grid_of(edges))))))
+    grid = sample_grid(merged(np.concatenate((edges, dips(push, sample_grid(edges))))))
     found = roots_on_grid(push, grid)
     if linear or not RubbingLaw.of(laws).collinear:
         return found

@@ -27,10 +27,10 @@ from camgeo.numeric.arrays import FloatArray, Side, merged
 from camgeo.numeric.extremes import (
     Extreme,
     bracketed_roots,
-    grid_of,
     inverse,
     piecewise_extremes,
     piecewise_highest,
+    sample_grid,
 )
 from camgeo.units import TURN
 
@@ -198,7 +198,7 @@ def measured(move: Shock, damping: float, end: float) -> tuple[Extreme, float | 
         if reach > max(end, LONGEST):
             return worst, None
         reach *= 2.0
-    grid = np.append(grid_of(_unit_edges(SMALLEST_RATIO, reach)).ravel(), reach)
+    grid = np.append(sample_grid(_unit_edges(SMALLEST_RATIO, reach)).ravel(), reach)
     loud = np.flatnonzero(residual(grid) > QUIET)
     if not len(loud):
         return worst, 0.0
@@ -291,7 +291,7 @@ def _rests(subject: Subject, course: TimeCourse) -> list[tuple[float, float]]:
     dwells = [(rest.start, rest.start + rest.span) for rest in plan.dwells if rest.span > 0.0]
     borders = plan.borders
     sides = [in_time(plan.jet(borders, side), course, borders, side) for side in ("right", "left")]
-    inside = grid_of(np.append(borders, TURN)).ravel()
+    inside = sample_grid(np.append(borders, TURN)).ravel()
     size = np.max(np.abs(in_time(plan.jet(inside), course, inside)), axis=1)
     calm = np.ones(len(borders), dtype=np.bool_)
     for timed in sides:

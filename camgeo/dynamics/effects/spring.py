@@ -24,7 +24,7 @@ from camgeo.dynamics.effects.results import HelicalSpring, Spring
 from camgeo.dynamics.effects.tables import SpringData
 from camgeo.dynamics.effects.wording import at, between, degrees, placed
 from camgeo.errors import GeometryError
-from camgeo.kinematics.mechanism.linkage import locked_at
+from camgeo.kinematics.mechanism.linkage import first_locked_place
 from camgeo.kinematics.mechanism.linkages import SliderCrank
 from camgeo.kinematics.motion import Motion
 from camgeo.numeric.arrays import SHARE, ComplexArray, FloatArray, Side
@@ -400,7 +400,7 @@ def along_slider(subject: Subject, linkage: SliderCrank) -> Along:
         centres.
     """
     stroke = subject.state.output
-    locked = locked_at(linkage, stroke)
+    locked = first_locked_place(linkage, stroke)
     if locked is not None:
         raise GeometryError(
             f"the slider cannot close the contact over the whole turn: {at(locked[0])} the coupler"

@@ -182,7 +182,7 @@ def read_load_table(file: DataFile) -> LoadProfile:
         to 360 degrees.
     """
     rows = TwoColumns.read(file.data, file.name, (ANGLE, LOAD_COLUMN))
-    angles = rows.turn_of(rows.first)
+    angles = rows.turn_radians(rows.first)
     unit = {"n": "N", "nm": "N m", "n m": "N m"}.get(rows.unit.lower(), "")
 
     def values(phi: FloatArray, side: Side) -> FloatArray:

@@ -36,7 +36,13 @@ from camgeo.kinematics.motion import Dwell, Motion
 from camgeo.kinematics.plan import in_turn
 from camgeo.kinematics.time_course import ConstantSpeed, TimeCourse, in_time
 from camgeo.numeric.arrays import FloatArray, IntArray, Side, merged, resolved
-from camgeo.numeric.extremes import Extreme, Extremes, extremes_of_each, inverse, piecewise_extremes
+from camgeo.numeric.extremes import (
+    Extreme,
+    Extremes,
+    inverse,
+    piecewise_extremes,
+    piecewise_extremes_of_many,
+)
 from camgeo.numeric.kept import recalling
 from camgeo.units import RPM, TURN, cam_angle
 
@@ -491,7 +497,7 @@ def of_forces(output: Output, links: int, edges: FloatArray, label: Label) -> It
     """The largest force in each spring with its damper, from the cam outwards."""
     if not links:
         return
-    for link, both in enumerate(extremes_of_each(Links(links), output, edges)):
+    for link, both in enumerate(piecewise_extremes_of_many(Links(links), output, edges)):
         found = magnitude(both)
         yield Finding(
             name=LARGEST_FORCE,
@@ -700,7 +706,9 @@ class Links:
         """(count, n) forces [N or N mm]."""
         return output.forces(range(self.count), phi, side)
 
-    def at(self, output: Output, phi: FloatArray, side: Side, which: IntArray) -> FloatArray:
+    def paired_values(
+        self, output: Output, phi: FloatArray, side: Side, which: IntArray
+    ) -> FloatArray:
         """(n,) forces, each in the spring with the number in `which` (n,)."""
         found = np.zeros(len(phi))
         for link in np.unique(which).tolist():

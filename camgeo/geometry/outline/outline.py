@@ -807,7 +807,7 @@ def backward_angles(pitch: PitchCurve, turn: float) -> list[tuple[float, float]]
         If the face is so fast somewhere that too few digits are left elsewhere to find all.
     """
     follower: Any = pitch.follower  # a frozen dataclass
-    names = [key.removeprefix("follower.") for key in flat_follower(follower).raised_by]
+    names = [key.removeprefix("follower.") for key in flat_follower(follower).raising_keys]
     out = _fastest(pitch) / turn + follower.base_radius
     moved = replace(follower, **{name: getattr(follower, name) + out for name in names})
     parallel = WorkingCurve(replace(pitch, follower=moved), -out)

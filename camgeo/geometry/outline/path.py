@@ -20,7 +20,7 @@ import numpy as np
 from camgeo.geometry.pitch_curve import WorkingCurve
 from camgeo.kinematics.motion import turning_angles
 from camgeo.numeric.arrays import ComplexArray, FloatArray, Side, grouped, merged, phase
-from camgeo.numeric.extremes import Extreme, Extremes, extremes_of, piecewise_extremes
+from camgeo.numeric.extremes import Extreme, Extremes, piecewise_extremes, sampled_extremes
 from camgeo.numeric.quadrature import gauss
 from camgeo.record import Brief
 from camgeo.units import TURN
@@ -217,7 +217,7 @@ def radii(path: Path) -> Extremes:
              for each in path.elements]  # fmt: skip
     both = [extreme for each in found for extreme in (each.lowest, each.highest)]
     places = np.array([each.place % TURN for each in both])
-    return extremes_of(places, np.array([each.value for each in both]))
+    return sampled_extremes(places, np.array([each.value for each in both]))
 
 
 def _turning(point: ComplexArray, way: ComplexArray) -> FloatArray:

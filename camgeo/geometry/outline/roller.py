@@ -90,13 +90,13 @@ class PlayedLift:
         return self._passed(self.parallel.borders)
 
     def _passed(self, theta: FloatArray) -> FloatArray:
-        angles, _ = self.path.cam_angle_of(self.parallel.point(theta))
+        angles, _ = self.path.cam_coordinates(self.parallel.point(theta))
         return ascending(angles)
 
     def leverage(self, phi: FloatArray, side: Side = "right") -> FloatArray:
         """(n,) dn/dq of this lift, see `camgeo.geometry.pitch_curve.PitchCurve.leverage`."""
         points, tangents, _ = self.parallel.traced(self._at_breaks(self.touching(phi)), side)
-        angles, q = self.path.cam_angle_of(points)
+        angles, q = self.path.cam_coordinates(points)
         normals = 1j * self.parallel.pitch.rotation * tangents
         along, _ = self.path.along(angles, q)
         return np.asarray(self.path.outward * dot(normals, along))
@@ -117,7 +117,7 @@ class PlayedLift:
         at = self._at_breaks(theta)
         points, tangents, _ = self.parallel.traced(at, side)
         normals = 1j * self.parallel.pitch.rotation * tangents
-        _, q = self.path.cam_angle_of(points)
+        _, q = self.path.cam_coordinates(points)
         bows = Bows(points, normals, self.parallel.curvature(at, side))
         return bows.lift_jet(self.path, phi, q)[:3]
 
@@ -126,7 +126,7 @@ class PlayedLift:
         theta = np.asarray(phi, dtype=np.float64)
         for _ in range(STEPS):
             points, tangents, pace = self.parallel.traced(theta)
-            angles, q = self.path.cam_angle_of(points)
+            angles, q = self.path.cam_coordinates(points)
             # Along the parallel dZ = (Z_phi) dphi + (Z_q) dq; the part across the path is dphi's.
             across = np.conj(self.path.along(angles, q)[0])
             turning = (across * (-1j * self.path.rotation) * points).imag
@@ -481,9 +481,9 @@ def _crossings(
         one, other = (branches.bows.take(branch[each]) for each in (index, with_index))
         for places in one.crossings(other):
             real = np.flatnonzero(np.isfinite(places))
-            points = one.take(real).at(places[real])
+            points = one.take(real).evaluate(places[real])
             reached = np.flatnonzero((np.abs(points) > low) & (np.abs(points) < high))
-            phi, _ = path.cam_angle_of(points[reached])
+            phi, _ = path.cam_coordinates(points[reached])
             inside = cell[index[real[reached]]]
             wide = cells.high[inside] - cells.low[inside]
             offset = np.remainder(phi - cells.low[inside], TURN)
@@ -643,19 +643,19 @@ def branches(pieces: Parallel, path: FollowerPath) -> Branches:
     index, rank = grouped(parts)
     begin, end = shares[rank, index], shares[rank + 1, index]
     bows, lengths = bows.take(index), pieces.lengths[index]
-    middle = bows.at(0.5 * (begin + end) * lengths)
+    middle = bows.evaluate(0.5 * (begin + end) * lengths)
     inside = (np.abs(middle) > low) & (np.abs(middle) < high)
     keep = np.flatnonzero(inside)
     index, begin, end, middle = index[keep], begin[keep], end[keep], middle[keep]
     bows, lengths = bows.take(keep), lengths[keep]
-    phi, q = path.cam_angle_of(middle)
+    phi, q = path.cam_coordinates(middle)
     along, _ = path.along(phi, q)
-    normal = bows.normal_at(middle)
+    normal = bows.unit_normals(middle)
     facing = np.where((normal.conj() * along).real < 0.0, -1.0, 1.0)
-    starts = np.where(begin == 0.0, bows.points, bows.at(begin * lengths))
-    ends = np.where(end == 1.0, pieces.ends[index], bows.at(end * lengths))
-    first, _ = path.cam_angle_of(_within(starts, path.reach))
-    last, _ = path.cam_angle_of(_within(ends, path.reach))
+    starts = np.where(begin == 0.0, bows.points, bows.evaluate(begin * lengths))
+    ends = np.where(end == 1.0, pieces.ends[index], bows.evaluate(end * lengths))
+    first, _ = path.cam_coordinates(_within(starts, path.reach))
+    last, _ = path.cam_coordinates(_within(ends, path.reach))
     # dphi along the curve has the sign of -sigma * facing, with its normal on the right.
     forward = path.rotation * facing * np.sign(lengths) < 0.0
     lows, highs = np.where(forward, first, last), np.where(forward, last, first)
@@ -822,7 +822,7 @@ class Chain:
     ) -> FloatArray:
         t = self.touching(path, phi, index)
         point, normal, _, kappa, slope = self.cubics.traced(index, t)
-        _, q = path.cam_angle_of(point)
+        _, q = path.cam_coordinates(point)
         found = Bows(point, normal, kappa).lift_jet(path, phi, q, slope)
         return found[: order + 1]
 
@@ -838,7 +838,7 @@ class Chain:
         t = np.clip(_signed(phi - self.starts[index]) / spans, 0.0, 1.0)
         for _ in range(STEPS):
             point, normal, pace, _, _ = self.cubics.traced(index, t)
-            angles, q = path.cam_angle_of(point)
+            angles, q = path.cam_coordinates(point)
             # Along the parallel dZ = (Z_phi) dphi + (Z_q) dq; the part across the path is dphi's.
             across = np.conj(path.along(angles, q)[0])
             turning = (across * (-1j * path.rotation) * point).imag
@@ -892,7 +892,7 @@ def _ranges(cubics: Cubics, path: FollowerPath) -> tuple[FloatArray, FloatArray]
     index = np.repeat(np.arange(count), LOOKS)
     t = np.tile(np.linspace(0.0, 1.0, LOOKS), count)
     point, normal, pace, _, _ = cubics.traced(index, t)
-    angles, q = path.cam_angle_of(point)
+    angles, q = path.cam_coordinates(point)
     along, _ = path.along(angles, q)
     if not np.all((pace > 0.0) & (dot(normal, along) > 0.0)):
         raise _folded()

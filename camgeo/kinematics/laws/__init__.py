@@ -10,7 +10,13 @@ from importlib import import_module
 from typing import Final
 
 from camgeo.errors import GeometryError, meant
-from camgeo.kinematics.laws.family import Family, Given, Option, boundary_parameters, pulse_law
+from camgeo.kinematics.laws.family import (
+    Family,
+    LawParameters,
+    Option,
+    boundary_parameters,
+    pulse_law,
+)
 from camgeo.kinematics.laws.law import Law
 from camgeo.kinematics.laws.polynomials import FAMILIES as POLYNOMIALS
 from camgeo.kinematics.laws.pulse import Parts, Pulse, sine_pulse
@@ -35,12 +41,12 @@ def pulse_family(
     of the inflection, a0 or a1 where the task turns there: the desired acceleration.
     """
 
-    def parts(task: str, given: Given) -> Parts:
+    def parts(task: str, parameters: LawParameters) -> Parts:
         first, second = shapes[task]
-        return Parts(first, second, given.get("v0", 0.0), given.get("v1", 0.0))
+        return Parts(first, second, parameters.get("v0", 0.0), parameters.get("v1", 0.0))
 
-    def make(task: str, given: Given) -> Law:
-        return pulse_law(name, task, parts(task, given), given)
+    def make(task: str, parameters: LawParameters) -> Law:
+        return pulse_law(name, task, parts(task, parameters), parameters)
 
     parameters = {task: ("inflection", *boundary_parameters(task)) for task in shapes}
     return Family(name, parameters, make, parts, aliases=aliases)
@@ -163,34 +169,36 @@ def find_family(name: str) -> Family:
     known = (*FAMILIES, *ALIASES)
     if not checked.among(name, known):
         hint = meant(str(name), known) or f"there are {', '.join(known)}"
-        raise GeometryError(f"is not a motion law; {hint}", "law", checked.shown(name))
+        raise GeometryError(f"is not a motion law; {hint}", "law", checked.value_text(name))
     return FAMILIES[ALIASES.get(name, name)]
 
 
-def law_of(name: str, task: str, given: Mapping[str, float]) -> Law:
-    """The law of that name for a motion task, with the parameters `given`, see `make_law`."""
+def build_law(name: str, task: str, parameters: Mapping[str, float]) -> Law:
+    """The law of that name for a motion task, with the parameters `parameters`, see `make_law`."""
     family = find_family(name)
     if not checked.among(task, family.parameters):
         tasks = ", ".join(family.tasks)
-        raise GeometryError(f"{family.name} is made for {tasks}", "task", checked.shown(task))
-    taken = family.parameters[task]
-    values = checked.by_name("parameters", given, LARGEST)
+        raise GeometryError(f"{family.name} is made for {tasks}", "task", checked.value_text(task))
+    accepted = family.parameters[task]
+    values = checked.by_name("parameters", parameters, LARGEST)
     for key in values:
-        if key not in taken:
-            known = ", ".join(taken) or "none"
+        if key not in accepted:
+            known = ", ".join(accepted) or "none"
             raise GeometryError(
                 f"{family.name} for {task} takes no {key}; its parameters: {known}",
                 key=key,
                 value=repr(values[key]),
             )
-    return _made(family.name, task, tuple(values.items()))
+    return _cached_law(family.name, task, tuple(values.items()))
 
 
 @lru_cache(maxsize=256)
-def _made(name: str, task: str, values: tuple[tuple[str, float], ...]) -> Law:
+def _cached_law(name: str, task: str, values: tuple[tuple[str, float], ...]) -> Law:
     """The law itself: the moves of a plan and of its variants share a few laws."""
-    given = dict(values)
-    return replace(FAMILIES[name].make(task, given), recipe=(law_of, (name, task, given)))
+    parameters = dict(values)
+    return replace(
+        FAMILIES[name].make(task, parameters), recipe=(build_law, (name, task, parameters))
+    )
 
 
 def make_law(name: str, task: str = "R-R", /, **parameters: float) -> Law:
@@ -210,4 +218,4 @@ def make_law(name: str, task: str = "R-R", /, **parameters: float) -> Law:
         If there is no such law, it is not made for the task, does not take a parameter, or a value
         is not possible; the message states which exist, and which values would do.
     """
-    return law_of(name, task, parameters)
+    return build_law(name, task, parameters)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from camgeo.errors import GeometryError
-from camgeo.kinematics.laws import FAMILIES, LARGEST, find_family, law_of
+from camgeo.kinematics.laws import FAMILIES, LARGEST, build_law, find_family
 from camgeo.kinematics.laws.law import (
     ROUNDING,
     Characteristic,
@@ -16,7 +16,7 @@ from camgeo.kinematics.laws.law import (
     acceleration_jumps,
     characteristic,
 )
-from camgeo.kinematics.motion import TASKS, ends_of
+from camgeo.kinematics.motion import TASKS, task_ends
 from camgeo.numeric import checked
 
 QUANTITIES: Final = (
@@ -129,41 +129,47 @@ class Running:
         return float(value * self.stroke * rate ** order[quantity])
 
 
-def compare(task: str, given: Mapping[str, float], names: Sequence[str] = ()) -> tuple[Entry, ...]:
-    """Each family made for `task`, or those of `names`, with the parameters it takes of `given`.
+def compare(
+    task: str, parameters: Mapping[str, float], names: Sequence[str] = ()
+) -> tuple[Entry, ...]:
+    """Each family made for `task`, or those of `names`, with those of `parameters` that it takes.
 
     Parameters
     ----------
     task : one of `camgeo.kinematics.motion.TASKS`.
-    given : parameters by the names that `make_law` takes.
+    parameters : parameters by the names that `make_law` takes.
     names : families or aliases, in the order to be listed; GeometryError if one is not known.
     """
     checked.one_of("task", task, TASKS)
-    given = checked.by_name("parameters", given, LARGEST)
+    parameters = checked.by_name("parameters", parameters, LARGEST)
     checked.instances("names", names, (str,), "names of laws")
     families = [find_family(name) for name in dict.fromkeys(names)] or [
         family for family in FAMILIES.values() if task in family.tasks
     ]
-    return tuple(_entry(family.name, task, given) for family in families)
+    return tuple(_entry(family.name, task, parameters) for family in families)
 
 
-def _entry(name: str, task: str, given: Mapping[str, float]) -> Entry:
+def _entry(name: str, task: str, parameters: Mapping[str, float]) -> Entry:
     family = find_family(name)
-    taken = family.parameters.get(task, ())
-    ignored = tuple(key for key in given if key not in taken)
-    own = {key: value for key, value in given.items() if key in taken}
+    accepted = family.parameters.get(task, ())
+    ignored = tuple(key for key in parameters if key not in accepted)
+    accepted_values = {key: value for key, value in parameters.items() if key in accepted}
     try:
-        law = law_of(name, task, own)
-        found = entry_of(law)
+        law = build_law(name, task, accepted_values)
+        entry = law_entry(law)
     except GeometryError as error:
-        given_as = f"{error.key} = {error.value}: " if error.value and error.key != "task" else ""
-        return Entry(name, task, reason=f"{given_as}{error.message}")
-    zero = (key for key in taken if key[1:] in ("0", "1") and _is_zero(name, law, own, key))
-    return replace(found, name=name, task=task, ignored=ignored, assumed=tuple(zero))
+        prefix = f"{error.key} = {error.value}: " if error.value and error.key != "task" else ""
+        return Entry(name, task, reason=f"{prefix}{error.message}")
+    zero = (
+        key
+        for key in accepted
+        if key[1:] in ("0", "1") and _is_zero(name, law, accepted_values, key)
+    )
+    return replace(entry, name=name, task=task, ignored=ignored, assumed=tuple(zero))
 
 
-def entry_of(law: Law) -> Entry:
-    """A law by itself, with all that it was given.
+def law_entry(law: Law) -> Entry:
+    """The entry of a single law, with all parameters that it was made with.
 
     Raises
     ------
@@ -176,13 +182,13 @@ def entry_of(law: Law) -> Entry:
     return Entry(law.name, law.task, law, values, shocks, jerks, unbounded)
 
 
-def _is_zero(name: str, law: Law, own: Mapping[str, float], key: str) -> bool:
+def _is_zero(name: str, law: Law, accepted: Mapping[str, float], key: str) -> bool:
     """Whether the law has 0 for the boundary value `key` because it was not given.
 
     An acceleration that follows from the inflection point is not zero, and the free polynomial
     leaves values that are not given open.
     """
-    if key in own or name == "polynomial":
+    if key in accepted or name == "polynomial":
         return False
     end = law.start if key[1] == "0" else law.end
     return {"v": end.velocity, "a": end.acceleration, "j": end.jerk}[key[0]] == 0.0
@@ -190,12 +196,12 @@ def _is_zero(name: str, law: Law, own: Mapping[str, float], key: str) -> bool:
 
 def _end_jumps(law: Law, order: str) -> tuple[float, ...]:
     """z of the ends at which f' ("v") or f'' ("a") is not zero although the task requires it."""
-    found = []
-    for place, kind, end in zip((0.0, 1.0), ends_of(law.task), (law.start, law.end), strict=True):
+    jumps = []
+    for place, kind, end in zip((0.0, 1.0), task_ends(law.task), (law.start, law.end), strict=True):
         value = end.velocity if order == "v" else end.acceleration
         if order in ZERO[kind] and value != 0.0:
-            found.append(place)
-    return tuple(found)
+            jumps.append(place)
+    return tuple(jumps)
 
 
 def _unbounded(law: Law, shocks: tuple[float, ...], jerks: tuple[float, ...]) -> frozenset[str]:
@@ -204,13 +210,13 @@ def _unbounded(law: Law, shocks: tuple[float, ...], jerks: tuple[float, ...]) ->
     With a shock all but the velocity, with a jerk the jerk of the part next to the jump; a law
     without parts has the extremes of the whole move.
     """
-    found: set[str] = set()
-    after_shock = (QUANTITIES[1::2], QUANTITIES[2::2])
-    after_jerk = (("jerk",), ("braking_jerk",))
-    for places, (first, second) in ((shocks, after_shock), (jerks, after_jerk)):
+    quantities: set[str] = set()
+    by_shock = (QUANTITIES[1::2], QUANTITIES[2::2])
+    by_jerk = (("jerk",), ("braking_jerk",))
+    for places, (first, second) in ((shocks, by_shock), (jerks, by_jerk)):
         for place in places:
             if law.inflection is None or place <= law.inflection:
-                found.update(first)
+                quantities.update(first)
             if law.inflection is None or place >= law.inflection:
-                found.update(second)
-    return frozenset(found)
+                quantities.update(second)
+    return frozenset(quantities)

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from camgeo.kinematics.laws.family import Family, Given
+from camgeo.kinematics.laws.family import Family, LawParameters
 from camgeo.kinematics.laws.law import Boundary, Law, Region, Values
 from camgeo.numeric.arrays import FloatArray
 
@@ -78,7 +78,7 @@ RISING, FALLING = _regions(back=False), _regions(back=True)
 TURN = math.pi**2
 
 
-def _make(task: str, _given: Given) -> Law:
+def _make(task: str, _parameters: LawParameters) -> Law:
     if task == "R-U":
         regions, start, end = RISING, Boundary(), Boundary(acceleration=-TURN)
     else:

@@ -12,7 +12,7 @@ from camgeo.kinematics.laws.law import Law
 from camgeo.kinematics.laws.pulse import DIGITS, Parts, law_of_two_pulses
 from camgeo.numeric.checked import SMALLEST
 
-Given = Mapping[str, float]
+LawParameters = Mapping[str, float]
 
 COUNTED_FROM_END: Final = ("U-R", "U-G")
 """Tasks whose lambda VDI 2143-1 counts from the end of the move (sections 6.6.3 and 6.8.2)."""
@@ -72,8 +72,8 @@ class Family:
 
     name: str
     parameters: Mapping[str, tuple[str, ...]]
-    make: Callable[[str, Given], Law]
-    parts: Callable[[str, Given], Parts] | None = None
+    make: Callable[[str, LawParameters], Law]
+    parts: Callable[[str, LawParameters], Parts] | None = None
     options: tuple[Option, ...] = ()
     aliases: tuple[str, ...] = ()
 
@@ -92,32 +92,32 @@ def boundary_parameters(task: str, orders: str = "va") -> tuple[str, ...]:
     return tuple(names)
 
 
-def pulse_law(name: str, task: str, parts: Parts, given: Given, **also: float) -> Law:
-    """The law of two pulses with the inflection that `given` states or that follows from it.
+def pulse_law(name: str, task: str, parts: Parts, parameters: LawParameters, **also: float) -> Law:
+    """The law of two pulses with the inflection that `parameters` states or that follows from it.
 
     `also` are the parameters that shaped the pulses, which the law lists with its own.
     """
-    wanted = [key for key in ("inflection", "a0", "a1") if key in given]
+    wanted = [key for key in ("inflection", "a0", "a1") if key in parameters]
     if len(wanted) > 1:
         raise GeometryError(
             f"{' and '.join(wanted)} each decide where the inflection point lies; give one of them",
             key=wanted[0],
-            value=repr(given[wanted[0]]),
+            value=repr(parameters[wanted[0]]),
         )
-    if "a0" in given:
-        place = parts.inflection_for_start(given["a0"])
-    elif "a1" in given:
-        place = parts.inflection_for_end(given["a1"])
+    if "a0" in parameters:
+        place = parts.inflection_for_start(parameters["a0"])
+    elif "a1" in parameters:
+        place = parts.inflection_for_end(parameters["a1"])
     else:
-        place = inflection_at(task, given.get("inflection", 0.5))
+        place = inflection_point(task, parameters.get("inflection", 0.5))
     with localcontext(DIGITS):
         stated = 1 - place if task in COUNTED_FROM_END else place
-    speeds = {key: given[key] for key in ("v0", "v1") if key in given}
-    parameters = {"inflection": float(stated), **also, **speeds}
-    return law_of_two_pulses(name, task, parts, place, parameters)
+    speeds = {key: parameters[key] for key in ("v0", "v1") if key in parameters}
+    listed = {"inflection": float(stated), **also, **speeds}
+    return law_of_two_pulses(name, task, parts, place, listed)
 
 
-def inflection_at(task: str, stated: float) -> Decimal:
+def inflection_point(task: str, stated: float) -> Decimal:
     """z of the inflection point, with 50 digits, from lambda as VDI 2143-1 counts it for `task`."""
     if not SMALLEST <= stated < 1.0:
         raise GeometryError(
@@ -130,9 +130,9 @@ def inflection_at(task: str, stated: float) -> Decimal:
         return 1 - Decimal(stated) if task in COUNTED_FROM_END else Decimal(stated)
 
 
-def share(given: Given, option: Option) -> Decimal:
+def share(parameters: LawParameters, option: Option) -> Decimal:
     """A parameter that is a fraction of 1, and above 0 if its schema requires that."""
-    value = given.get(option.name, option.default)
+    value = parameters.get(option.name, option.default)
     positive = option.schema["minimum"] > 0
     if not (SMALLEST <= value <= 1.0 or (value == 0.0 and not positive)):
         lowest = f"above 0 (from {SMALLEST:g})" if positive else f"at 0, or from {SMALLEST:g}"

@@ -96,7 +96,7 @@ class Law(Displayed):
         laws without parts.
     parameters : the parameters it was made with, by the names that `make_law` takes.
     recipe : the function of a module that makes it, and its arguments; every law of a family has
-        one, see `camgeo.kinematics.laws.law_of`.
+        one, see `camgeo.kinematics.laws.build_law`.
     """
 
     name: str
@@ -124,15 +124,15 @@ class Law(Displayed):
 
     def _evaluate(self, z: FloatArray, *, complement: bool) -> Values:
         z = np.asarray(z, dtype=np.float64)
-        out: Values = np.empty((4, *z.shape))
+        values: Values = np.empty((4, *z.shape))
         starts = np.array([region.start for region in self.regions])
         index = np.clip(np.searchsorted(starts, z, side="right") - 1, 0, len(starts) - 1)
         for number, region in enumerate(self.regions):
             here = index == number
-            out[:, here] = region.values(z[here])
+            values[:, here] = region.values(z[here])
             if region.from_end != complement:
-                out[0, here] = region.far(z[here], 1.0 - z[here])
-        return out
+                values[0, here] = region.far(z[here], 1.0 - z[here])
+        return values
 
 
 # -- characteristic -------------------------------------------------------------------------------
@@ -244,13 +244,13 @@ def _acceleration_jumps(regions: tuple[Region, ...]) -> tuple[float, ...]:
     for region in regions:
         ends.append(region.values(np.array([region.start, region.end]))[2])
     scale = float(np.max(np.abs(ends)))
-    found = []
-    for (before, left), (after, right) in itertools.pairwise(zip(regions, ends, strict=True)):
+    jumps = []
+    for (first, left), (second, right) in itertools.pairwise(zip(regions, ends, strict=True)):
         # The rounding of a border times the jerk is an acceleration.
-        moved = BORDER * max(before.jerk_bound, after.jerk_bound)
+        moved = BORDER * max(first.jerk_bound, second.jerk_bound)
         if abs(float(right[0] - left[1])) > ROUNDING * scale + moved:
-            found.append(after.start)
-    return tuple(found)
+            jumps.append(second.start)
+    return tuple(jumps)
 
 
 _Pick = Callable[[FloatArray, FloatArray, BoolArray], Extreme]

@@ -20,7 +20,7 @@ from typing import Any, Final
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.kinematics.laws.family import Family, Given, boundary_parameters
+from camgeo.kinematics.laws.family import Family, LawParameters, boundary_parameters
 from camgeo.kinematics.laws.law import Boundary, Law, Region, Values
 from camgeo.kinematics.motion import TASKS
 from camgeo.numeric.arrays import FloatArray, ascending
@@ -30,21 +30,21 @@ from camgeo.numeric.extremes import derivative, horner, largest_magnitude, produ
 def _complete(name: str, orders: str) -> Family:
     """The family that meets these orders at both ends, 0 where they are not given."""
 
-    def make(task: str, given: Given) -> Law:
-        values = {order + end: given.get(order + end, 0.0) for end in "01" for order in orders}
-        return law_of_boundary_values(name, task, values, given)
+    def make(task: str, parameters: LawParameters) -> Law:
+        values = {order + end: parameters.get(order + end, 0.0) for end in "01" for order in orders}
+        return law_of_boundary_values(name, task, values, parameters)
 
     return Family(name, {task: boundary_parameters(task, orders) for task in TASKS}, make)
 
 
-def _of_what_is_given(task: str, given: Given) -> Law:
-    return law_of_boundary_values("polynomial", task, given, given)
+def _lowest_degree(task: str, parameters: LawParameters) -> Law:
+    return law_of_boundary_values("polynomial", task, parameters, parameters)
 
 
 FAMILIES: Final[tuple[Family, ...]] = (
     _complete("polynomial-5", "va"),
     _complete("polynomial-7", "vaj"),
-    Family("polynomial", {"B-B": ("v0", "a0", "j0", "v1", "a1", "j1")}, _of_what_is_given),
+    Family("polynomial", {"B-B": ("v0", "a0", "j0", "v1", "a1", "j1")}, _lowest_degree),
 )
 
 
@@ -91,7 +91,9 @@ def law_of_boundary_values(
     rest = [-c for c in powers]
     rest[0] += Fraction(rise)
     try:
-        lift, left, *derivatives = (bernstein(each) for each in (powers, rest, *slopes[1:]))
+        lift, left, *derivatives = (
+            bernstein(polynomial) for polynomial in (powers, rest, *slopes[1:])
+        )
         regions = _regions(tuple(float(c) for c in powers), lift, left, derivatives)
     except OverflowError:
         raise GeometryError(

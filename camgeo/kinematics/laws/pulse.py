@@ -109,13 +109,13 @@ class Pulse:
         _, v, a, j = by_x
 
         @functools.cache
-        def found() -> tuple[float, ...]:
+        def turning_places() -> tuple[float, ...]:
             slopes = (j, derivative(j), derivative(product(v, a)))
             roots = np.concatenate([roots_inside(c, 0.0, 1.0) for c in slopes])
             return tuple(float(x) for x in ascending(roots))
 
         def turns(_base: float, _scale: float) -> tuple[float, ...]:
-            return found()
+            return turning_places()
 
         def from_start(u: FloatArray) -> FloatArray:
             return horner(columns_of_x, u)
@@ -165,7 +165,7 @@ def sine_pulse(sine: Decimal, constant: Decimal, cosine: Decimal) -> Pulse:
             stretches += _cosine_stretches(shares)
         if shares.still:
             stretches.append(_still_stretch(shares))
-        velocity, position = shares.after_cosine
+        velocity, position = shares.cosine_end
         return Pulse(
             stretches=tuple(stretches),
             velocity=velocity,
@@ -186,23 +186,23 @@ class _Shares:
     still: Decimal
 
     @property
-    def after_sine(self) -> tuple[Decimal, Decimal]:
+    def sine_end(self) -> tuple[Decimal, Decimal]:
         length = 2 * self.sine / PI
         return length, length**2 * (PI / 2 - 1)
 
     @property
-    def after_constant(self) -> tuple[Decimal, Decimal]:
-        v, p = self.after_sine
+    def constant_end(self) -> tuple[Decimal, Decimal]:
+        v, p = self.sine_end
         return v + self.constant, p + v * self.constant + self.constant**2 / 2
 
     @property
-    def after_cosine(self) -> tuple[Decimal, Decimal]:
-        v, p = self.after_constant
+    def cosine_end(self) -> tuple[Decimal, Decimal]:
+        v, p = self.constant_end
         length = 2 * self.cosine / PI
         return v + length, p + v * self.cosine + length**2
 
     @property
-    def before_cosine(self) -> tuple[Decimal, Decimal]:
+    def cosine_start_backwards(self) -> tuple[Decimal, Decimal]:
         """Velocity and position still to come where the cosine starts, without its velocity.
 
         These are the integrals backwards, q and its derivative.
@@ -211,9 +211,9 @@ class _Shares:
         return length, length**2 * (PI / 2 - 1)
 
     @property
-    def before_constant(self) -> tuple[Decimal, Decimal]:
-        """As `before_cosine`, where the constant starts."""
-        w, q = self.before_cosine
+    def constant_start_backwards(self) -> tuple[Decimal, Decimal]:
+        """The same integrals backwards, q' and q, where the constant starts."""
+        w, q = self.cosine_start_backwards
         return w + self.constant, q + w * self.constant + self.constant**2 / 2
 
 
@@ -222,7 +222,7 @@ def _sine_stretch(shares: _Shares) -> Stretch:
     b = float(shares.sine)
     rate, length = 0.5 * math.pi / b, 2.0 * b / math.pi
     tail = float(1 - shares.sine)
-    w, q = (float(value) for value in shares.before_constant)
+    w, q = (float(value) for value in shares.constant_start_backwards)
 
     def formula(u: FloatArray) -> FloatArray:
         angle = rate * u
@@ -254,8 +254,8 @@ def _sine_stretch(shares: _Shares) -> Stretch:
 
 def _constant_stretch(shares: _Shares) -> Stretch:
     """a = 1."""
-    velocity, position = (float(value) for value in shares.after_sine)
-    w, q = (float(value) for value in shares.before_cosine)
+    velocity, position = (float(value) for value in shares.sine_end)
+    w, q = (float(value) for value in shares.cosine_start_backwards)
     tail = float(shares.still + shares.cosine)
 
     def formula(u: FloatArray) -> FloatArray:
@@ -291,10 +291,10 @@ def _cosine_stretches(shares: _Shares) -> tuple[Stretch, Stretch]:
     d = float(shares.cosine)
     rate, length = 0.5 * math.pi / d, 2.0 * d / math.pi
     still = float(shares.still)
-    velocity, position = (float(value) for value in shares.after_constant)
+    velocity, position = (float(value) for value in shares.constant_end)
     start = shares.sine + shares.constant
     middle, end = start + shares.cosine / 2, start + shares.cosine
-    last = float(shares.after_constant[1] + shares.after_constant[0] * shares.cosine)
+    last = float(shares.constant_end[1] + shares.constant_end[0] * shares.cosine)
 
     def from_start(u: FloatArray) -> FloatArray:
         half = 0.5 * rate * u
@@ -339,7 +339,7 @@ def _cosine_stretches(shares: _Shares) -> tuple[Stretch, Stretch]:
 
 def _still_stretch(shares: _Shares) -> Stretch:
     """a = 0."""
-    velocity, position = (float(value) for value in shares.after_cosine)
+    velocity, position = (float(value) for value in shares.cosine_end)
 
     def formula(u: FloatArray) -> FloatArray:
         zero = np.zeros_like(u)
@@ -483,16 +483,16 @@ class Parts:
             b = -Decimal(acceleration)
             v0, v1 = Decimal(self.v0), Decimal(self.v1)
             d = v1 - v0
-            own = self.first.velocity * self.second.position
-            slope = self.second.velocity * self.first.position - own
+            v1_p2 = self.first.velocity * self.second.position
+            slope = self.second.velocity * self.first.position - v1_p2
             rise = self.first.velocity - self.first.position
             roots = _inside(
                 -b * slope,
-                b * (slope - own) - d * rise,
-                b * own - self.first.velocity * (1 - v1),
+                b * (slope - v1_p2) - d * rise,
+                b * v1_p2 - self.first.velocity * (1 - v1),
             )
             if not roots:
-                raise self._out_of_reach(acceleration)
+                raise self._unreachable_error(acceleration)
             return roots[0]
 
     def reach(self) -> tuple[float, bool]:
@@ -505,7 +505,7 @@ class Parts:
         grows = self.first.velocity * (1 - v0) - self.first.position * (v1 - v0)
         return -float((1 - v1) / self.second.position), grows <= 0
 
-    def _out_of_reach(self, acceleration: float) -> GeometryError:
+    def _unreachable_error(self, acceleration: float) -> GeometryError:
         """The error for an acceleration that no lambda gives."""
         bound, above = self.reach()
         side = "above" if above else "below"
@@ -569,11 +569,20 @@ def law_of_two_pulses(
     # Distances from the inflection point are based on the length that is exactly a double,
     # or on the shorter one if both or neither are, so that the mirror image uses the same.
     exact = l1 == Decimal(lengths[0]), l2 == Decimal(lengths[1])
-    kept = l1 <= l2 if exact[0] == exact[1] else exact[0]
-    middle = lengths[0] if kept else 1.0 - lengths[1]
-    first = _Part(parts.first, (l1, l2), float(a), parts.v0, speed, (lift, left), middle, kept)
+    first_sets_middle = l1 <= l2 if exact[0] == exact[1] else exact[0]
+    middle = lengths[0] if first_sets_middle else 1.0 - lengths[1]
+    first = _Part(
+        parts.first, (l1, l2), float(a), parts.v0, speed, (lift, left), middle, first_sets_middle
+    )
     second = _Part(
-        parts.second, (l2, l1), float(b), parts.v1, speed, (left, lift), middle, not kept
+        parts.second,
+        (l2, l1),
+        float(b),
+        parts.v1,
+        speed,
+        (left, lift),
+        middle,
+        not first_sets_middle,
     )
     regions = (*first.regions(from_end=False), *reversed(second.regions(from_end=True)))
     # One formula runs through the middle, or a straight line.
@@ -589,7 +598,9 @@ def law_of_two_pulses(
         task=task,
         regions=regions,
         borders=tuple(
-            region.start for region, on in zip(regions[1:], continues, strict=True) if not on
+            region.start
+            for region, continued in zip(regions[1:], continues, strict=True)
+            if not continued
         ),
         start=first.boundary(1.0),
         end=second.boundary(-1.0),
@@ -621,7 +632,7 @@ class _Part:
     speed: float
     reached: tuple[float, float]
     middle: float
-    kept: bool
+    sets_middle: bool
 
     def boundary(self, sign: float) -> Boundary:
         """f', f'', f''' at the border; `sign` is that of f''."""
@@ -633,11 +644,11 @@ class _Part:
 
     def regions(self, *, from_end: bool) -> list[Region]:
         """The regions, from the border to the inflection point."""
-        found = []
+        parts = []
         for stretch in self.pulse.stretches:
             ends = [self._place(x, from_end=from_end) for x in (stretch.start, stretch.end)]
-            found.append(self._region(stretch, min(ends), max(ends), from_end=from_end))
-        return found
+            parts.append(self._region(stretch, min(ends), max(ends), from_end=from_end))
+        return parts
 
     def _place(self, x: Decimal, *, from_end: bool) -> float:
         """z of a place in the pulse."""
@@ -648,10 +659,12 @@ class _Part:
             return float(1 - y if from_end else y)
 
     def _count(self, stretch: Stretch, *, from_end: bool) -> tuple[float, float, float, float]:
-        """The numbers of `_place_in` for the u of a stretch, exact to the last digits where u is 0.
+        """The numbers `by_w`, `high`, `low` and `length` by which `_pulse_place` gives the u of a
+        stretch.
 
-        Whether u is counted in w, from where (with the rest of its 50 digits), and the length of u
-        = 1, negative where u falls in that direction.
+        They say whether u is counted in w, from where (`high`, and in `low` what remains of the 50
+        digits, so that u is exact to its last digits where it vanishes), and the length of u = 1,
+        negative where u falls in that direction.
         """
         if stretch.from_end and stretch.end == 1:
             return self._count_back(from_end=from_end)
@@ -665,7 +678,7 @@ class _Part:
     def _count_back(self, *, from_end: bool) -> tuple[float, float, float, float]:
         """The same for r, which is counted from the inflection point."""
         length, other = (float(value) for value in self.lengths)
-        if self.kept:
+        if self.sets_middle:
             return float(from_end), length, 0.0, -length
         return float(not from_end), other, 0.0, length
 
@@ -674,11 +687,11 @@ class _Part:
         to_speed = self.amplitude * length
         to_lift = to_speed * length
         to_jerk = self.amplitude / length
-        far_at = self.reached[1]
+        remainder = self.reached[1]
         # Where velocity at the border and acceleration have opposite signs, the lift is
         # counted from the inflection point: the two terms would cancel there.
         from_middle = stretch.from_end and base * self.amplitude < 0.0
-        formula = _Run(stretch, moves=base != 0.0, from_middle=from_middle)
+        formula = _StretchFormula(stretch, moves=base != 0.0, from_middle=from_middle)
         numbers = np.array((
             *self._count(stretch, from_end=from_end),
             *(to_lift, to_speed, -self.amplitude if from_end else self.amplitude, to_jerk),
@@ -688,7 +701,9 @@ class _Part:
 
         def far(z: FloatArray, w: FloatArray) -> FloatArray:
             near = formula(z, w, numbers)[0]
-            return np.where(near < 0.5, 1.0 - near, far_at + formula.to_inflection(z, w, numbers))
+            return np.where(
+                near < 0.5, 1.0 - near, remainder + formula.to_inflection(z, w, numbers)
+            )
 
         def turns() -> tuple[float, ...]:
             ys = (length * x for x in stretch.turns(base, to_speed))
@@ -708,7 +723,7 @@ class _Part:
 
 
 @dataclass(frozen=True, slots=True)
-class _Run:
+class _StretchFormula:
     """The formula of a stretch of a pulse in a law; its numbers give its place and speed.
 
     Attributes
@@ -722,7 +737,7 @@ class _Run:
     from_middle: bool
 
     def __call__(self, z: FloatArray, w: FloatArray, numbers: Any) -> Values:
-        values = self.stretch.formula(_place_in(z, w, *numbers[:4]))
+        values = self.stretch.formula(_pulse_place(z, w, *numbers[:4]))
         values *= numbers[4:8].reshape(4, -1)
         if self.moves:
             from_end, base = numbers[8:10]
@@ -736,11 +751,11 @@ class _Run:
     def to_inflection(self, z: FloatArray, w: FloatArray, numbers: Any) -> FloatArray:
         """The distance (n,) to the inflection point."""
         length, speed = numbers[11:13]
-        r = _place_in(z, w, *numbers[13:])
+        r = _pulse_place(z, w, *numbers[13:])
         return np.asarray(length * r * speed - numbers[4] * self.stretch.back(r))
 
 
-def _place_in(
+def _pulse_place(
     z: FloatArray, w: FloatArray, by_w: Any, high: Any, low: Any, length: Any
 ) -> FloatArray:
     """(n,) the part of a pulse's length from `high` + `low` on, which are a z or, if `by_w`, a w.

@@ -13,7 +13,7 @@ from __future__ import annotations
 from decimal import Decimal, localcontext
 
 from camgeo.errors import GeometryError
-from camgeo.kinematics.laws.family import CURVED, Family, Given, Option, pulse_law, share
+from camgeo.kinematics.laws.family import CURVED, Family, LawParameters, Option, pulse_law, share
 from camgeo.kinematics.laws.law import Law
 from camgeo.kinematics.laws.pulse import DIGITS, Parts, sine_pulse
 
@@ -37,9 +37,9 @@ ROUNDING = Decimal("1e-15")
 """Rounding of the sum of two shares that add up to 1 as decimals, such as 0.1 and 0.9."""
 
 
-def _shares(given: Given) -> tuple[Decimal, Decimal, Decimal]:
+def _shares(parameters: LawParameters) -> tuple[Decimal, Decimal, Decimal]:
     """Shares of sine, constant and cosine, which add up to 1."""
-    sine, cosine = share(given, SINE), share(given, COSINE)
+    sine, cosine = share(parameters, SINE), share(parameters, COSINE)
     constant = 1 - sine - cosine
     if constant < -ROUNDING:
         raise GeometryError(
@@ -52,17 +52,17 @@ def _shares(given: Given) -> tuple[Decimal, Decimal, Decimal]:
     return sine, constant, cosine
 
 
-def _parts(_task: str, given: Given) -> Parts:
-    curved = share(given, CURVED)
+def _parts(_task: str, parameters: LawParameters) -> Parts:
+    curved = share(parameters, CURVED)
     with localcontext(DIGITS):
-        pulse = sine_pulse(*(part * curved for part in _shares(given)))
+        pulse = sine_pulse(*(part * curved for part in _shares(parameters)))
     return Parts(pulse, pulse)
 
 
-def _make(task: str, given: Given) -> Law:
-    shares = {each.name: given.get(each.name, each.default) for each in OPTIONS}
-    rest = {key: value for key, value in given.items() if key == "inflection"}
-    return pulse_law("scca", task, _parts(task, given), rest, **shares)
+def _make(task: str, parameters: LawParameters) -> Law:
+    shares = {option.name: parameters.get(option.name, option.default) for option in OPTIONS}
+    rest = {key: value for key, value in parameters.items() if key == "inflection"}
+    return pulse_law("scca", task, _parts(task, parameters), rest, **shares)
 
 
 FAMILY = Family("scca", {"R-R": ("inflection", "sine", "cosine", "curved")}, _make, _parts, OPTIONS)

@@ -14,7 +14,7 @@ from camgeo.errors import GeometryError
 from camgeo.kinematics.laws.family import (
     CURVED,
     Family,
-    Given,
+    LawParameters,
     boundary_parameters,
     pulse_law,
     share,
@@ -25,44 +25,44 @@ from camgeo.kinematics.laws.pulse import DIGITS, PI, Parts, law_of_two_pulses, s
 LEAST = math.pi**2 / 4.0
 """Least value of a0 |a1|/(a0 + |a1|), that of the simple sine."""
 
-OWN_CURVED = replace(CURVED, default=0.5, always=False)
+SINE_STRAIGHT_CURVED = replace(CURVED, default=0.5, always=False)
 """The value of c if neither it nor two accelerations are given, as in the guideline's Tafel 3."""
 
 
-def _make(task: str, given: Given) -> Law:
-    values = dict(given)
+def _make(task: str, parameters: LawParameters) -> Law:
+    values = dict(parameters)
     if "a0" in values and "a1" in values:
         place, curved = _from_accelerations(values)
-        parameters = {"inflection": float(place), "curved": curved}
-        return law_of_two_pulses("sine-straight", task, _parts(task, parameters), place, parameters)
+        shape = {"inflection": float(place), "curved": curved}
+        return law_of_two_pulses("sine-straight", task, _parts(task, shape), place, shape)
     if "inflection" in values and ("a0" in values or "a1" in values):
         values = _from_inflection(values)
     rest = {key: value for key, value in values.items() if key != "curved"}
-    curved = values.get("curved", OWN_CURVED.default)
+    curved = values.get("curved", SINE_STRAIGHT_CURVED.default)
     return pulse_law("sine-straight", task, _parts(task, values), rest, curved=curved)
 
 
-def _parts(_task: str, given: Given) -> Parts:
-    pulse = sine_pulse(Decimal(0), Decimal(0), share(given, OWN_CURVED))
+def _parts(_task: str, parameters: LawParameters) -> Parts:
+    pulse = sine_pulse(Decimal(0), Decimal(0), share(parameters, SINE_STRAIGHT_CURVED))
     return Parts(pulse, pulse)
 
 
-def _from_accelerations(given: dict[str, float]) -> tuple[Decimal, float]:
+def _from_accelerations(parameters: dict[str, float]) -> tuple[Decimal, float]:
     """lambda = r/(1 + r), r = |a1/a0| (127), and c.
 
     lambda with 50 digits: 1 - lambda decides a1 and may be tiny.
     """
-    a0, a1 = given.pop("a0"), given.pop("a1")
+    a0, a1 = parameters.pop("a0"), parameters.pop("a1")
     if not (a0 > 0.0 > a1):
         raise GeometryError(
             "accelerates first, then decelerates: a0 must be positive, a1 negative",
             key="acceleration",
             value=f"{a0:g}, {a1:g}",
         )
-    if given:
+    if parameters:
         raise GeometryError(
-            f"a0 and a1 decide {' and '.join(given)} too; leave out one or the other",
-            key=next(iter(given)),
+            f"a0 and a1 decide {' and '.join(parameters)} too; leave out one or the other",
+            key=next(iter(parameters)),
         )
     with localcontext(DIGITS):
         place = -Decimal(a1) / (Decimal(a0) - Decimal(a1))
@@ -70,11 +70,15 @@ def _from_accelerations(given: dict[str, float]) -> tuple[Decimal, float]:
     return place, curved_for(product)
 
 
-def _from_inflection(given: dict[str, float]) -> dict[str, float]:
+def _from_inflection(parameters: dict[str, float]) -> dict[str, float]:
     """c from lambda and the acceleration at one end (130)."""
-    inflection = given["inflection"]
-    product = given["a0"] * inflection if "a0" in given else -given["a1"] * (1.0 - inflection)
-    if "curved" in given:
+    inflection = parameters["inflection"]
+    product = (
+        parameters["a0"] * inflection
+        if "a0" in parameters
+        else -parameters["a1"] * (1.0 - inflection)
+    )
+    if "curved" in parameters:
         raise GeometryError(
             "inflection and acceleration decide curved too; leave out one of them", key="curved"
         )
@@ -105,5 +109,5 @@ FAMILY = Family(
     {"U-U": ("inflection", "curved", *boundary_parameters("U-U"))},
     _make,
     _parts,
-    (OWN_CURVED,),
+    (SINE_STRAIGHT_CURVED,),
 )

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from camgeo.kinematics.laws.family import Family, Given, inflection_at
+from camgeo.kinematics.laws.family import Family, LawParameters, inflection_point
 from camgeo.kinematics.laws.law import Boundary, Law, Region, Values
 from camgeo.numeric.arrays import FloatArray
 
@@ -24,8 +24,10 @@ def _from_end(z: FloatArray, w: FloatArray, _: Any) -> Values:
     return _from_start(w, z, _)
 
 
-def _make(task: str, given: Given) -> Law:
-    inflection_at(task, given.get("inflection", 0.5))  # a straight line has no inflection to shift
+def _make(task: str, parameters: LawParameters) -> Law:
+    inflection_point(
+        task, parameters.get("inflection", 0.5)
+    )  # a straight line has no inflection to shift
     return Law(
         name="straight-line",
         task=task,
@@ -36,7 +38,7 @@ def _make(task: str, given: Given) -> Law:
         borders=(),
         start=Boundary(velocity=1.0),
         end=Boundary(velocity=1.0),
-        parameters=MappingProxyType(dict(given)),
+        parameters=MappingProxyType(dict(parameters)),
     )
 
 

@@ -45,7 +45,7 @@ from camgeo.kinematics.mechanism.sketch import Dimension, MechanismSketch, Place
 from camgeo.kinematics.mechanism.values import Angle, Coordinate, Length, Place, Sense, coordinate
 from camgeo.kinematics.motion import FULL_ORDER, Jet
 from camgeo.numeric.arrays import ComplexArray, FloatArray
-from camgeo.numeric.checked import CheckedFields, check_fields, shown
+from camgeo.numeric.checked import CheckedFields, check_fields, value_text
 
 HIGHEST = FULL_ORDER - 1
 """Order of the highest derivative of Z: each needs one more derivative of the lift."""
@@ -98,7 +98,7 @@ class FlatFollower(Follower):
 
     origin: ClassVar[str]
     least_place: ClassVar[float]
-    raised_by: ClassVar[tuple[str, ...]]
+    raising_keys: ClassVar[tuple[str, ...]]
 
     @property
     @abstractmethod
@@ -141,10 +141,10 @@ def spread(change: FloatArray, half: FloatArray) -> FloatArray:
 def face_ends(key: str, face: Any) -> tuple[float, float]:
     """Where a face begins and ends [mm]; GeometryError unless it ends beyond its beginning."""
     if not isinstance(face, tuple | list) or len(face) != 2:
-        raise GeometryError("must be two lengths, (from, to)", key, shown(face))
-    start, end = (coordinate(key, each) for each in face)
+        raise GeometryError("must be two lengths, (from, to)", key, value_text(face))
+    start, end = (coordinate(key, bound) for bound in face)
     if not start < end:
-        raise GeometryError("must end beyond where it begins", key, shown(face))
+        raise GeometryError("must end beyond where it begins", key, value_text(face))
     return start, end
 
 
@@ -201,7 +201,7 @@ class TranslatingFlat(Guided, FlatFollower, CheckedFields, path="follower."):
     kind: ClassVar = "translating-flat"
     origin: ClassVar = "cam axis"
     least_place: ClassVar = -math.inf  # it moves on its guide wherever it is pushed
-    raised_by: ClassVar = ("follower.base_radius",)
+    raising_keys: ClassVar = ("follower.base_radius",)
     facing: ClassVar = 1
     harmonic_is_round: ClassVar = True
 
@@ -347,7 +347,7 @@ class OscillatingFlat(Rocking, FlatFollower):
     kind: ClassVar = "oscillating-flat"
     origin: ClassVar = "pivot's foot"
     least_place: ClassVar = 0.0  # at the pivot's foot it has no lever about the pivot
-    raised_by: ClassVar = ("follower.base_radius", "follower.face_offset")
+    raising_keys: ClassVar = ("follower.base_radius", "follower.face_offset")
 
     pivot: Place
     base_radius: Length
@@ -393,8 +393,8 @@ class OscillatingFlat(Rocking, FlatFollower):
     @property
     def start_angle(self) -> float:
         """chi at cam angle 0 [rad], in (-pi/2, pi/2)."""
-        l1, over = self.centre_distance, self.base_radius - self.face_offset
-        return math.atan2(over, math.sqrt((l1 - over) * (l1 + over)))
+        l1, height = self.centre_distance, self.base_radius - self.face_offset
+        return math.atan2(height, math.sqrt((l1 - height) * (l1 + height)))
 
     @property
     def facing(self) -> int:
@@ -423,8 +423,8 @@ class OscillatingFlat(Rocking, FlatFollower):
     def _touch(self, jet: Jet, rotation: int, order: int) -> tuple[Touch, FloatArray, FloatArray]:
         """The contact, p' only if `order` is 1, and sine and cosine of chi."""
         l1, f = self.centre_distance, self.face_offset
-        own, sense = self.arm_side * self.swing_sense, rotation * self.arm_side
-        chi, chi1, chi2 = own * jet[:3]
+        chi_sense, sense = self.arm_side * self.swing_sense, rotation * self.arm_side
+        chi, chi1, chi2 = chi_sense * jet[:3]
         chi = chi + self.start_angle
         sine, cosine = np.sin(chi), np.cos(chi)
         turn = 1.0 - sense * chi1
@@ -435,7 +435,7 @@ class OscillatingFlat(Rocking, FlatFollower):
             pace = np.empty((order + 1, len(chi)))
             pace[0] = f * turn + l1 * ((2.0 - w) * sine + square * chi2 * cosine)
             if order > 0:
-                chi3 = own * jet[3]
+                chi3 = chi_sense * jet[3]
                 bend = (2.0 - w) * chi1 + square * (chi3 + 2.0 * sense * w * chi2 * chi2)
                 sway = square * chi2 * (sense + chi1)
                 pace[1] = -sense * f * chi2 + l1 * (bend * cosine - sway * sine)
@@ -521,9 +521,9 @@ class OscillatingFlat(Rocking, FlatFollower):
             second = pace_rate + turn * pace
             third = rate_of_a + rate_of_b * x3 + x2 * pace + turn * pace_rate + turn * second
             jumps = spread(l1 * square * (np.abs(jet[3]) + x3), half)
-            out = np.stack((pace, second, third + jumps))
-        out[:, slowest <= 0.0] = np.inf
-        return out
+            limits = np.stack((pace, second, third + jumps))
+        limits[:, slowest <= 0.0] = np.inf
+        return limits
 
     def sliding(self, jet: Jet, rotation: int) -> FloatArray:
         """See `Follower.sliding`: g = h - sigma f nu'."""
@@ -549,7 +549,7 @@ class OscillatingFlat(Rocking, FlatFollower):
     ) -> MechanismSketch[Places]:
         """See `Follower.sketch`."""
         foot, _along = self._face(lifts)
-        start, along = (complex(each[0]) for each in self._face(np.zeros(1)))
+        start, along = (complex(vector[0]) for vector in self._face(np.zeros(1)))
         nearest = start - along * (start * along.conjugate()).real
         sizes: list[Dimension[Places]] = [
             Dimension("pivot", 0j, self.pivot, vector=True),

@@ -192,8 +192,10 @@ class Follower(ABC):
         """
         jet = np.zeros((FULL_ORDER + 1, len(lifts)))
         jet[0] = lifts
-        at = self.relative_jet(jet, 1, 1)
-        return np.asarray((at.along[0] + 1j * at.across[0]) * cmath.exp(1j * at.axis))
+        relative = self.relative_jet(jet, 1, 1)
+        return np.asarray(
+            (relative.along[0] + 1j * relative.across[0]) * cmath.exp(1j * relative.axis)
+        )
 
     def traced_point(self, lift: float) -> complex:
         """The same at one lift."""
@@ -251,7 +253,7 @@ class Follower(ABC):
         """What holds it, a place there [mm], and the ends of a flat face, at cam angle 0."""
 
     @abstractmethod
-    def linked_at(self, farthest: float) -> tuple[complex, complex]:
+    def linkage_joint(self, farthest: float) -> tuple[complex, complex]:
         """Where a linkage takes hold of it at lift 0 [mm], and the direction of a positive lift.
 
         For a rocker, the pivot and 0.
@@ -343,9 +345,9 @@ class Guided(Follower):
         """See `Follower`."""
         return self.base_radius
 
-    def linked_at(self, farthest: float) -> tuple[complex, complex]:
-        """See `Follower.linked_at`: the end of its rod."""
-        return self.rod(np.zeros(1), farthest).at(0).links[0][-1], self.way
+    def linkage_joint(self, farthest: float) -> tuple[complex, complex]:
+        """See `Follower.linkage_joint`: the end of its rod."""
+        return self.rod(np.zeros(1), farthest).position(0).links[0][-1], self.way
 
     def rod(self, lifts: FloatArray, farthest: float) -> MechanismSketch[Places]:
         """Its rod at `lifts` (n,) [mm], from where it touches the cam, in its guide."""
@@ -412,8 +414,8 @@ class Rocking(Follower):
         """Sense in which a positive lift turns the rocker: +1 counter-clockwise, -1 clockwise."""
         return 1 if self.direction is None else self.direction * self.arm_side
 
-    def linked_at(self, _: float) -> tuple[complex, complex]:
-        """See `Follower.linked_at`."""
+    def linkage_joint(self, _: float) -> tuple[complex, complex]:
+        """See `Follower.linkage_joint`."""
         return self.pivot, 0j
 
     def far_side(

@@ -60,20 +60,20 @@ class Bows:
         """Those with the indices `index` (k,)."""
         return Bows(self.points[index], self.normals[index], self.curvatures[index])
 
-    def at(self, t: FloatArray) -> ComplexArray:
+    def evaluate(self, t: FloatArray) -> ComplexArray:
         """(n,) [mm] the points at the parameters t (n,) [mm]: 2 tan(beta/2) / kappa.
 
         beta is the angle turned from A; on a line t is the distance from A, in the direction i n.
         """
         return self.points + 1j * self.normals * t / (1.0 - 0.5j * self.curvatures * t)
 
-    def normal_at(self, points: ComplexArray) -> ComplexArray:
+    def unit_normals(self, points: ComplexArray) -> ComplexArray:
         """(n,) unit normals at `points` (n,) [mm], which lie on them."""
         return self.normals + self.curvatures * (points - self.points)
 
     def crossings(self, others: Bows) -> FloatArray:
         """(2, n) parameters at which each meets its partner of `others`; infinite if not."""
-        return _roots(*self._against(others))
+        return _roots(*self._meeting_quadratic(others))
 
     def crossing(self, others: Bows, rising: FloatArray) -> FloatArray:
         """(n,) the one of the two parameters at which each passes to (`rising` = 1), or leaves
@@ -81,7 +81,7 @@ class Bows:
 
         Raises GeometryError where they do not meet.
         """
-        square, linear, value = self._against(others)
+        square, linear, value = self._meeting_quadratic(others)
         radicand = linear * linear - 4.0 * square * value
         # A small circle is known to the rounding of its position.
         lost = ROUNDING + PLACE * np.abs(others.curvatures * others.points)
@@ -94,11 +94,11 @@ class Bows:
         _require_meeting((bottom != 0.0) | (top == 0.0))
         return np.divide(top, bottom, out=np.zeros_like(top), where=bottom != 0.0)
 
-    def _against(self, others: Bows) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def _meeting_quadratic(self, others: Bows) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Coefficients of the quadratic for the parameter of a point on a partner."""
-        apart = others.points - self.points
-        turned = others.normals - others.curvatures * apart
-        value = 0.5 * others.curvatures * dot(apart, apart) - dot(others.normals, apart)
+        offset = others.points - self.points
+        turned = others.normals - others.curvatures * offset
+        value = 0.5 * others.curvatures * dot(offset, offset) - dot(others.normals, offset)
         kappa = self.curvatures
         square = 0.5 * (others.curvatures - kappa * dot(turned, self.normals))
         square += 0.25 * value * kappa * kappa
@@ -140,7 +140,7 @@ class Bows:
         """
         point = path.point(phi, q)
         along, bend = path.along(phi, q)
-        normal = self.normal_at(point)
+        normal = self.unit_normals(point)
         turn = -1j * path.rotation
         steep = dot(normal, along)
         if np.any(steep == 0.0):
@@ -208,7 +208,7 @@ class FollowerPath(ABC):
         """(n,) unit vectors of the first axis of `centre` in the cam."""
         return np.asarray(np.exp(1j * (self.axis - self.rotation * phi)))
 
-    def cam_angle_of(self, points: ComplexArray) -> tuple[FloatArray, FloatArray]:
+    def cam_coordinates(self, points: ComplexArray) -> tuple[FloatArray, FloatArray]:
         """Cam angle (n,) [rad] in [0, 2 pi) and q (n,) of roller centres at `points` (n,) [mm].
 
         Raises GeometryError for a point beyond the reach.
@@ -216,7 +216,7 @@ class FollowerPath(ABC):
         distance = np.abs(points)
         _require_reach(distance, self.reach)
         q = self.coordinate(distance)
-        return _in_turn(
+        return _reduce_to_turn(
             self.rotation * (self.axis + np.angle(self.centre(q)) - np.angle(points))
         ), q
 
@@ -382,7 +382,7 @@ path_of.register(TranslatingRoller, GuidePath)
 path_of.register(OscillatingRoller, SwingPath)
 
 
-def _in_turn(angle: FloatArray) -> FloatArray:
+def _reduce_to_turn(angle: FloatArray) -> FloatArray:
     """(n,) in [0, 2 pi): the remainder of a tiny negative angle would round to a full turn."""
     turned = np.remainder(angle, TURN)
     return np.where(turned < TURN, turned, 0.0)
@@ -393,11 +393,11 @@ def _roots(square: FloatArray, linear: FloatArray, constant: FloatArray) -> Floa
     radicand = linear * linear - 4.0 * square * constant
     root = np.sqrt(np.maximum(radicand, 0.0))
     half = -0.5 * (linear + np.where(linear < 0.0, -root, root))
-    out = np.full((2, len(square)), np.inf)
+    roots = np.full((2, len(square)), np.inf)
     real = radicand >= 0.0
-    np.divide(half, square, out=out[0], where=real & (square != 0.0))
-    np.divide(constant, half, out=out[1], where=real & (half != 0.0))
-    return out
+    np.divide(half, square, out=roots[0], where=real & (square != 0.0))
+    np.divide(constant, half, out=roots[1], where=real & (half != 0.0))
+    return roots
 
 
 def _require_meeting(good: BoolArray) -> None:

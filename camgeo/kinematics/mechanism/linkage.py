@@ -51,17 +51,17 @@ ROUNDING = 8.0 * 2.0**-52
 """A difference of lengths up to this fraction of crank and coupler is zero up to rounding."""
 
 
-def within(angles: Iterable[float], low: float, high: float) -> tuple[float, ...]:
+def periodic_angles(angles: Iterable[float], low: float, high: float) -> tuple[float, ...]:
     """Those in [low, high] [rad] of `angles`, and of all whole turns away from them, ascending."""
-    found = {
+    periodic = {
         angle + TURN * turns
         for angle in angles
         for turns in range(math.ceil((low - angle) / TURN), math.floor((high - angle) / TURN) + 1)
     }
-    return tuple(sorted(found))
+    return tuple(sorted(periodic))
 
 
-OUT, BACK = 0, 1
+TO_FAR_END, TO_FOLLOWER = 0, 1
 """Ways of the force through a linkage: from the follower to the far end, and from there back."""
 
 
@@ -137,7 +137,7 @@ class Linkage(Protocol):
     ) -> MechanismSketch[Places]:
         """The linkage with its far end at `position` (n,) [mm or rad], in the frame of the cam.
 
-        `place` and `outward` are as of `Follower.linked_at`.
+        `place` and `outward` are as of `Follower.linkage_joint`.
         """
 
     def joint_rates(
@@ -152,16 +152,16 @@ class Linkage(Protocol):
     def transmission_sines(self, position: FloatArray) -> FloatArray:
         """(2, n) sines of the transmission angles, by the way of the force.
 
-        `OUT` is between coupler and far member, `BACK` between coupler and the follower's member:
-        a crank or lever itself, or the perpendicular to the guide of a slider. Each changes its
-        sign where its member cannot be driven, `OUT` in the `locked_positions`, `BACK` in the
-        `dead_positions`.
+        Row `TO_FAR_END` is between coupler and far member, row `TO_FOLLOWER` between coupler and
+        the follower's member: a crank or lever itself, or the perpendicular to the guide of a
+        slider. Each changes its sign where its member cannot be driven, `TO_FAR_END` in the
+        `locked_positions`, `TO_FOLLOWER` in the `dead_positions`.
         """
 
     def far_turning_positions(self, low: float, high: float) -> tuple[float, ...]:
-        """The positions in [low, high] at which the magnitude of the sine `OUT` of
+        """The positions in [low, high] at which the magnitude of the sine `TO_FAR_END` of
         `transmission_sines` may have a minimum, besides those at which it is 0, the
-        `locked_positions`; what the `turning_positions` are to `BACK`.
+        `locked_positions`; what the `turning_positions` are to `TO_FOLLOWER`.
         """
 
     def per_follower(self, position: FloatArray) -> FloatArray:
@@ -217,16 +217,16 @@ class FarEnd:
             With key "linkage", if it does not close there, or at a dead centre.
         """
 
-        def made() -> Jet:
-            place = self._sought(phi, q)
+        def compute_jet() -> Jet:
+            place = self._solve_place(phi, q)
             way = self.linkage.per_follower(place)
             still = np.zeros_like(place)
             bend = self.linkage.transform(np.stack((place, way, still, still)), 2)[2]
             return read_only(np.stack((place, way, -bend * way, still)))
 
-        return self._jets.recall(made, None, phi, q)
+        return self._jets.recall(compute_jet, None, phi, q)
 
-    def _sought(self, phi: FloatArray, q: FloatArray) -> FloatArray:
+    def _solve_place(self, phi: FloatArray, q: FloatArray) -> FloatArray:
         linkage = self.linkage
         place = np.array(self.demanded.jet(phi, "right", 1)[0])
         still = np.zeros_like(place)
@@ -274,25 +274,25 @@ class MonotoneRuns:
 
     def cuts(self, marks: tuple[float, ...]) -> FloatArray:
         """(n,) the ends, and the cam angles at which the motion is at one of `marks`; ascending."""
-        found = [self.ends]
+        angles = [self.ends]
         for mark in marks:
             passes = np.flatnonzero(self._passes(mark))
-            found.append(self._between(mark, passes))
-        return merged(np.concatenate(found))
+            angles.append(self._passing_angles(mark, passes))
+        return merged(np.concatenate(angles))
 
     def first_angle(self, position: float) -> float:
         """The first cam angle [rad] at which the motion is at `position`, or nearest to it."""
         nearest = int(np.argmin(np.abs(self.at_ends - position)))
         passes = np.flatnonzero(self._passes(position))[:1]
         there = self.ends[self.at_ends == position][:1]
-        found = np.concatenate((there, self._between(position, passes)))
-        return float(np.min(found)) if len(found) else float(self.ends[nearest])
+        angles = np.concatenate((there, self._passing_angles(position, passes)))
+        return float(np.min(angles)) if len(angles) else float(self.ends[nearest])
 
     def _passes(self, mark: float) -> BoolArray:
         beyond = np.sign(self.at_ends - mark)
         return np.asarray(beyond[:-1] * beyond[1:] < 0.0)
 
-    def _between(self, mark: float, places: IntArray) -> FloatArray:
+    def _passing_angles(self, mark: float, places: IntArray) -> FloatArray:
         def beyond(phi: FloatArray) -> FloatArray:
             return np.asarray(self.motion.jet(phi)[0] - mark)
 
@@ -305,7 +305,7 @@ def monotone_runs(motion: Motion) -> MonotoneRuns:
     return MonotoneRuns(motion, ends, np.asarray(motion.jet(ends)[0]))
 
 
-def locked_at(linkage: Linkage, demanded: Motion) -> tuple[float, float] | None:
+def first_locked_place(linkage: Linkage, demanded: Motion) -> tuple[float, float] | None:
     """First cam angle [rad] and position [mm or rad] at which the follower cannot move the far end.
 
     There dx/dq of `Linkage.per_follower` is infinite: a mass or a load at the far end needs an
@@ -313,8 +313,8 @@ def locked_at(linkage: Linkage, demanded: Motion) -> tuple[float, float] | None:
     such positions.
     """
     runs = monotone_runs(demanded)
-    found = linkage.locked_positions(*runs.range)
-    return min(((runs.first_angle(each), each) for each in found), default=None)
+    positions = linkage.locked_positions(*runs.range)
+    return min(((runs.first_angle(position), position) for position in positions), default=None)
 
 
 def position_text(linkage: Linkage, position: float) -> str:
@@ -403,20 +403,20 @@ class LinkedMotion(Pickled):
         """
         phi = np.array(phi, dtype=np.float64, ndmin=1)  # a copy of our own
 
-        def made() -> Jet:
+        def compute_jet() -> Jet:
             return read_only(self.linkage.transform(self.demanded.jet(phi, side, order), order))
 
-        return self._jets.recall(made, (side, order), phi)
+        return self._jets.recall(compute_jet, (side, order), phi)
 
     def jet_and_bounds(self, low: FloatArray, high: FloatArray) -> tuple[Jet, Jet]:
         """See `Motion.jet_and_bounds`; recalled as `jet` is."""
 
-        def made() -> tuple[Jet, Jet]:
+        def compute_bounds() -> tuple[Jet, Jet]:
             middle, bounds = self.demanded.jet_and_bounds(low, high)
             jet = self.linkage.transform(middle, FULL_ORDER)
             return read_only(jet), read_only(self.linkage.transform_bounds(middle, bounds))
 
-        return self._bounds.recall(made, None, low, high)
+        return self._bounds.recall(compute_bounds, None, low, high)
 
 
 @kept_with_owner
@@ -477,38 +477,40 @@ def openings(linkage: Linkage, motion: Motion) -> tuple[Opening, ...]:
     places = np.empty(2 * len(cuts) - 1)
     places[::2], places[1::2] = cuts, 0.5 * (cuts[:-1] + cuts[1:])
     missing = linkage.missing_length(motion.jet(places)[0])
-    open_at = missing > ROUNDING * (linkage.crank + linkage.coupler)
-    edges = np.flatnonzero(np.diff(np.concatenate(([False], open_at, [False]))))
-    found = []
-    for first, after in edges.reshape(-1, 2):
-        worst = int(first + np.argmax(missing[first:after]))
+    is_open = missing > ROUNDING * (linkage.crank + linkage.coupler)
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], is_open, [False]))))
+    ranges = []
+    for first, stop in edges.reshape(-1, 2):
+        worst = int(first + np.argmax(missing[first:stop]))
         # Cuts have even indices: a range open in a middle reaches to the cuts on either side.
-        start, end = places[first - first % 2], places[after - 1 + (after - 1) % 2]
-        found.append(Opening(float(start), float(end), float(missing[worst]), float(places[worst])))
-    if not found:  # narrower than the rounding of the cam angle
+        start, end = places[first - first % 2], places[stop - 1 + (stop - 1) % 2]
+        ranges.append(
+            Opening(float(start), float(end), float(missing[worst]), float(places[worst]))
+        )
+    if not ranges:  # narrower than the rounding of the cam angle
         worst = int(np.argmax(missing))
         if missing[worst] > 0.0:
             place = float(places[worst])
-            found.append(Opening(place, place, float(missing[worst]), place))
-    return tuple(found)
+            ranges.append(Opening(place, place, float(missing[worst]), place))
+    return tuple(ranges)
 
 
-def clear_range(linkage: Linkage, way: int = BACK) -> tuple[float, float]:
+def clear_range(linkage: Linkage, way: int = TO_FOLLOWER) -> tuple[float, float]:
     """The range of positions [mm or rad] about 0 without a dead centre; infinite if there is none.
 
     Where position 0 is a dead centre itself, the range on the side on which the linkage closes.
-    With `way` `OUT` it is free of positions in which the far end cannot be driven, too.
+    With `way` `TO_FAR_END` it also excludes positions in which the far end cannot be driven.
     """
     scale = linkage.crank + linkage.coupler
-    far, about = (math.inf, scale) if linkage.unit == "mm" else (TURN, math.pi)
+    far, extent = (math.inf, scale) if linkage.unit == "mm" else (TURN, math.pi)
     marks = linkage.dead_positions(-far, far)
-    if way == OUT:
+    if way == TO_FAR_END:
         marks += linkage.locked_positions(-far, far)
-    near = AT_START * about
+    near = AT_START * extent
     low = max((mark for mark in marks if mark < -near), default=-math.inf)
     high = min((mark for mark in marks if mark > near), default=math.inf)
     if any(abs(mark) <= near for mark in marks):
-        halfway = np.array([max(low, -about), min(high, about)]) / 2.0
+        halfway = np.array([max(low, -extent), min(high, extent)]) / 2.0
         closes = linkage.missing_length(halfway) <= 0.0
         low, high = (low if closes[0] else 0.0), (high if closes[1] else 0.0)
     return low, high
@@ -529,30 +531,32 @@ def closing_sizes(
     scale = linkage.crank + linkage.coupler
     least, most = scale / FARTHEST, scale * FARTHEST
     limits = sorted(limit for limit in all_limits if least < limit < most)
-    found: list[tuple[float, float]] = []
+    ranges: list[tuple[float, float]] = []
     for start, end in pairwise((0.0, *limits, math.inf)):
         middle = 0.5 * (start + end) if math.isfinite(end) else 2.0 * max(start, scale)
         if start == end or not _closes(linkage, size, middle, low, high):
             continue
-        if found and found[-1][1] == start:
-            start = found.pop()[0]
-        found.append((start, end))
+        if ranges and ranges[-1][1] == start:
+            start = ranges.pop()[0]
+        ranges.append((start, end))
     present = linkage.coupler if size == "coupler" else linkage.crank
-    return min(found, key=lambda each: max(each[0] - present, present - each[1]), default=None)
+    return min(
+        ranges, key=lambda limits: max(limits[0] - present, present - limits[1]), default=None
+    )
 
 
 def why_open(linkage: Linkage, motion: Motion) -> str:
     """Where `linkage`, which does not close throughout `motion`, is open; what would close it."""
-    found = openings(linkage, motion)
+    ranges = openings(linkage, motion)
     gaps = [
-        f"{math.degrees(each.start):.10g} and {math.degrees(each.end):.10g}"
-        for each in found[:MOST_LISTED]
+        f"{math.degrees(opening.start):.10g} and {math.degrees(opening.end):.10g}"
+        for opening in ranges[:MOST_LISTED]
     ]
-    left = len(found) - MOST_LISTED
+    left = len(ranges) - MOST_LISTED
     more = f" and in {counted(left, 'more range')}" if left > 0 else ""
-    missing = max(each.missing for each in found)
+    missing = max(opening.missing for opening in ranges)
     low, high = lift_range(motion)
-    cures = [*_size_texts(linkage, low, high), *kept_between(linkage)]
+    cures = [*_size_texts(linkage, low, high), *clear_range_texts(linkage)]
     cured = f"; it closes {_listed(cures)}" if cures else ""
     return (
         f"the linkage does not close between cam angles {' and between '.join(gaps)} degrees{more}:"
@@ -560,7 +564,7 @@ def why_open(linkage: Linkage, motion: Motion) -> str:
     )
 
 
-def kept_between(linkage: Linkage, way: int = BACK) -> list[str]:
+def clear_range_texts(linkage: Linkage, way: int = TO_FOLLOWER) -> list[str]:
     """In words, the `clear_range` of positions of `linkage`.
 
     Empty if all positions do, or if the range is too narrow to be printed.
@@ -585,13 +589,13 @@ def printed(value: float, rounding: str) -> str:
 
 def _size_texts(linkage: Linkage, low: float, high: float) -> Iterator[str]:
     for size in SIZES:
-        found = closing_sizes(linkage, size, low, high)
-        if found is None:
+        limits = closing_sizes(linkage, size, low, high)
+        if limits is None:
             continue
-        least, most = printed(found[0], ROUND_CEILING), printed(found[1], ROUND_FLOOR)
-        if math.isinf(found[1]):
+        least, most = printed(limits[0], ROUND_CEILING), printed(limits[1], ROUND_FLOOR)
+        if math.isinf(limits[1]):
             yield f"with a {size} of at least {least} mm"
-        elif found[0] == 0.0:
+        elif limits[0] == 0.0:
             yield f"with a {size} of at most {most} mm"
         elif float(least) <= float(most):
             yield f"with a {size} of {least} to {most} mm"

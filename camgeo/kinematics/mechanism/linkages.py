@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.kinematics.mechanism.linkage import OUT, ROUNDING, Size, within
+from camgeo.kinematics.mechanism.linkage import ROUNDING, TO_FAR_END, Size, periodic_angles
 from camgeo.kinematics.mechanism.sketch import Dimension, Guide, MechanismSketch, Places
 from camgeo.kinematics.mechanism.values import Angle, Branch, Length, Place, Sense, angle
 from camgeo.kinematics.motion import FULL_ORDER, Jet
@@ -133,22 +133,24 @@ class RockerCrank(ABC):
         # At a dead centre the radicand may round to a tiny negative number.
         return np.sqrt(np.maximum(first, 0.0)), np.sqrt(np.maximum(second, 0.0))
 
-    def half_angle_at(self, position: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def position_half_angle(self, position: FloatArray) -> tuple[FloatArray, FloatArray]:
         """`half_angle` at `position` (n,)."""
         return self.half_angle(self._growth(position), self._distance(position))
 
     @abstractmethod
     def _far_sine(self, position: FloatArray) -> FloatArray:
-        """(n,) sine of the angle between coupler and far member: `OUT` of `transmission_sines`."""
+        """(n,) sine of the angle between coupler and far member, row `TO_FAR_END` of
+        `transmission_sines`.
+        """
 
     def transmission_sines(self, position: FloatArray) -> FloatArray:
         """See `Linkage.transmission_sines`."""
-        area = np.multiply(*self.half_angle_at(position)) / (2.0 * self.crank * self.coupler)
+        area = np.multiply(*self.position_half_angle(position)) / (2.0 * self.crank * self.coupler)
         return np.stack((self._far_sine(position), self.branch * area))
 
     def crank_angle(self, position: FloatArray) -> FloatArray:
         """theta (n,) [rad] at `position` (n,): Wirsig eq. 3.10, no poles."""
-        sine, cosine = self.half_angle_at(position)
+        sine, cosine = self.position_half_angle(position)
         return self._pin_angle(position) - self.branch * 2.0 * np.arctan2(sine, cosine)
 
     def transform_bounds(self, jet: Jet, bounds: Jet) -> Jet:
@@ -182,8 +184,12 @@ class RockerCrank(ABC):
         rod /= np.abs(rod)
         rounding = WIDENED * (1.0 + (d + crank) / coupler)
         heading = self._pin_heading(position, reach)
-        along, on_crank = (Angles(each.real, each.imag, rounding) for each in (rod, tip))
-        between, to_coupler, to_crank = along - on_crank, heading - along, heading - on_crank
+        along, on_crank = (Angles(vector.real, vector.imag, rounding) for vector in (rod, tip))
+        crank_to_coupler, to_coupler, to_crank = (
+            along - on_crank,
+            heading - along,
+            heading - on_crank,
+        )
         ends = self._farthest_and_nearest(position, reach)
         # Twice the area of the triangle is concave in d^2.
         least = np.minimum(*(np.multiply(*self.half_angle(*end)) for end in ends))
@@ -193,13 +199,13 @@ class RockerCrank(ABC):
         theta1 = v1 = Interval(-np.inf * whole, np.inf * whole)
         for _ in range(ROUNDS):
             far, farther = times(reach, theta1), times(reach, v1)
-            across = between.reaching(between.reach + far + farther)
-            area = area.within(across.sine)
+            across = crank_to_coupler.reaching(crank_to_coupler.reach + far + farther)
+            area = area.intersection(across.sine)
             inverse = area.inverse
             in_line = to_coupler.reaching(to_coupler.reach + farther)
             in_crank = to_crank.reaching(to_crank.reach + far)
-            theta1 = theta1.within((in_line.cosine * inverse).scaled(pace / crank))
-            v1 = v1.within((in_crank.cosine * inverse).scaled(-pace / coupler))
+            theta1 = theta1.intersection((in_line.cosine * inverse).scaled(pace / crank))
+            v1 = v1.intersection((in_crank.cosine * inverse).scaled(-pace / coupler))
         swing, turn = theta1.squared().scaled(crank), v1.squared().scaled(coupler)
         cosine = across.cosine
         theta2 = swing * cosine + turn
@@ -246,9 +252,11 @@ def chained(slopes: tuple[Interval, Interval, Interval], bounds: Jet) -> Jet:
     x0, x1, x2, x3 = bounds
     with np.errstate(invalid="ignore", over="ignore"):
         second = q2 * x1 * x1 + q1 * x2
-        out = np.stack((q1 * x0, q1 * x1, second, q3 * x1**3 + 3.0 * q2 * x1 * x2 + q1 * x3))
+        chained_bounds = np.stack(
+            (q1 * x0, q1 * x1, second, q3 * x1**3 + 3.0 * q2 * x1 * x2 + q1 * x3)
+        )
     resting = np.all(bounds == 0.0, axis=0)
-    return np.where(resting, 0.0, np.where(np.isnan(out), np.inf, out))
+    return np.where(resting, 0.0, np.where(np.isnan(chained_bounds), np.inf, chained_bounds))
 
 
 def times(reach: FloatArray, slope: Interval) -> FloatArray:
@@ -269,7 +277,9 @@ def in_line(places: tuple[float, ...], sines: FloatArray) -> tuple[float, ...]:
 
     The remaining places are on the other branch.
     """
-    return tuple(each for each, sine in zip(places, np.abs(sines), strict=True) if sine <= IN_LINE)
+    return tuple(
+        place for place, sine in zip(places, np.abs(sines), strict=True) if sine <= IN_LINE
+    )
 
 
 def turning(joint: ComplexArray, rates: FloatArray) -> ComplexArray:
@@ -281,7 +291,9 @@ def turning(joint: ComplexArray, rates: FloatArray) -> ComplexArray:
     return np.stack((1j * first * joint, (1j * second - first * first) * joint))
 
 
-def drawn(shaft: complex, joints: tuple[ComplexArray, ComplexArray]) -> MechanismSketch[Places]:
+def rocker_crank_sketch(
+    shaft: complex, joints: tuple[ComplexArray, ComplexArray]
+) -> MechanismSketch[Places]:
     """Crank and coupler of a linkage on the rocker's `shaft` [mm]; `joints` are seen from there."""
     pin, tip = (shaft + joint for joint in joints)
     return crank_and_coupler(shaft, tip, pin)
@@ -418,10 +430,10 @@ class SliderCrank(RockerCrank):
     ) -> tuple[tuple[FloatArray, FloatArray], tuple[FloatArray, FloatArray]]:
         x, start = np.abs(self.pin(stroke)[0]), self.start_position
 
-        def at(beside: FloatArray) -> tuple[FloatArray, FloatArray]:
-            return (beside - start) * (beside + start), np.hypot(beside, self.guide_height)
+        def growth_and_distance(x_reached: FloatArray) -> tuple[FloatArray, FloatArray]:
+            return (x_reached - start) * (x_reached + start), np.hypot(x_reached, self.guide_height)
 
-        return at(x + reach), at(np.maximum(x - reach, 0.0))
+        return growth_and_distance(x + reach), growth_and_distance(np.maximum(x - reach, 0.0))
 
     def _pin_heading(self, stroke: FloatArray, reach: FloatArray) -> Angles:
         """The pin moves along the guide."""
@@ -475,7 +487,7 @@ class SliderCrank(RockerCrank):
         sine = height * versor + x * cross
         cos_v = (-1.0 / coupler) * x - (crank / coupler) * cosine
         # cos(v - theta) from the law of cosines, sin(v - theta) from the triangle's area.
-        cos_between = cos_v * cosine + (height / coupler - (crank / coupler) * sine) * sine
+        cos_transmission = cos_v * cosine + (height / coupler - (crank / coupler) * sine) * sine
         leverage = passed_at_rest(
             (self.branch / (2.0 * crank * coupler)) * product,
             jet,
@@ -487,31 +499,34 @@ class SliderCrank(RockerCrank):
         direction = -float(self.stroke_direction)
         per_crank = direction * cos_v  # theta' for p' = 1, the sign of p included
         per_crank *= of_crank
-        out = np.empty((order + 1, jet.shape[1]))
-        theta1 = np.multiply(p1, per_crank, out=out[1])
+        swing_jet = np.empty((order + 1, jet.shape[1]))
+        theta1 = np.multiply(p1, per_crank, out=swing_jet[1])
         if order > 1:
             of_coupler = (crank / coupler) * of_crank
             per_coupler = direction * cosine
             per_coupler *= of_coupler
             v1 = p1 * per_coupler
             np.negative(v1, out=v1)
-            swing_in = theta1 * theta1
-            swing_in *= crank
-            coupler_in = v1 * v1
-            coupler_in *= coupler
-            theta2 = np.multiply(jet[2], per_crank, out=out[2])
-            theta2 += (swing_in * cos_between + coupler_in) * of_crank
+            crank_centripetal = theta1 * theta1
+            crank_centripetal *= crank
+            coupler_centripetal = v1 * v1
+            coupler_centripetal *= coupler
+            theta2 = np.multiply(jet[2], per_crank, out=swing_jet[2])
+            theta2 += (crank_centripetal * cos_transmission + coupler_centripetal) * of_crank
         if order > 2:
-            v2 = -jet[2] * per_coupler - (swing_in + coupler_in * cos_between) * of_coupler
-            mixed = (3.0 * crank) * cos_between * theta1 * theta2 + (3.0 * coupler) * v1 * v2
-            theta3 = np.multiply(jet[3], per_crank, out=out[3])
+            v2 = (
+                -jet[2] * per_coupler
+                - (crank_centripetal + coupler_centripetal * cos_transmission) * of_coupler
+            )
+            mixed = (3.0 * crank) * cos_transmission * theta1 * theta2 + (3.0 * coupler) * v1 * v2
+            theta3 = np.multiply(jet[3], per_crank, out=swing_jet[3])
             theta3 += theta1 * theta1 * theta1
             theta3 += mixed * of_crank
-        swing = np.subtract(theta, self.start_angle, out=out[0])
+        swing = np.subtract(theta, self.start_angle, out=swing_jet[0])
         if len(swing) and not (np.max(swing) <= math.pi and np.min(swing) > -math.pi):
             beyond = (swing > math.pi) | (swing <= -math.pi)
             swing[beyond] -= TURN * np.ceil((swing[beyond] - math.pi) / TURN)
-        return np.negative(out, out=out) if self.mirrored else out
+        return np.negative(swing_jet, out=swing_jet) if self.mirrored else swing_jet
 
     @property
     def slider_sense(self) -> int:
@@ -536,7 +551,7 @@ class SliderCrank(RockerCrank):
 
     def sketch(self, place: complex, _: complex, position: FloatArray) -> MechanismSketch[Places]:
         """See `Linkage.sketch`."""
-        joined = drawn(place, self.joints(position))
+        joined = rocker_crank_sketch(place, self.joints(position))
         return joined + MechanismSketch(guides=(Guide(joined.joints[1], 1.0 + 0j),))
 
     @property
@@ -563,13 +578,13 @@ class SliderCrank(RockerCrank):
             With key "linkage", where the coupler is square to the guide, cos v = 0 up to
             rounding, see `locked_positions`.
         """
-        far, own = self.transmission_sines(stroke)
+        far, near = self.transmission_sines(stroke)
         if np.any(np.abs(far) * self.coupler <= self._rounding):
             raise GeometryError(
                 "the coupler is square to the guide: the rocker cannot move the slider",
                 key="linkage",
             )
-        slide = -self.stroke_direction * self.crank * own / far
+        slide = -self.stroke_direction * self.crank * near / far
         return np.asarray(-slide if self.mirrored else slide)
 
     def _far_sine(self, stroke: FloatArray) -> FloatArray:
@@ -579,13 +594,13 @@ class SliderCrank(RockerCrank):
 
     def far_turning_positions(self, low: float, high: float) -> tuple[float, ...]:
         """See `Linkage.far_turning_positions`: the crank is square to the guide."""
-        found = [
+        strokes = [
             self.stroke_direction * (x - self.start_position)
             for tip in (self.crank, -self.crank)
             for x in level(self.guide_height - tip, self.coupler)
             if x * tip * self.branch >= 0.0
         ]
-        return tuple(each for each in found if low <= each <= high)
+        return tuple(stroke for stroke in strokes if low <= stroke <= high)
 
     def locked_positions(self, low: float, high: float) -> tuple[float, ...]:
         """See `Linkage.locked_positions`: the strokes [mm] with the coupler square to the guide.
@@ -594,7 +609,7 @@ class SliderCrank(RockerCrank):
         rocker pushes, it cannot move the slider.
         """
         low, high = low - self._rounding, high + self._rounding
-        return tuple(each for each in self._across_strokes() if low <= each <= high)
+        return tuple(stroke for stroke in self._across_strokes() if low <= stroke <= high)
 
     @property
     def _rounding(self) -> float:
@@ -620,12 +635,12 @@ class SliderCrank(RockerCrank):
         d = |l_sk - l_4| is linear in each of the two lengths: their squares cancel. Between the
         ends of the stroke d is least where X = 0, at the height of the guide.
         """
-        limits = _of_coupler if size == "coupler" else _of_crank
-        found = limits(self, (low, high))
-        return tuple(top / bottom for top, bottom in found if bottom != 0.0)
+        limits = _coupler_limits if size == "coupler" else _crank_limits
+        quotients = limits(self, (low, high))
+        return tuple(top / bottom for top, bottom in quotients if bottom != 0.0)
 
 
-def _of_coupler(
+def _coupler_limits(
     linkage: SliderCrank, strokes: tuple[float, float]
 ) -> Iterator[tuple[float, float]]:
     """Numerators and denominators for l_4."""
@@ -643,7 +658,9 @@ def _of_coupler(
         yield -side * rest, 1.0
 
 
-def _of_crank(linkage: SliderCrank, strokes: tuple[float, float]) -> Iterator[tuple[float, float]]:
+def _crank_limits(
+    linkage: SliderCrank, strokes: tuple[float, float]
+) -> Iterator[tuple[float, float]]:
     """Numerators and denominators for l_sk."""
     coupler, side = linkage.coupler, linkage.slider_side
     sine, cosine = math.sin(linkage.deflection), math.cos(linkage.deflection)
@@ -775,7 +792,7 @@ class SliderDrivenCrank:
         strokes, _ = self.inner.joints(np.array([0.0, self.crank]))
         way = complex(strokes[1] - strokes[0])
         turn = outward * abs(way) / way
-        pin, tip = (place + turn * (each - start) for each in (pins, tips))
+        pin, tip = (place + turn * (joint - start) for joint in (pins, tips))
         shaft = place - turn * start
         return crank_and_coupler(shaft, tip, pin)
 
@@ -802,13 +819,13 @@ class SliderDrivenCrank:
         GeometryError
             With key "linkage", where crank and coupler are in line, up to rounding.
         """
-        far, own = self.transmission_sines(angle)
+        far, near = self.transmission_sines(angle)
         if np.any(np.abs(far) <= ROUNDING * (1.0 + self.crank / self.coupler)):
             raise GeometryError(
                 "crank and coupler are in line: the slider cannot turn the crank", key="linkage"
             )
         turned = -self.inner.stroke_direction * self._sense
-        return np.asarray(turned * own / (self.crank * far))
+        return np.asarray(turned * near / (self.crank * far))
 
     def transmission_sines(self, angle: FloatArray) -> FloatArray:
         """See `Linkage.transmission_sines`: Re(conj(D) i T) / (l_sk l_4), and cos v."""
@@ -832,9 +849,9 @@ class SliderDrivenCrank:
         for signed in (self.crank + self.coupler, self.crank - self.coupler):
             ahead = 0.0 if signed > 0.0 else math.pi  # the tip towards the pin, or opposite
             if signed:
-                thetas += [each + ahead for each in _rising(self.inner.guide_height, signed)]
-        found = self._angles(thetas, low - SLACK, high + SLACK)
-        return in_line(found, self.transmission_sines(np.array(found))[OUT])
+                thetas += [theta + ahead for theta in _rising(self.inner.guide_height, signed)]
+        positions = self._angles(thetas, low - SLACK, high + SLACK)
+        return in_line(positions, self.transmission_sines(np.array(positions))[TO_FAR_END])
 
     def transform(self, jet: Jet, order: int = FULL_ORDER) -> Jet:
         """(order + 1, n) stroke s and derivatives [mm/rad^k] for the crank's angles `jet`.
@@ -863,23 +880,23 @@ class SliderDrivenCrank:
             jet,
             "the coupler is square to the guide while the crank moves, the slider's velocity is",
         )
-        out = np.empty((order + 1, jet.shape[1]))
-        out[0] = self._way(angle, drop, along)
+        stroke_jet = np.empty((order + 1, jet.shape[1]))
+        stroke_jet[0] = self._way(angle, drop, along)
         turn1 = self._sense * jet[1]
         tip1 = 1j * turn1 * tip
-        p1 = np.divide(dot(rod, tip1), below, out=out[1])
+        p1 = np.divide(dot(rod, tip1), below, out=stroke_jet[1])
         if order > 1:
             turn2 = self._sense * jet[2]
             tip2 = (1j * turn2 - turn1 * turn1) * tip
             rod1 = p1 - tip1
-            p2 = np.divide(dot(rod, tip2) - dot(rod1, rod1), below, out=out[2])
+            p2 = np.divide(dot(rod, tip2) - dot(rod1, rod1), below, out=stroke_jet[2])
         if order > 2:
             turn3 = self._sense * jet[3]
             tip3 = (1j * (turn3 - turn1**3) - 3.0 * turn1 * turn2) * tip
-            np.divide(dot(rod, tip3) - 3.0 * dot(rod1, p2 - tip2), below, out=out[3])
+            np.divide(dot(rod, tip3) - 3.0 * dot(rod1, p2 - tip2), below, out=stroke_jet[3])
         # X = -Re P, s = eps_s (X - s_0)
-        out *= -float(self.inner.stroke_direction)
-        return out
+        stroke_jet *= -float(self.inner.stroke_direction)
+        return stroke_jet
 
     def transform_bounds(self, jet: Jet, bounds: Jet) -> Jet:
         """See `Linkage.transform_bounds`.
@@ -889,15 +906,15 @@ class SliderDrivenCrank:
         Re P = l_sk cos theta + l_4 cos v.
         """
         inner, crank, coupler = self.inner, self.crank, self.coupler
-        theta = Angles.about(self._theta(jet[0]), bounds[0])
+        theta = Angles.from_middles(self._theta(jet[0]), bounds[0])
         sine_theta, cosine_theta = theta.sine, theta.cosine
         height = np.full_like(jet[0], inner.guide_height)
         drop = Interval(height, height) - sine_theta.scaled(crank)
         whole = np.full_like(height, coupler)
-        drop = drop.within(Interval(-whole, whole))
+        drop = drop.intersection(Interval(-whole, whole))
         least, most = (
-            np.sqrt((coupler - each) * (coupler + each))
-            for each in (drop.magnitude, drop.mignitude)
+            np.sqrt((coupler - size) * (coupler + size))
+            for size in (drop.magnitude, drop.mignitude)
         )
         along = Interval((1.0 - AREA) * least, np.minimum((1.0 + AREA) * most, coupler))
         along = along if self.side > 0 else -along
@@ -917,16 +934,18 @@ class SliderDrivenCrank:
 
     def dead_positions(self, low: float, high: float) -> tuple[float, ...]:
         """See `Linkage.dead_positions`: the coupler is square to the guide."""
-        found: list[float] = []
+        thetas: list[float] = []
         for down in (self.coupler, -self.coupler):
-            found += _rising(self.inner.guide_height - down, self.crank)
-        return self._angles(found, low, high)
+            thetas += _rising(self.inner.guide_height - down, self.crank)
+        return self._angles(thetas, low, high)
 
     def _angles(
         self, thetas: tuple[float, ...] | list[float], low: float, high: float
     ) -> tuple[float, ...]:
         """The angles in [low, high] [rad] at which theta is one of `thetas`, up to whole turns."""
-        return within([self._sense * (each - self.inner.start_angle) for each in thetas], low, high)
+        return periodic_angles(
+            [self._sense * (theta - self.inner.start_angle) for theta in thetas], low, high
+        )
 
     def size_limits(self, size: Size, low: float, high: float) -> tuple[float, ...]:
         """See `Linkage.size_limits`: the largest |l_sk (cos alpha - sin theta)| is l_4.
@@ -1069,18 +1088,20 @@ class FourBar(RockerCrank):
         self, motion: FloatArray, reach: FloatArray
     ) -> tuple[tuple[FloatArray, FloatArray], tuple[FloatArray, FloatArray]]:
         distance, lever = self._shaft_distance, self.lever
-        found = Angles.about(self._bend(motion), reach).cosine
+        cosines = Angles.from_middles(self._bend(motion), reach).cosine
         least, start = self._least_square, self._start_cosine
 
-        def at(level: FloatArray) -> tuple[FloatArray, FloatArray]:
-            square = least + 2.0 * lever * distance * (1.0 + level)
-            return 2.0 * lever * distance * (level - start), np.sqrt(square)
+        def growth_and_distance(cosine: FloatArray) -> tuple[FloatArray, FloatArray]:
+            square = least + 2.0 * lever * distance * (1.0 + cosine)
+            return 2.0 * lever * distance * (cosine - start), np.sqrt(square)
 
-        return at(found.high), at(found.low)
+        return growth_and_distance(cosines.high), growth_and_distance(cosines.low)
 
     def _pin_heading(self, motion: FloatArray, reach: FloatArray) -> Angles:
         """The pin moves square to the lever."""
-        return Angles.about(self.lever_angle + self.lever_sense * motion + 0.5 * math.pi, reach)
+        return Angles.from_middles(
+            self.lever_angle + self.lever_sense * motion + 0.5 * math.pi, reach
+        )
 
     @property
     def _pin_pace(self) -> tuple[float, float]:
@@ -1092,10 +1113,10 @@ class FourBar(RockerCrank):
         """
         bend, distance = self._bend(motion), self._shaft_distance
         if self._far_shaft:
-            about = 1.0 + (self.lever / distance) * np.exp(1j * bend)
-            return np.asarray(self._shaft_angle + np.angle(about))
-        about = 1.0 + (distance / self.lever) * np.exp(-1j * bend)
-        return np.asarray(self.lever_angle + self.lever_sense * motion + np.angle(about))
+            ratio = 1.0 + (self.lever / distance) * np.exp(1j * bend)
+            return np.asarray(self._shaft_angle + np.angle(ratio))
+        ratio = 1.0 + (distance / self.lever) * np.exp(-1j * bend)
+        return np.asarray(self.lever_angle + self.lever_sense * motion + np.angle(ratio))
 
     def joints(self, motion: FloatArray) -> tuple[ComplexArray, ComplexArray]:
         """P and T (n,) [mm]: lever's pin and crank's tip at `motion` (n,) [rad]."""
@@ -1104,7 +1125,7 @@ class FourBar(RockerCrank):
 
     def sketch(self, place: complex, _: complex, position: FloatArray) -> MechanismSketch[Places]:
         """See `Linkage.sketch`."""
-        joined, far = drawn(place, self.joints(position)), place + self.shaft
+        joined, far = rocker_crank_sketch(place, self.joints(position)), place + self.shaft
         pin = joined.joints[1]
         return joined + MechanismSketch(
             links=((far, pin),),
@@ -1135,12 +1156,12 @@ class FourBar(RockerCrank):
         GeometryError
             With key "linkage", where coupler and lever are in line, up to rounding.
         """
-        far, own = self.transmission_sines(motion)
+        far, near = self.transmission_sines(motion)
         if np.any(np.abs(far) <= ROUNDING * (1.0 + self.lever / self.coupler)):
             raise GeometryError(
                 "coupler and lever are in line: the rocker cannot move the lever", key="linkage"
             )
-        return np.asarray(self.lever_sense * (self.crank / self.lever) * own / far)
+        return np.asarray(self.lever_sense * (self.crank / self.lever) * near / far)
 
     def _far_sine(self, motion: FloatArray) -> FloatArray:
         """Re(conj(D) i (P - D_0)) / (l_b l_c)."""
@@ -1157,8 +1178,8 @@ class FourBar(RockerCrank):
             # In line with the tip as seen from D_0, or opposite to it.
             ahead = 0.0 if signed > 0.0 else math.pi
             bends += [bend + ahead for bend in _bends(abs(self.shaft), abs(signed), self.crank)]
-        found = self._motions(bends, low - SLACK, high + SLACK)
-        return in_line(found, self._far_sine(np.array(found)))
+        positions = self._motions(bends, low - SLACK, high + SLACK)
+        return in_line(positions, self._far_sine(np.array(positions)))
 
     def far_turning_positions(self, low: float, high: float) -> tuple[float, ...]:
         """See `Linkage.far_turning_positions`: the crank lies on the line of the shafts, its tip
@@ -1193,7 +1214,7 @@ class FourBar(RockerCrank):
             With key "linkage", at a dead centre that is not passed at rest: psi'' is infinite.
         """
         motion = jet[0]
-        sine, cosine = self.half_angle_at(motion)
+        sine, cosine = self.position_half_angle(motion)
         theta = self._pin_angle(motion) - self.branch * 2.0 * np.arctan2(sine, cosine)
         leverage = passed_at_rest(
             0.5 * self.branch * (sine * cosine),
@@ -1206,24 +1227,24 @@ class FourBar(RockerCrank):
         rod = self.shaft + arm - tip
         turn1 = self.lever_sense * jet[1]
         pin1 = 1j * turn1 * arm
-        out = np.empty((order + 1, jet.shape[1]))
-        np.subtract(theta, self.start_angle, out=out[0])
-        theta1 = np.divide(dot(rod, pin1), leverage, out=out[1])
+        swing_jet = np.empty((order + 1, jet.shape[1]))
+        np.subtract(theta, self.start_angle, out=swing_jet[0])
+        theta1 = np.divide(dot(rod, pin1), leverage, out=swing_jet[1])
         if order > 1:
             turn2 = self.lever_sense * jet[2]
             pin2 = (1j * turn2 - turn1 * turn1) * arm
             rod1 = pin1 - 1j * theta1 * tip
-            swing_in = theta1 * theta1 * tip
-            theta2 = dot(rod, pin2 + swing_in) + dot(rod1, rod1)
-            theta2 = np.divide(theta2, leverage, out=out[2])
+            tip_centripetal = theta1 * theta1 * tip
+            theta2 = dot(rod, pin2 + tip_centripetal) + dot(rod1, rod1)
+            theta2 = np.divide(theta2, leverage, out=swing_jet[2])
         if order > 2:
             turn3 = self.lever_sense * jet[3]
             pin3 = (1j * (turn3 - turn1**3) - 3.0 * turn1 * turn2) * arm
-            rod2 = pin2 + swing_in - 1j * theta2 * tip
+            rod2 = pin2 + tip_centripetal - 1j * theta2 * tip
             mixed = (3.0 * theta1 * theta2 + 1j * theta1**3) * tip
             theta3 = dot(rod, pin3 + mixed) + 3.0 * dot(rod1, rod2)
-            np.divide(theta3, leverage, out=out[3])
-        return out
+            np.divide(theta3, leverage, out=swing_jet[3])
+        return swing_jet
 
     def turning_positions(self, low: float, high: float) -> tuple[float, ...]:
         """See `Linkage.turning_positions`: where the lever lies on the line of the shafts."""
@@ -1241,7 +1262,7 @@ class FourBar(RockerCrank):
     ) -> tuple[float, ...]:
         """The motions in [low, high] [rad] at which beta is one of `bends`, up to whole turns."""
         angles = [self.lever_sense * (bend - self._start_bend) for bend in bends]
-        return within(angles, low, high)
+        return periodic_angles(angles, low, high)
 
     def size_limits(self, size: Size, low: float, high: float) -> tuple[float, ...]:
         """See `Linkage.size_limits`: |l_a - l_b| <= d <= l_a + l_b, d from least to most."""

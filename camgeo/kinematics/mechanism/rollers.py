@@ -237,7 +237,7 @@ class OscillatingRoller(Rocking, WithRoller):
     @cached_property
     def excess(self) -> float:
         """l_3 - l_1 [mm], by which the arm is longer than the distance of its pivot."""
-        return excess_of(self.pivot, self.arm)
+        return arm_excess(self.pivot, self.arm)
 
     @cached_property
     def start_angle(self) -> float:
@@ -383,7 +383,7 @@ class OscillatingRoller(Rocking, WithRoller):
         )
 
 
-def excess_of(pivot: complex, arm: float) -> float:
+def arm_excess(pivot: complex, arm: float) -> float:
     """`arm` - |pivot| [mm] without cancellation of their digits."""
     distance = abs(pivot)
     return (arm - distance) - hypot_rest(pivot, distance)
@@ -401,7 +401,7 @@ def hypot_rest(vector: complex, size: float) -> float:
 
     From |vector|^2 - size^2 with the squares as exact sums of two doubles (Veltkamp, Dekker 1971).
     """
-    squares = [_square(each) for each in (vector.real, vector.imag, size)]
+    squares = [_square(component) for component in (vector.real, vector.imag, size)]
     (x, x_low), (y, y_low), (h, h_low) = squares
     larger, smaller = max(x, y), min(x, y)
     # x + y as an exact sum of two doubles; it is the square of the size but for rounding.
@@ -451,15 +451,15 @@ class Mount:
     """
 
     make: Callable[..., Follower]
-    given: tuple[tuple[str, float], ...]
+    arguments: tuple[tuple[str, float], ...]
 
     def roller(self, main: Follower) -> Follower:
         """The return roller; GeometryError as for `make`."""
-        return self.make(main, **dict(self.given))
+        return self.make(main, **dict(self.arguments))
 
     def sized(self, **sizes: float) -> Mount:
         """The same with other arguments."""
-        return Mount(self.make, tuple({**dict(self.given), **sizes}.items()))
+        return Mount(self.make, tuple({**dict(self.arguments), **sizes}.items()))
 
 
 def return_on_carriage(
@@ -531,19 +531,19 @@ def return_on_lever(
     """
     instance("follower.kind", main, OscillatingRoller, "a roller on a lever")
     arm_angle = angle("follower.return.arm_angle", arm_angle)
-    own = main.arm if arm is None else length("follower.return.arm", arm)
+    return_arm = main.arm if arm is None else length("follower.return.arm", arm)
     size = _size(main, roller_radius)
     chi = math.remainder(main.arm_side * main.start_angle + arm_angle, TURN)
     side = 1 if chi > 0.0 else -1
     # |A_0 B_2| by the law of cosines, in the form that stays accurate for small angles.
-    apart = 4.0 * main.centre_distance * own * math.sin(0.5 * chi) ** 2
-    base_radius = math.sqrt(excess_of(main.pivot, own) ** 2 + apart)
+    chord_square = 4.0 * main.centre_distance * return_arm * math.sin(0.5 * chi) ** 2
+    base_radius = math.sqrt(arm_excess(main.pivot, return_arm) ** 2 + chord_square)
     flat = not FLAT < abs(chi) < math.pi - FLAT
     try:
         if not flat:
             return OscillatingRoller(
                 pivot=main.pivot,
-                arm=own,
+                arm=return_arm,
                 base_radius=base_radius,
                 roller_radius=size,
                 arm_side=side,

@@ -87,20 +87,24 @@ class MechanismSketch(Generic[Place]):
 
     def of_table(self, name: str) -> MechanismSketch[Place]:
         """The same with the `name` of the scene's table before the keys of its dimensions."""
-        found = (replace(each, key=f"{name}.{each.key}") for each in self.dimensions)
-        return replace(self, dimensions=tuple(found))
+        dimensions = (
+            replace(dimension, key=f"{name}.{dimension.key}") for dimension in self.dimensions
+        )
+        return replace(self, dimensions=tuple(dimensions))
 
     def __add__(
         self: MechanismSketch[Places], other: MechanismSketch[Places]
     ) -> MechanismSketch[Places]:
         """Both together."""
         return MechanismSketch(
-            *(getattr(self, each.name) + getattr(other, each.name) for each in fields(self))
+            *(getattr(self, field.name) + getattr(other, field.name) for field in fields(self))
         )
 
-    def at(self: MechanismSketch[Places], number: int) -> MechanismSketch[complex]:
+    def position(self: MechanismSketch[Places], number: int) -> MechanismSketch[complex]:
         """The position of that `number`, from 0."""
-        return MechanismSketch(*(_at(getattr(self, each.name), number) for each in fields(self)))
+        return MechanismSketch(
+            *(_pick_position(getattr(self, field.name), number) for field in fields(self))
+        )
 
     @property
     def points(self) -> ComplexArray:
@@ -109,18 +113,20 @@ class MechanismSketch(Generic[Place]):
         sides = np.array([[1.0], [1j], [-1.0], [-1j]])
         rims: list[Any] = [np.asarray(centre) + radius * sides for centre, radius in self.rollers]
         guides = [point for guide in self.guides for point in (guide.middle, *guide.travel)]
-        found = [*ends, *self.joints, *self.shafts, *guides, *rims]
-        return np.concatenate([np.zeros(0, np.complex128), *map(np.ravel, found)])
+        places = [*ends, *self.joints, *self.shafts, *guides, *rims]
+        return np.concatenate([np.zeros(0, np.complex128), *map(np.ravel, places)])
 
 
-def _at(value: Any, number: int) -> Any:
+def _pick_position(value: Any, number: int) -> Any:
     """The same with the place of that number instead of each array of places."""
     if isinstance(value, np.ndarray):
         return complex(value[number])
     if isinstance(value, tuple):
-        return tuple(_at(each, number) for each in value)
+        return tuple(_pick_position(entry, number) for entry in value)
     if isinstance(value, Guide):
-        return replace(value, middle=_at(value.middle, number))
+        return replace(value, middle=_pick_position(value.middle, number))
     if isinstance(value, Dimension):
-        return replace(value, start=_at(value.start, number), end=_at(value.end, number))
+        return replace(
+            value, start=_pick_position(value.start, number), end=_pick_position(value.end, number)
+        )
     return value

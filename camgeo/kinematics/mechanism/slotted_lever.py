@@ -32,7 +32,7 @@ import numpy as np
 
 from camgeo.errors import GeometryError
 from camgeo.numeric.arrays import FloatArray
-from camgeo.numeric.checked import CheckedFields, check_fields, shown
+from camgeo.numeric.checked import CheckedFields, check_fields, value_text
 from camgeo.numeric.extremes import Extreme, Extremes
 from camgeo.units import TURN
 
@@ -45,7 +45,7 @@ def any_size(key: str, value: Any) -> float:
     """A number above 0 of any size, for formulas that use ratios only."""
     real = isinstance(value, Real) and not isinstance(value, bool)
     if not (real and 0.0 < value <= sys.float_info.max):
-        raise GeometryError("must be a positive number", key, shown(value))
+        raise GeometryError("must be a positive number", key, value_text(value))
     return float(value)
 
 
@@ -392,20 +392,20 @@ class DrivenLever:
         lever, speed = self.lever, self.speed
         if lever.crank == lever.distance:
             return ()
-        found = []
+        collected = []
         if lever.swings:
             angle = lever.largest_angle
-            found += self._pair("phi", -angle.value, angle.place)
+            collected += self._pair("phi", -angle.value, angle.place)
         velocities = lever.velocity_extremes
         # The smallest phi' is the largest omega_2, for the sense of the angles is opposite.
         at_ends = [
             self._extreme("omega2", largest, -speed * end.value, end.place)
             for largest, end in ((True, velocities.lowest), (False, velocities.highest))
         ]
-        found += sorted(at_ends, key=lambda extreme: extreme.crank)
+        collected += sorted(at_ends, key=lambda extreme: extreme.crank)
         acceleration = lever.largest_acceleration
-        found += self._pair("eps2", -speed * speed * acceleration.value, acceleration.place)
-        return tuple(found)
+        collected += self._pair("eps2", -speed * speed * acceleration.value, acceleration.place)
+        return tuple(collected)
 
     @property
     def strokes(self) -> tuple[Stroke, Stroke] | None:

@@ -16,11 +16,11 @@ from camgeo.errors import GeometryError
 from camgeo.numeric.checked import (
     SMALLEST,
     Check,
-    checks_of,
+    field_checks,
     number,
     one_of,
     point,
-    shown,
+    value_text,
 )
 from camgeo.units import TURN, LiftUnit
 
@@ -39,10 +39,10 @@ def length(key: str, value: Any) -> float:
 
 def radius(key: str, value: Any) -> float:
     """A length [mm] that may be 0."""
-    found = number(key, value, least=0.0, unit="mm")
-    if 0.0 < found < SMALLEST:
-        raise GeometryError(f"must be 0, or at least {SMALLEST:g}", key, shown(value))
-    return found
+    size = number(key, value, least=0.0, unit="mm")
+    if 0.0 < size < SMALLEST:
+        raise GeometryError(f"must be 0, or at least {SMALLEST:g}", key, value_text(value))
+    return size
 
 
 def coordinate(key: str, value: Any) -> float:
@@ -80,14 +80,14 @@ def of_table(check: Check, value: Any, mm: float) -> Any:
     if check is angle:
         return math.radians(value)
     if isinstance(value, list):
-        return tuple(mm * each for each in value)
+        return tuple(mm * entry for entry in value)
     return mm * value if check in (length, radius, coordinate) else value
 
 
 def able(key: str, value: Any, method: str, what: str) -> None:
     """GeometryError unless `value` has the `method` that makes it `what`."""
     if isinstance(value, type) or not hasattr(value, method):
-        raise GeometryError(f"must be {what}", key, shown(value))
+        raise GeometryError(f"must be {what}", key, value_text(value))
 
 
 # As types of fields, see `camgeo.numeric.checked.check_fields`.
@@ -121,13 +121,13 @@ class Values:
         Converted to mm and rad by the annotations of `camgeo.kinematics.mechanism.values`. `first`
         are passed before them, `others` in place of them.
         """
-        return make(*first, **(self.given(make) | others))
+        return make(*first, **(self.arguments(make) | others))
 
-    def given(self, make: Callable[..., Any]) -> dict[str, Any]:
+    def arguments(self, make: Callable[..., Any]) -> dict[str, Any]:
         """The values that the annotations of `make` name, converted as for `build`."""
         return {
             name: of_table(check, self.table[key], self.mm)
-            for name, (check, key, _) in checks_of(make).items()
+            for name, (check, key, _) in field_checks(make).items()
             if key in self.table
         }
 
@@ -149,7 +149,7 @@ Touching = Literal["roller", "face"]
 Member = Literal["slider", "lever", "crank"]
 """The far end of a linkage, whose motion is demanded."""
 
-UNIT_OF: Final[Mapping[Member, LiftUnit]] = {"slider": "mm", "lever": "rad", "crank": "rad"}
+MEMBER_UNITS: Final[Mapping[Member, LiftUnit]] = {"slider": "mm", "lever": "rad", "crank": "rad"}
 """Unit of the positions of a linkage's far end."""
 
 Rule = Callable[[Mapping[str, Any]], Iterator[tuple[str, str]]]
@@ -168,7 +168,7 @@ class FollowerKind:
     touching : the part that touches the cam.
     schema : JSON Schema of its table, without its kind.
     made : its class, as "module:name" beside this module.
-    returned : of a kind with conjugate pairs, what makes the second roller; else empty.
+    return_maker : of a kind with conjugate pairs, what makes the second roller; else empty.
     sizes : keys of the lengths that a tolerance is compared with; nested ones with a dot.
     rules : conditions that relate its keys.
     """
@@ -178,22 +178,22 @@ class FollowerKind:
     unit: LiftUnit
     touching: Touching
     schema: Mapping[str, Any]
-    made: str
+    class_path: str
     sizes: tuple[str, ...]
-    returned: str = ""
+    return_maker: str = ""
     rules: tuple[Rule, ...] = ()
 
     def build(self, values: Values) -> Any:
         """The follower of a table; behind a linkage, which gives its own angle, the direction of a
         rocker is None.
         """
-        own = {"direction": None} if values.linked and self.unit == "rad" else {}
-        return values.build(_imported(self.made), **own)
+        overrides = {"direction": None} if values.linked and self.unit == "rad" else {}
+        return values.build(_imported(self.class_path), **overrides)
 
     def mount(self, values: Values) -> Any:
         """The `rollers.Mount` of the second roller, of the table [follower.return]."""
-        make = _imported(self.returned)
-        return _imported("rollers:Mount")(make, tuple(values.given(make).items()))
+        make = _imported(self.return_maker)
+        return _imported("rollers:Mount")(make, tuple(values.arguments(make).items()))
 
 
 def _imported(place: str) -> Any:

@@ -13,8 +13,8 @@ from typing import Final
 import numpy as np
 
 from camgeo.errors import GeometryError
-from camgeo.kinematics.laws import BALANCES, FAMILIES, LARGEST, find_family, law_of, make_law
-from camgeo.kinematics.laws.family import COUNTED_FROM_END, Family
+from camgeo.kinematics.laws import BALANCES, FAMILIES, LARGEST, build_law, find_family, make_law
+from camgeo.kinematics.laws.family import COUNTED_FROM_END, Family, LawParameters
 from camgeo.kinematics.laws.law import Characteristic, Law, acceleration_jumps, characteristic
 from camgeo.kinematics.laws.polynomials import ORDERS, law_of_boundary_values
 from camgeo.kinematics.laws.pulse import DIGITS
@@ -25,8 +25,8 @@ from camgeo.kinematics.planning.requests import (
     CRITERIA,
     STRAIGHT,
     TAKE_JERK,
-    Joint,
     Link,
+    RingJoint,
 )
 from camgeo.numeric import checked
 from camgeo.numeric.arrays import FloatArray
@@ -43,7 +43,7 @@ RESOLVED: Final = 4.0 * SNAP
 """Shortest part of a law [rad]; two cam angles closer than `SNAP` are the same."""
 
 
-def move_of(link: Link) -> Move:
+def build_move(link: Link) -> Move:
     """The move by the law that is asked for, of joints that are settled."""
     request = link.move
     if link.law == STRAIGHT:
@@ -93,16 +93,16 @@ def named_law(link: Link) -> Law:
     if task not in family.parameters:
         task = family.tasks[0]  # the polynomial of what is given has but one
     with keyed(link):
-        given = dict(request.parameters)
+        parameters = dict(request.parameters)
         known = normalised(link)
-        given |= {key: known[key] for key in _needed(link, family.parameters[task], known)}
+        parameters |= {key: known[key] for key in _needed(link, family.parameters[task], known)}
         if request.balance:
-            given["inflection"] = balanced(family.name, task, request.balance, given)
+            parameters["inflection"] = balanced(family.name, task, request.balance, parameters)
         wrong = None
         try:
-            law = law_of(family.name, task, given)
+            law = build_law(family.name, task, parameters)
         except GeometryError:
-            wrong = _out_of_reach(link, family, task, given)
+            wrong = _unreachable_error(link, family, task, parameters)
             if wrong is None:
                 raise
     if wrong is not None:
@@ -111,37 +111,37 @@ def named_law(link: Link) -> Law:
     return law
 
 
-def own_law(link: Link) -> Law:
+def preferred_law(link: Link) -> Law:
     """The law that a move names, with the parameters that are not stated chosen for it alone.
 
     The inflection point lies where the accelerations of both parts are equally large, or in the
     middle if there is no such place; a sine-straight combination turns as gently as it can.
     """
     family, task = find_family(link.law), link.task
-    taken = family.parameters[task]
+    accepted = family.parameters[task]
     known = normalised(link)
-    given = {"curved": GENTLEST} if "curved" in taken else {}
-    given |= {key: known[key] for key in ("v0", "v1") if key in taken and key in known}
+    parameters = {"curved": GENTLEST} if "curved" in accepted else {}
+    parameters |= {key: known[key] for key in ("v0", "v1") if key in accepted and key in known}
     with keyed(link):
-        given |= {key: value for key, value in link.move.parameters.items() if key in taken}
-        if "inflection" in taken and "inflection" not in given:
+        parameters |= {key: value for key, value in link.move.parameters.items() if key in accepted}
+        if "inflection" in accepted and "inflection" not in parameters:
             try:
-                given["inflection"] = equal_accelerations(family.name, task, given)
+                parameters["inflection"] = equal_accelerations(family.name, task, parameters)
             except GeometryError:
-                given["inflection"] = 0.5
-        return law_of(family.name, task, given)
+                parameters["inflection"] = 0.5
+        return build_law(family.name, task, parameters)
 
 
 def normalised(link: Link, unit: float | None = None) -> dict[str, float]:
     """Known values at both ends, "v0" to "j1", normalised (VDI 2143-1, eqs. (136) to (141)): as
     multiples of the stroke, or of another `unit` [mm or rad].
     """
-    unit, found = unit or link.stroke, {}
+    unit, values = unit or link.stroke, {}
     for end, joint in (("0", link.start), ("1", link.end)):
         for key, value in zip("vaj", (*joint.values, joint.jerk), strict=True):
             if value is not None:
-                found[key + end] = value * link.length ** ORDERS[key] / unit
-    return found
+                values[key + end] = value * link.length ** ORDERS[key] / unit
+    return values
 
 
 def _needed(link: Link, taken: tuple[str, ...], known: dict[str, float]) -> list[str]:
@@ -154,7 +154,7 @@ def _needed(link: Link, taken: tuple[str, ...], known: dict[str, float]) -> list
         return keys
     # A turn is met by the place of the inflection point (and by c, where there is one).
     free = 2 if "curved" in taken else 1
-    free -= len({"inflection", "curved"} & link.move.shaped_by)
+    free -= len({"inflection", "curved"} & link.move.stated_parameters)
     dropped = accelerations[max(free, 0) :]
     return [key for key in keys if key not in dropped]
 
@@ -169,11 +169,11 @@ def _check_stated(link: Link, law: Law) -> None:
             if name not in joint.stated:
                 continue
             unit = link.stroke / link.length**order
-            wanted, found = getattr(joint, name), getattr(end, name) * unit
-            if abs(found - wanted) > MISSED * max(abs(found), abs(wanted), abs(unit)):
+            wanted, actual = getattr(joint, name), getattr(end, name) * unit
+            if abs(actual - wanted) > MISSED * max(abs(actual), abs(wanted), abs(unit)):
                 raise GeometryError(
                     f"cannot be met by {law.name} for {law.task} of {link.key}, whose {name} there"
-                    f" is {text(found, order)}; polynomial-5 and auto meet any",
+                    f" is {text(actual, order)}; polynomial-5 and auto meet any",
                     key=f"{joint.key}.{name}",
                     value=text(wanted, order),
                 )
@@ -209,30 +209,30 @@ def keyed(link: Link) -> Iterator[None]:
         ) from error
 
 
-def _out_of_reach(
-    link: Link, family: Family, task: str, given: dict[str, float]
+def _unreachable_error(
+    link: Link, family: Family, task: str, parameters: dict[str, float]
 ) -> GeometryError | None:
-    """The reason why a law cannot have the acceleration a0 or a1 of `given`; None if it can, or
-    takes neither.
+    """The error that says why a law cannot have the acceleration a0 or a1 of `parameters`; None if
+    it can, or takes neither.
 
     The acceleration at a turn runs from a bound, which it has where the other part of the law takes
     no time, to infinity, where its own part takes none (see `camgeo.kinematics.laws.pulse`).
     """
-    ends: dict[str, float] = {key: given[key] for key in ("a0", "a1") if key in given}
+    ends: dict[str, float] = {key: parameters[key] for key in ("a0", "a1") if key in parameters}
     if family.parts is None or not ends:
         return None
     if len(ends) == 2:
-        key, bound, above = _of_both(ends["a0"], ends["a1"])
+        key, bound, above = _unreachable_end(ends["a0"], ends["a1"])
     else:
         key = next(iter(ends))
-        rest = {name: value for name, value in given.items() if name not in ends}
+        rest = {name: value for name, value in parameters.items() if name not in ends}
         parts = family.parts(task, rest)
         bound, above = parts.reach()
         if key == "a0":  # of the mirror image, whose acceleration has the other sign
             bound, above = parts.mirrored.reach()
             bound, above = -bound, not above
-        if family.name == "sine-straight" and "inflection" in given:
-            inflection = given["inflection"]
+        if family.name == "sine-straight" and "inflection" in parameters:
+            inflection = parameters["inflection"]
             bound = LEAST / inflection if key == "a0" else -LEAST / (1.0 - inflection)
     if not key or (ends[key] > bound if above else ends[key] < bound):
         return None
@@ -255,7 +255,7 @@ def _out_of_reach(
     )
 
 
-def _of_both(a0: float, a1: float) -> tuple[str, float, bool]:
+def _unreachable_end(a0: float, a1: float) -> tuple[str, float, bool]:
     """Which of the two a sine-straight combination cannot have, its bound, and if it lies above."""
     if not a0 > LEAST:
         return "a0", LEAST, True
@@ -283,7 +283,7 @@ SAME: Final = 1e-12
 """Relative difference of accelerations that counts as rounding."""
 
 
-def settle_turns(links: Sequence[Link]) -> tuple[set[Joint], dict[Joint, float]]:
+def settle_turns(links: Sequence[Link]) -> tuple[set[RingJoint], dict[RingJoint, float]]:
     """Give turns the acceleration that the laws beside them decide.
 
     A law without a choice decides its turns. Each law with a choice has a turn that suits it best:
@@ -318,7 +318,7 @@ def settle_turns(links: Sequence[Link]) -> tuple[set[Joint], dict[Joint, float]]
     }
 
 
-def tied_turns(links: Sequence[Link], undecided: Set[Joint]) -> dict[Joint, float]:
+def tied_turns(links: Sequence[Link], undecided: Set[RingJoint]) -> dict[RingJoint, float]:
     """The accelerations of both turns of a move, by joint, if its law does not meet both as they
     are: with one parameter left to choose, one turn determines the other.
 
@@ -329,15 +329,18 @@ def tied_turns(links: Sequence[Link], undecided: Set[Joint]) -> dict[Joint, floa
     for link in links:
         ends = link.start, link.end
         is_open = [end in undecided for end in ends]
-        taken, stated = _choices(link)
-        ties = link.task == "U-U" and taken == SHAPES and len(stated) == 1
+        adjustable, stated = _choices(link)
+        ties = link.task == "U-U" and adjustable == SHAPES and len(stated) == 1
         if not ties or not any(is_open):
             continue
         turns = [end.acceleration or 0.0 for end in ends]
-        size = [abs(turn / own) for turn, own in zip(turns, _own_turns(link), strict=True)]
+        size = [
+            abs(turn / preferred)
+            for turn, preferred in zip(turns, _preferred_turns(link), strict=True)
+        ]
         follows = int(size[0] <= size[1]) if all(is_open) else is_open.index(True)
         wanted = _following(link, follows)
-        if all(is_open) and abs(wanted) < abs(_beside(ends[follows], link)):
+        if all(is_open) and abs(wanted) < abs(_neighbour_turn(ends[follows], link)):
             follows = 1 - follows
             wanted = _following(link, follows)
         if abs(wanted - turns[follows]) > SAME * abs(wanted):
@@ -348,47 +351,47 @@ def tied_turns(links: Sequence[Link], undecided: Set[Joint]) -> dict[Joint, floa
 def _following(link: Link, at_end: int) -> float:
     """The acceleration that the law of a move has at one end, from the one at its other end."""
     joint = link.end if at_end else link.start
-    kept, joint.acceleration = joint.acceleration, None
+    saved, joint.acceleration = joint.acceleration, None
     law = named_law(link)
-    joint.acceleration = kept
+    joint.acceleration = saved
     return (law.end if at_end else law.start).acceleration * link.stroke / link.length**2
 
 
-def _beside(joint: Joint, link: Link) -> float:
+def _neighbour_turn(joint: RingJoint, link: Link) -> float:
     """The gentlest acceleration at a joint of the law on the other side than `link`."""
     return next((turn for side, turn in _turns_of_sides(joint) if side is not link), 0.0)
 
 
-def _turns_of_sides(joint: Joint) -> Iterator[tuple[Link, float]]:
+def _turns_of_sides(joint: RingJoint) -> Iterator[tuple[Link, float]]:
     """The named laws before and after a joint, each with its own acceleration there."""
     for link, at_end in _sides(joint):
         if link.is_named and link.stroke:
-            yield link, _own_turns(link)[at_end]
+            yield link, _preferred_turns(link)[at_end]
 
 
-def _sides(joint: Joint) -> tuple[tuple[Link, int], tuple[Link, int]]:
+def _sides(joint: RingJoint) -> tuple[tuple[Link, int], tuple[Link, int]]:
     """The links before and after a joint, each with which of its ends the joint is."""
-    return (joint.before, 1), (joint.after, 0)
+    return (joint.previous, 1), (joint.following, 0)
 
 
 def _choices(link: Link) -> tuple[frozenset[str], frozenset[str]]:
     """The parameters of a named law with which it can meet turns, and which of them are stated."""
     if not link.is_named:
         return frozenset(), frozenset()
-    taken = SHAPES & {*find_family(link.law).parameters.get(link.task, ())}
-    return taken, taken & link.move.shaped_by
+    adjustable = SHAPES & {*find_family(link.law).parameters.get(link.task, ())}
+    return adjustable, adjustable & link.move.stated_parameters
 
 
 def _decides_turn(link: Link) -> bool:
     """Whether the parameters of a law fix the acceleration with which it turns."""
     if not link.is_named or "U" not in link.task:
         return False
-    taken, stated = _choices(link)
+    adjustable, stated = _choices(link)
     # A law with one parameter can meet one of two turns.
-    return stated == taken or (link.task == "U-U" and len(taken) == 1)
+    return stated == adjustable or (link.task == "U-U" and len(adjustable) == 1)
 
 
-def _decide(links: Sequence[Link], gentlest: Mapping[Joint, float | None]) -> None:
+def _decide(links: Sequence[Link], gentlest: Mapping[RingJoint, float | None]) -> None:
     """Turns whose acceleration a neighbouring law fixes; fully stated laws come first.
 
     A law that chooses one of its two turns chooses the one for which a neighbour needs a sharper
@@ -396,7 +399,9 @@ def _decide(links: Sequence[Link], gentlest: Mapping[Joint, float | None]) -> No
     """
     deciding = [link for link in links if link.stroke and _decides_turn(link)]
     # A law meets any turn that is sharper than its own, so the sharper one decides.
-    deciding.sort(key=lambda link: (not link.move.shaped_by, -max(map(abs, _own_turns(link)))))
+    deciding.sort(
+        key=lambda link: (not link.move.stated_parameters, -max(map(abs, _preferred_turns(link))))
+    )
     for link in deciding:
         start, end = link.start, link.end
         if start.velocity is None or end.velocity is None:
@@ -409,55 +414,60 @@ def _decide(links: Sequence[Link], gentlest: Mapping[Joint, float | None]) -> No
                 joint.acceleration = boundary.acceleration * link.stroke / link.length**2
 
 
-def _choose_sharper(link: Link, gentlest: Mapping[Joint, float | None]) -> None:
+def _choose_sharper(link: Link, gentlest: Mapping[RingJoint, float | None]) -> None:
     """Give one turn of a law what the neighbour there needs, if that is sharper than its own."""
-    taken, stated = _choices(link)
-    if taken == stated:
+    adjustable, stated = _choices(link)
+    if adjustable == stated:
         return
     ends = link.start, link.end
     needed = [gentlest[end] or 0.0 for end in ends]
-    sizes = [turn / own for turn, own in zip(needed, _own_turns(link), strict=True)]
+    sizes = [
+        turn / preferred for turn, preferred in zip(needed, _preferred_turns(link), strict=True)
+    ]
     sharper = sizes.index(max(sizes))
     if sizes[sharper] > 1.0:
         ends[sharper].acceleration = needed[sharper]
 
 
-def _gentlest(joint: Joint) -> float | None:
+def _gentlest(joint: RingJoint) -> float | None:
     """The gentlest acceleration of a turn that suits the named laws beside it; None without any."""
-    found = [turn for _, turn in _turns_of_sides(joint)]
-    if len(found) == 2 and found[0] * found[1] < 0.0:
+    turns = [turn for _, turn in _turns_of_sides(joint)]
+    if len(turns) == 2 and turns[0] * turns[1] < 0.0:
         raise GeometryError(
             "would stop for a moment at its end and then go on in the same direction: this law"
             " slows down to there, the next one speeds up from there, and their accelerations have"
             " opposite signs; polynomial-5 and auto pass with a velocity",
-            key=f"{joint.before.key}.law",
+            key=f"{joint.previous.key}.law",
         )
-    return max(found, key=abs, default=None)
+    return max(turns, key=abs, default=None)
 
 
-def _suited(joint: Joint) -> float | None:
+def _suited(joint: RingJoint) -> float | None:
     """The acceleration of a turn that suits the laws on both sides; None if one side joins to any,
     or neither law prefers a turn to a sharper one.
     """
-    found, prefers = [], False
+    candidates, prefers = [], False
     for link, at_end in _sides(joint):
-        turns = _own_turns(link) if link.is_named else _best_turns(link)
+        turns = _preferred_turns(link) if link.is_named else _best_turns(link)
         if not link.stroke or turns is None:
             return None
-        found.append(turns[at_end])
+        candidates.append(turns[at_end])
         prefers |= _choices(link)[0] != SHAPES
-    if not prefers or found[0] * found[1] <= 0.0:
+    if not prefers or candidates[0] * candidates[1] <= 0.0:
         return None
-    links = joint.before, joint.after
+    links = joint.previous, joint.following
     if not any("jerk" in link.move.optimise for link in links):
-        return max(found, key=abs)
+        return max(candidates, key=abs)
     # A turn sharper than its own costs a law more jerk.
-    return _compromise(joint, found) if all(link.law == AUTO for link in links) else None
+    return _compromise(joint, candidates) if all(link.law == AUTO for link in links) else None
 
 
-def _compromise(joint: Joint, own: list[float]) -> float:
-    """The turn between two "auto" moves that keeps small what both optimise, given their `own`."""
-    gentler, sharper = sorted(own, key=abs)
+def _compromise(joint: RingJoint, candidates: list[float]) -> float:
+    """The acceleration of a turn between two "auto" moves that keeps small what both optimise.
+
+    `candidates` are the accelerations that each of them prefers.
+    """
+    gentler, sharper = sorted(candidates, key=abs)
     turns = gentler * np.geomspace(1.0, sharper / gentler, TRIED)
     weights: Counter[str] = Counter()
     sizes = {name: np.zeros(TRIED) for name in POWERS}
@@ -469,19 +479,21 @@ def _compromise(joint: Joint, own: list[float]) -> float:
         known = {f"a{end}": turn / unit for end, turn in enumerate(both) if turn}
         known |= normalised(link)
         for place, turn in enumerate(turns):
-            found = sizes_at(link.task, known | {f"a{at_end}": turn / unit}, request.optimise)
+            criteria = criterion_sizes(
+                link.task, known | {f"a{at_end}": turn / unit}, request.optimise
+            )
             for name, (spans, strokes) in POWERS.items():
-                size = found[name] * abs(link.stroke) ** strokes / link.length**spans
+                size = criteria[name] * abs(link.stroke) ** strokes / link.length**spans
                 sizes[name][place] = max(sizes[name][place], size)
     costs = [weight * sizes[name] / np.min(sizes[name]) for name, weight in weights.items()]
     return float(turns[int(np.argmin(np.sum(costs, axis=0)))])
 
 
-def _own_turns(link: Link) -> tuple[float, float]:
+def _preferred_turns(link: Link) -> tuple[float, float]:
     """The accelerations at both ends of a named law with equally large ones in both its parts, and
     as gentle as it can be; a law must not turn more gently.
     """
-    law = own_law(link)
+    law = preferred_law(link)
     unit = link.unit_acceleration
     return law.start.acceleration * unit, law.end.acceleration * unit
 
@@ -492,9 +504,9 @@ def _best_turns(link: Link) -> tuple[float, float] | None:
         return None
     known = normalised(link)
     optimise = tuple(sorted(link.move.optimise.items()))
-    found = best_turn(link.task, known["v0"], known["v1"], optimise)
+    turns = best_turn(link.task, known["v0"], known["v1"], optimise)
     unit = link.unit_acceleration
-    return found and (found[0] * unit, found[1] * unit)
+    return turns and (turns[0] * unit, turns[1] * unit)
 
 
 # -- auto -----------------------------------------------------------------------------------------
@@ -503,7 +515,7 @@ def _best_turns(link: Link) -> tuple[float, float] | None:
 
 DEFAULT: Mapping[str, float] = {"acceleration": 1.0}
 
-STANDS_IN = {"velocity": "moment"}
+SUBSTITUTES = {"velocity": "moment"}
 
 GENTLEST_SHIFT, SHARPEST = 0.5, 4.0
 """Turns that are tried, as multiples of the gentlest one with equally large accelerations."""
@@ -545,8 +557,8 @@ def best_law(
 
     A law that overshoots is chosen only if all do. Of equal laws the first registered wins.
     """
-    found = [law for name in FAMILIES for law in _candidates(name, task, known, parameters)]
-    rated: Sequence[Rated] = [(law, characteristic(law)) for law in found]
+    laws = [law for name in FAMILIES for law in _candidates(name, task, known, parameters)]
+    rated: Sequence[Rated] = [(law, characteristic(law)) for law in laws]
     if not rated:
         stated = ", ".join(f"{key} = {value:g}" for key, value in parameters.items())
         raise GeometryError(
@@ -559,7 +571,7 @@ def best_law(
     rated = [pair for pair in rated if not _overshoots(pair[1])] or rated
     costs = _costs(rated, optimise or DEFAULT)
     nearly = min(costs) * (1.0 + TIE)
-    return next(law for (law, _), found in zip(rated, costs, strict=True) if found <= nearly)
+    return next(law for (law, _), cost in zip(rated, costs, strict=True) if cost <= nearly)
 
 
 @lru_cache(maxsize=64)
@@ -584,13 +596,15 @@ def best_turn(
         mirrored = best_turn(f"{task[-1]}-U", v1, v0, optimise)
         return mirrored and (-mirrored[1], -mirrored[0])
     known = {"v0": v0, "v1": v1}
-    own = [turn for name in FAMILIES if (turn := _own_turn(name, task, known))]
-    if not own:
+    preferred = [turn for name in FAMILIES if (turn := _preferred_turn(name, task, known))]
+    if not preferred:
         return None
-    middle = min(own, key=abs)
+    middle = min(preferred, key=abs)
     weights: dict[str, float] = {}
     for name, weight in optimise or DEFAULT.items():
-        weights[STANDS_IN.get(name, name)] = weights.get(STANDS_IN.get(name, name), 0.0) + weight
+        weights[SUBSTITUTES.get(name, name)] = (
+            weights.get(SUBSTITUTES.get(name, name), 0.0) + weight
+        )
 
     def rated(name: str, turn: float) -> Sequence[Rated]:
         ends = {"a1": turn, **({"a0": -turn} if task == "U-U" else {})}
@@ -602,26 +616,26 @@ def best_turn(
         tame = [pair for pair in rated(name, turn) if not _overshoots(pair[1])]
         return min(_costs(tame, weights, scale), default=math.inf)
 
-    best = min((cost(name, turn), turn) for name in FAMILIES for turn in own)
+    best = min((cost(name, turn), turn) for name in FAMILIES for turn in preferred)
     for name in FAMILIES:
         if task in FAMILIES[name].tasks:
             turn = _lowest(partial(cost, name), GENTLEST_SHIFT * middle, SHARPEST * middle)
-            found = cost(name, turn)
-            if found < best[0] * (1.0 - GAIN):
-                best = found, turn
+            lowest = cost(name, turn)
+            if lowest < best[0] * (1.0 - GAIN):
+                best = lowest, turn
     turn = best[1]
     return (-turn if task == "U-U" else 0.0), turn
 
 
-def _own_turn(name: str, task: str, known: Mapping[str, float]) -> float | None:
+def _preferred_turn(name: str, task: str, known: Mapping[str, float]) -> float | None:
     """f'' at the end of the law with equally large accelerations; None if there is none."""
     family = FAMILIES[name]
     if family.parts is None or task not in family.tasks:
         return None
-    given = {key: value for key, value in known.items() if key in family.parameters[task]}
+    parameters = {key: value for key, value in known.items() if key in family.parameters[task]}
     try:
-        place = equal_accelerations(name, task, given)
-        return law_of(name, task, {**given, "inflection": place}).end.acceleration
+        place = equal_accelerations(name, task, parameters)
+        return build_law(name, task, {**parameters, "inflection": place}).end.acceleration
     except GeometryError:
         return None
 
@@ -645,7 +659,7 @@ def _lowest(cost: Callable[[float], float], low: float, high: float) -> float:
 
 def _least(rated: Sequence[Rated], weights: Mapping[str, float]) -> dict[str, float]:
     """The smallest value of each quantity that any law has."""
-    return {name: min(size_of(values, name) for _, values in rated) for name in weights}
+    return {name: min(criterion_size(values, name) for _, values in rated) for name in weights}
 
 
 def _costs(
@@ -657,22 +671,22 @@ def _costs(
     least = least or _least(rated, weights)
     return [
         sum(
-            weight * size_of(values, name) / least[name] if least[name] else 0.0
+            weight * criterion_size(values, name) / least[name] if least[name] else 0.0
             for name, weight in weights.items()
         )
         for _, values in rated
     ]
 
 
-def sizes_at(
+def criterion_sizes(
     task: str, known: Mapping[str, float], optimise: Mapping[str, float]
 ) -> dict[str, float]:
     """Each criterion of the best law for `task` with these boundary values, see `best_law`."""
     values = characteristic(best_law(task, known, {}, optimise))
-    return {name: size_of(values, name) for name in CRITERIA}
+    return {name: criterion_size(values, name) for name in CRITERIA}
 
 
-def size_of(values: Characteristic, name: str) -> float:
+def criterion_size(values: Characteristic, name: str) -> float:
     """Largest magnitude of a quantity: "velocity", "acceleration", "jerk" or "moment"."""
     high, low = {
         "velocity": (values.velocity, values.least_velocity),
@@ -689,18 +703,20 @@ def _candidates(
     family = FAMILIES[name]
     if name == "polynomial" or task not in family.tasks:
         return []
-    taken = family.parameters[task]
-    if not parameters.keys() <= set(taken):
+    accepted = family.parameters[task]
+    if not parameters.keys() <= set(accepted):
         return []
-    given = {**parameters}
-    given |= {key: known.get(key, 0.0) for key in taken if key[0] in "va" and key[1:] in ("0", "1")}
+    law_parameters = {**parameters}
+    law_parameters |= {
+        key: known.get(key, 0.0) for key in accepted if key[0] in "va" and key[1:] in ("0", "1")
+    }
     try:
-        if "inflection" in taken and "inflection" not in given and "U" not in task:
+        if "inflection" in accepted and "inflection" not in law_parameters and "U" not in task:
             if task != "R-R":
-                given["inflection"] = equal_accelerations(name, task, given)
-        elif "inflection" in given:
-            given = {key: value for key, value in given.items() if key[0] != "a"}
-        law = law_of(name, task, given)
+                law_parameters["inflection"] = equal_accelerations(name, task, law_parameters)
+        elif "inflection" in law_parameters:
+            law_parameters = {key: value for key, value in law_parameters.items() if key[0] != "a"}
+        law = build_law(name, task, law_parameters)
     except GeometryError:
         return []
     return [law] if _fits(law, known) else []
@@ -731,8 +747,6 @@ def _overshoots(values: Characteristic) -> bool:
 # point.
 
 
-Given = Mapping[str, float]
-
 NEAREST: Final = 1e-6
 """How near to 0 and 1 an inflection point is sought."""
 
@@ -740,13 +754,13 @@ TINY: Final = 1e-300
 """Stands in for a part without acceleration when a logarithm is taken."""
 
 
-def equal_accelerations(name: str, task: str, given: Given) -> float:
+def equal_accelerations(name: str, task: str, parameters: LawParameters) -> float:
     """lambda, as VDI 2143-1 counts it, at which |C_a| = |C_a*|, from a quadratic.
 
     Parameters
     ----------
     name, task : a law with an inflection point, see `camgeo.kinematics.laws.make_law`.
-    given : its other parameters.
+    parameters : its other parameters.
 
     Raises
     ------
@@ -757,14 +771,15 @@ def equal_accelerations(name: str, task: str, given: Given) -> float:
     if family.parts is None:
         raise GeometryError(f"{name} has no inflection point", key="inflection")
     parts = family.parts(
-        checked.one_of("task", task, family.tasks), checked.by_name("parameters", given, LARGEST)
+        checked.one_of("task", task, family.tasks),
+        checked.by_name("parameters", parameters, LARGEST),
     )
     place = parts.inflection_for_equal_accelerations()
     with localcontext(DIGITS):
         return float(1 - place if task in COUNTED_FROM_END else place)
 
 
-def balanced(name: str, task: str, quantity: str, given: Given) -> float:
+def balanced(name: str, task: str, quantity: str, parameters: LawParameters) -> float:
     """lambda at which both parts have the same largest acceleration, jerk or dynamic moment.
 
     Parameters
@@ -777,10 +792,10 @@ def balanced(name: str, task: str, quantity: str, given: Given) -> float:
         If the law has no inflection point, or none makes them equal.
     """
     if checked.one_of("quantity", quantity, BALANCES) == "acceleration":
-        return equal_accelerations(name, task, given)
+        return equal_accelerations(name, task, parameters)
 
     def difference(places: FloatArray) -> FloatArray:
-        laws = (law_of(name, task, {**given, "inflection": float(lam)}) for lam in places)
+        laws = (build_law(name, task, {**parameters, "inflection": float(lam)}) for lam in places)
         return np.array([_log_ratio(characteristic(law), quantity) for law in laws])
 
     # Of either part what is compared grows beyond all bounds where it is short: the range is a

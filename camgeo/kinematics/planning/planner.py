@@ -12,18 +12,18 @@ import numpy as np
 
 from camgeo.errors import GeometryError
 from camgeo.kinematics.laws import FAMILIES, find_family
-from camgeo.kinematics.motion import FREE, NAMES, TASKS, Boundary, End, end_of
-from camgeo.kinematics.plan import Dwell, MotionPlan, Segment, SplineMove, joints_of
-from camgeo.kinematics.planning.build import move_of, settle_turns, tied_turns
+from camgeo.kinematics.motion import FREE, NAMES, TASKS, Boundary, End, end_class
+from camgeo.kinematics.plan import Dwell, MotionPlan, Segment, SplineMove, sum_spans
+from camgeo.kinematics.planning.build import build_move, settle_turns, tied_turns
 from camgeo.kinematics.planning.requests import (
     AUTO,
     STRAIGHT,
     TAKE_JERK,
-    Joint,
     Link,
     MoveRequest,
     PointsRequest,
     Request,
+    RingJoint,
     TableRequest,
     Unit,
 )
@@ -57,13 +57,13 @@ def plan_motion(requests: Sequence[Request], unit: Unit = PLAIN) -> MotionPlan:
         values, or the segments do not make a turn (see `MotionPlan`).
     """
     _check_spans(requests)
-    links = ring_of(requests, unit)
+    links = build_ring(requests, unit)
     settle_straight_lines(links)
     settle_tables(links)
     settle_tasks(links)
     settle_values(links)
-    made = {link.number: _segment(link) for link in links}
-    return MotionPlan(tuple(made.get(number, MOMENT) for number in range(len(requests))))
+    segments = {link.number: _segment(link) for link in links}
+    return MotionPlan(tuple(segments.get(number, MOMENT) for number in range(len(requests))))
 
 
 def _check_spans(requests: Sequence[Request]) -> None:
@@ -76,7 +76,7 @@ def _check_spans(requests: Sequence[Request]) -> None:
                 key=f"motion[{number + 1}].span",
                 value=str(request.span),
             )
-    joints_of(request.span for request in requests)
+    sum_spans(request.span for request in requests)
 
 
 def _segment(link: Link) -> Segment:
@@ -84,25 +84,28 @@ def _segment(link: Link) -> Segment:
         case Dwell():
             return link.request
         case MoveRequest():
-            return move_of(link)
+            return build_move(link)
         case PointsRequest():
             return _spline_move(link, link.request)
         case TableRequest():
-            spline, found = _fitted(link, link.request)
+            spline, report = _fitted(link, link.request)
             shift = link.start.position - float(link.request.lifts[0])
             end = link.start.position + link.stroke
-            return SplineMove(link.request.span, end, spline, found, shift)
+            return SplineMove(link.request.span, end, spline, report, shift)
 
 
 def _spline_move(link: Link, request: PointsRequest) -> SplineMove:
     start, length = link.start.position, link.length
-    inner = {index + 1: _over_span(values, length) for index, values in request.given.items()}
+    inner = {
+        index + 1: _normalised_boundary(values, length)
+        for index, values in request.boundaries.items()
+    }
     try:
         spline = Spline.clamped(
             np.concatenate(([0.0], request.shares, [1.0])),
             np.concatenate(([0.0], request.positions - start, [link.stroke])),
-            _over_span(link.start.values, length),
-            _over_span(link.end.values, length),
+            _normalised_boundary(link.start.values, length),
+            _normalised_boundary(link.end.values, length),
             inner,
         )
     except GeometryError as error:
@@ -110,7 +113,7 @@ def _spline_move(link: Link, request: PointsRequest) -> SplineMove:
     return SplineMove(request.span, start + link.stroke, spline)
 
 
-def _over_span(values: Boundary, length: float) -> Boundary:
+def _normalised_boundary(values: Boundary, length: float) -> Boundary:
     """Values per rad as derivatives over the normalised span, which is `length` [rad] long."""
     velocity, acceleration = values
     return (
@@ -127,7 +130,7 @@ ROUNDING: Final = 1e-12
 """Fraction of a table's largest lift below which its last position counts as 0."""
 
 
-def ring_of(requests: Sequence[Request], unit: Unit) -> tuple[Link, ...]:
+def build_ring(requests: Sequence[Request], unit: Unit) -> tuple[Link, ...]:
     """The segments of `requests` that have a length, in the order of the cam angle; a rest of zero
     length keeps its joint at rest.
 
@@ -138,18 +141,18 @@ def ring_of(requests: Sequence[Request], unit: Unit) -> tuple[Link, ...]:
         meet; if the last position is not the first one.
     """
     moving: list[int] = []
-    joints: list[Joint] = []
+    joints: list[RingJoint] = []
     resting: set[int] = set()  # joints at which a rest of zero length lies
     position = 0.0
     for number, request in enumerate(requests):
-        before = position
+        previous = position
         if isinstance(request, TableRequest):
-            position = _after_table(before, request)
+            position = _table_end(previous, request)
         elif not isinstance(request, Dwell):
             position = request.to
         if request.span != 0:
             moving.append(number)
-            joints.append(Joint(before))
+            joints.append(RingJoint(previous))
         elif isinstance(request, Dwell):
             resting.add(len(moving))
     if position != 0.0:
@@ -164,27 +167,27 @@ def ring_of(requests: Sequence[Request], unit: Unit) -> tuple[Link, ...]:
         length = math.radians(float(requests[number].span))
         stroke = end.position - start.position
         link = Link(number, requests[number], length, start, end, stroke, unit)
-        start.after = end.before = link
+        start.following = end.previous = link
         links.append(link)
     for link in links:
         if isinstance(link.request, MoveRequest | PointsRequest):
             _state(link.end, link, link.request)
     for place, joint in enumerate(joints):
-        if place in resting or joint.before.rests or joint.after.rests:
+        if place in resting or joint.previous.rests or joint.following.rests:
             _rest(joint, unit)
     if len(links) in resting and joints:
         _rest(joints[0], unit)
     return tuple(links)
 
 
-def _after_table(start: float, request: TableRequest) -> float:
+def _table_end(start: float, request: TableRequest) -> float:
     """The position at the end of a table; 0 where it is mere rounding."""
     end = start + request.rise
     size = float(np.max(np.abs(request.lifts)))
     return 0.0 if abs(end) <= ROUNDING * size else end
 
 
-def _state(joint: Joint, link: Link, request: MoveRequest | PointsRequest) -> None:
+def _state(joint: RingJoint, link: Link, request: MoveRequest | PointsRequest) -> None:
     joint.key = link.key
     joint.velocity, joint.acceleration = request.velocity, request.acceleration
     joint.jerk = request.jerk if isinstance(request, MoveRequest) else None
@@ -198,7 +201,7 @@ def _state(joint: Joint, link: Link, request: MoveRequest | PointsRequest) -> No
     joint.stated.update(name for name in names if getattr(joint, name) is not None)
 
 
-def _rest(joint: Joint, unit: Unit) -> None:
+def _rest(joint: RingJoint, unit: Unit) -> None:
     """A rest on one side: the motion stands still there."""
     for order, name in enumerate(("velocity", "acceleration"), start=1):
         if getattr(joint, name):
@@ -221,15 +224,15 @@ def settle_straight_lines(links: Sequence[Link]) -> None:
         If a value stated there contradicts it.
     """
     for joint in (link.start for link in links):
-        straight = [link for link in (joint.before, joint.after) if link.law == STRAIGHT]
+        straight = [link for link in (joint.previous, joint.following) if link.law == STRAIGHT]
         if straight and not joint.rests:
-            _on_straight_line(joint, straight[0])
-        elif joint.before in straight and joint.before.stroke and "velocity" in joint.stated:
-            speed = joint.before.unit.text(joint.before.speed, 1)
+            _apply_straight_line(joint, straight[0])
+        elif joint.previous in straight and joint.previous.stroke and "velocity" in joint.stated:
+            speed = joint.previous.unit.text(joint.previous.speed, 1)
             raise _contradiction(joint, "velocity", speed)
 
 
-def _on_straight_line(joint: Joint, link: Link) -> None:
+def _apply_straight_line(joint: RingJoint, link: Link) -> None:
     for order, (name, wanted) in enumerate(
         (("velocity", link.speed), ("acceleration", 0.0)), start=1
     ):
@@ -239,7 +242,7 @@ def _on_straight_line(joint: Joint, link: Link) -> None:
     joint.velocity, joint.acceleration = link.speed, 0.0
 
 
-def _contradiction(joint: Joint, name: str, has: str) -> GeometryError:
+def _contradiction(joint: RingJoint, name: str, has: str) -> GeometryError:
     return GeometryError(
         f"contradicts the straight line at this joint, whose {name} is {has}; leave it out",
         key=f"{joint.key}.{name}",
@@ -277,16 +280,18 @@ def _fitted(link: Link, request: TableRequest) -> tuple[Spline, FitReport]:
             if request.smoothing is None:
                 gap = CLOSED * float(np.max(np.abs(lifts)))
                 spline = Spline.closed(shares, lifts, 1.0, gap=gap)
-                return spline, FitReport.of(spline, shares, lifts)
+                return spline, FitReport.from_points(spline, shares, lifts)
             return Spline.smooth_closed(
                 shares, lifts, 1.0, largest_deviation=request.smoothing, gap=request.smoothing
             )
         if link.start is link.end:
             shares, lifts = _closed(shares, lifts)
-        start, end = (_over_span(joint.values, link.length) for joint in (link.start, link.end))
+        start, end = (
+            _normalised_boundary(joint.values, link.length) for joint in (link.start, link.end)
+        )
         if request.smoothing is None:
             spline = Spline.clamped(shares, lifts, start, end)
-            return spline, FitReport.of(spline, shares, lifts)
+            return spline, FitReport.from_points(spline, shares, lifts)
         return Spline.smooth_clamped(shares, lifts, start, end, largest_deviation=request.smoothing)
     except GeometryError as error:
         raise GeometryError(error.message, key=f"{link.key}.file", value=error.value) from error
@@ -334,8 +339,8 @@ def settle_tasks(links: Sequence[Link]) -> None:
     for joint in joints:
         _from_values(joint)
     possible = _Possible(links)
-    possible.strike_out(links)
-    for joint in sorted(joints, key=lambda each: -_turning(each)):
+    possible.eliminate(links)
+    for joint in sorted(joints, key=lambda joint: -_turning(joint)):
         possible.choose(joint)
     for joint in joints:
         if joint.kind in ("R", "U"):
@@ -344,7 +349,7 @@ def settle_tasks(links: Sequence[Link]) -> None:
             joint.acceleration = 0.0
 
 
-def _from_values(joint: Joint) -> None:
+def _from_values(joint: RingJoint) -> None:
     """Eliminate the classes that known values exclude."""
     if joint.classes == {"R"}:
         return
@@ -356,7 +361,7 @@ def _from_values(joint: Joint) -> None:
     if acceleration is not None:
         joint.classes &= {"R", "G"} if acceleration == 0.0 else {"U", "B"}
     if velocity is not None and acceleration is not None:
-        joint.classes = {end_of(velocity, acceleration)}
+        joint.classes = {end_class(velocity, acceleration)}
     elif velocity is None and joint.classes >= {"U", "B"} and joint.turns:
         joint.classes -= {"B"}  # it turns back here, so it is momentarily at rest
 
@@ -385,11 +390,11 @@ class _Possible:
         self.links = {link.number: link for link in links}
         self.tasks = {link.number: _tasks(link) for link in links}
 
-    def strike_out(self, links: Iterable[Link]) -> None:
+    def eliminate(self, links: Iterable[Link]) -> None:
         """Keep the tasks and classes that fit together, from `links` on, until nothing changes. If
         a link is left without a task, everything is as it was, and its error is raised.
         """
-        struck: list[tuple[Joint, set[End]]] = []
+        struck: list[tuple[RingJoint, set[End]]] = []
         lost: list[tuple[int, set[str]]] = []
         due, later = sorted({link.number for link in links}), set[int]()  # of this round, the next
         while due or later:
@@ -400,19 +405,21 @@ class _Possible:
             if tasks is None:
                 continue
             start, end = self.links[number].start, self.links[number].end
-            kept = {task for task in tasks if task[0] in start.classes and task[-1] in end.classes}
-            if not kept:
+            remaining = {
+                task for task in tasks if task[0] in start.classes and task[-1] in end.classes
+            }
+            if not remaining:
                 error = _no_task(self.links[number])
                 for joint, classes in reversed(struck):
                     joint.classes = classes
                 self.tasks.update(reversed(lost))
                 raise error
-            if len(kept) < len(tasks):
+            if len(remaining) < len(tasks):
                 lost.append((number, tasks))
-                self.tasks[number] = kept
+                self.tasks[number] = remaining
             for joint, other, ends in (
-                (start, start.before, {task[0] for task in kept}),
-                (end, end.after, {task[-1] for task in kept}),
+                (start, start.previous, {task[0] for task in remaining}),
+                (end, end.following, {task[-1] for task in remaining}),
             ):
                 fitting = joint.classes & ends
                 if len(fitting) < len(joint.classes):
@@ -423,26 +430,26 @@ class _Possible:
                     else:
                         later.add(other.number)
 
-    def choose(self, joint: Joint) -> None:
+    def choose(self, joint: RingJoint) -> None:
         """Give a joint the first of its classes, by preference, with which the others still have
         one.
 
         A ring in which one class is settled is none any more, so what fits together pair by pair
         fits together as a whole.
         """
-        order = [each for each in dict.fromkeys(_preferences(joint)) if each in joint.classes]
+        order = [kind for kind in dict.fromkeys(_preferences(joint)) if kind in joint.classes]
         for attempt, wanted in enumerate(order, start=1):
             joint.classes = {wanted}
             try:
-                return self.strike_out((joint.before, joint.after))
+                return self.eliminate((joint.previous, joint.following))
             except GeometryError:
                 if attempt == len(order):
                     raise
         return None
 
 
-def _preferences(joint: Joint) -> tuple[End, ...]:
-    links = joint.before, joint.after
+def _preferences(joint: RingJoint) -> tuple[End, ...]:
+    links = joint.previous, joint.following
     if all(link.is_free for link in links):
         return ("U", "B", "R", "G") if joint.turns else ("B", "U", "R", "G")
     # A simple sine is free of jerk steps from turn to turn, but not from rest to rest.
@@ -450,15 +457,15 @@ def _preferences(joint: Joint) -> tuple[End, ...]:
     return ("U", *ORDER) if turns else ORDER
 
 
-def _turning(joint: Joint) -> float:
+def _turning(joint: RingJoint) -> float:
     """How sharply a motion turns back at a joint between two laws: the change of its mean velocity
     over the spans [mm or rad, per rad^2]; 0 at other joints.
     """
-    before, after = joint.before, joint.after
-    laws = (link.is_named or link.law in (AUTO, STRAIGHT) for link in (before, after))
-    if before.speed * after.speed >= 0.0 or not all(laws):
+    previous, following = joint.previous, joint.following
+    laws = (link.is_named or link.law in (AUTO, STRAIGHT) for link in (previous, following))
+    if previous.speed * following.speed >= 0.0 or not all(laws):
         return 0.0
-    return abs(before.speed) / before.length + abs(after.speed) / after.length
+    return abs(previous.speed) / previous.length + abs(following.speed) / following.length
 
 
 def _no_task(link: Link) -> GeometryError:
@@ -472,7 +479,7 @@ def _no_task(link: Link) -> GeometryError:
     ]
     family = find_family(link.law)
     words = " to ".join(
-        " or ".join(NAMES[each] for each in ORDER if each in classes) for classes in (starts, ends)
+        " or ".join(NAMES[end] for end in ORDER if end in classes) for classes in (starts, ends)
     )
     return GeometryError(
         f"is made for {', '.join(family.tasks)} ({LEGEND}); here the move goes from {words}"
@@ -541,7 +548,7 @@ def _fill(links: Sequence[Link], *, ring: bool) -> None:
     """The smoothest values for the joints of a run of moves between two fully known joints, or of a
     turn without any such joint; the motion passes the inner points of moves through points, too.
     """
-    nodes: list[tuple[float, float, Boundary, Joint | None]] = []
+    nodes: list[tuple[float, float, Boundary, RingJoint | None]] = []
     end = 0.0
     for link in links:
         nodes.append((end, link.start.position, link.start.values, link.start))
@@ -550,8 +557,8 @@ def _fill(links: Sequence[Link], *, ring: bool) -> None:
             for index, (share, position) in enumerate(
                 zip(request.shares, request.positions, strict=True)
             ):
-                given = request.given.get(index, FREE)
-                nodes.append((end + float(share) * link.length, float(position), given, None))
+                boundary = request.boundaries.get(index, FREE)
+                nodes.append((end + float(share) * link.length, float(position), boundary, None))
         end += link.length
     if not ring:
         last = links[-1].end

@@ -10,7 +10,7 @@ from typing import Annotated, Any, Final
 
 from camgeo.errors import GeometryError
 from camgeo.kinematics.laws import ALIASES, BALANCES, FAMILIES, LARGEST
-from camgeo.kinematics.motion import ENDS, Boundary, End, boundaries_of
+from camgeo.kinematics.motion import ENDS, Boundary, End, checked_boundaries
 from camgeo.kinematics.plan import FULL_TURN, Dwell, MovingSpan
 from camgeo.numeric import checked
 from camgeo.record import Pickled
@@ -29,12 +29,12 @@ velocities of up to 1e12 strokes exceed what a double can hold."""
 
 
 def _position(key: str, value: Any) -> float:
-    found = checked.finite(key, value)
-    if 0.0 < abs(found) < SMALLEST_POSITION:
+    position = checked.finite(key, value)
+    if 0.0 < abs(position) < SMALLEST_POSITION:
         raise GeometryError(
-            f"must be 0, or at least {SMALLEST_POSITION:g} in magnitude", key, repr(found)
+            f"must be 0, or at least {SMALLEST_POSITION:g} in magnitude", key, repr(position)
         )
-    return found
+    return position
 
 
 def _weights(key: str, value: Any) -> Mapping[str, float]:
@@ -102,7 +102,7 @@ class MoveRequest(Pickled, checked.CheckedFields):
     balance: Balance = ""
 
     @property
-    def shaped_by(self) -> frozenset[str]:
+    def stated_parameters(self) -> frozenset[str]:
         """Names of the parameters that the designer decides."""
         return frozenset({*self.parameters, *(("inflection",) if self.balance else ())})
 
@@ -124,7 +124,7 @@ class PointsRequest(Pickled):
     to: Position
     shares: checked.Row
     positions: checked.Row
-    given: Mapping[int, Boundary] = field(default_factory=lambda: MappingProxyType({}))
+    boundaries: Mapping[int, Boundary] = field(default_factory=lambda: MappingProxyType({}))
     velocity: checked.Finite | None = None
     acceleration: checked.Finite | None = None
 
@@ -135,8 +135,8 @@ class PointsRequest(Pickled):
             raise GeometryError(
                 f"must be as many as the shares, {count}", "positions", str(len(self.positions))
             )
-        given = boundaries_of("given", self.given, 0, count - 1)
-        checked.hold(self, given=MappingProxyType(given))
+        boundaries = checked_boundaries("boundaries", self.boundaries, 0, count - 1)
+        checked.hold(self, boundaries=MappingProxyType(boundaries))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -185,7 +185,7 @@ STRAIGHT: Final = "straight-line"
 TAKE_JERK: Final = tuple(
     name
     for name, family in FAMILIES.items()
-    if any({"j0", "j1"} & {*taken} for taken in family.parameters.values())
+    if any({"j0", "j1"} & {*accepted} for accepted in family.parameters.values())
 )
 """Laws that meet a stated jerk."""
 
@@ -194,7 +194,7 @@ FREE_LAWS: Final = (AUTO, "polynomial-5", "polynomial-7", "polynomial")
 
 
 @dataclass(slots=True, eq=False)
-class Joint:
+class RingJoint:
     """What is known of a joint so far.
 
     Attributes
@@ -216,14 +216,14 @@ class Joint:
     stated: set[str] = field(default_factory=set)
     key: str = ""
     rests: bool = False
-    before: Link = field(init=False, repr=False)
-    after: Link = field(init=False, repr=False)
+    previous: Link = field(init=False, repr=False)
+    following: Link = field(init=False, repr=False)
 
     @property
     def kind(self) -> End:
         """Its class, once there is but one."""
-        (found,) = self.classes
-        return found
+        (only,) = self.classes
+        return only
 
     @property
     def values(self) -> Boundary:
@@ -238,7 +238,7 @@ class Joint:
     @property
     def turns(self) -> bool:
         """Whether the motion turns back here, or stands on one side."""
-        return self.before.stroke * self.after.stroke <= 0.0
+        return self.previous.stroke * self.following.stroke <= 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -258,8 +258,8 @@ class Link:
     number: int
     request: Request
     length: float
-    start: Joint
-    end: Joint
+    start: RingJoint
+    end: RingJoint
     stroke: float
     unit: Unit
 

@@ -10,7 +10,7 @@ from typing import Final
 
 from camgeo.errors import GeometryError
 from camgeo.kinematics.mechanism.values import Length
-from camgeo.numeric.checked import check_fields, instance, instance_from_table, one_of, shown
+from camgeo.numeric.checked import check_fields, instance, instance_from_table, one_of, value_text
 from camgeo.record import stored_schema
 from camgeo.scene.formats.format import BODY, Format, Values
 
@@ -56,7 +56,7 @@ class ThreeMfSpec:
         for each in instance("output.3mf.plate", self.plate, tuple, "a tuple of names"):
             one_of("output.3mf.plate", each, [body.value for body in Body])
         if len(set(self.plate)) < len(self.plate):
-            raise GeometryError("each is named once", "output.3mf.plate", shown(self.plate))
+            raise GeometryError("each is named once", "output.3mf.plate", value_text(self.plate))
 
 
 def what_lies_on_the_plate_exists(values: Values) -> Iterator[tuple[str, str]]:

@@ -49,7 +49,7 @@ from camgeo.geometry.pieces import turn_enclosed
 from camgeo.geometry.together import Member, Together, alike, one_curve, one_motion, several
 from camgeo.lazy import Ledger
 from camgeo.numeric.arrays import ONE, FloatArray, IntArray, Quantity, merged
-from camgeo.numeric.extremes import BOTH, BOTTOMS, TOPS, Extremes, extremes_of_each
+from camgeo.numeric.extremes import BOTH, BOTTOMS, TOPS, Extremes, piecewise_extremes_of_many
 from camgeo.scene.scene import Scene
 from camgeo.scene.values import Source, document, document_of_tree, edited
 from camgeo.studies.sweep.family import Family, Point
@@ -665,7 +665,7 @@ def _extremes_of_each(
         edges = designs[numbers[0]].drive.smooth_angles
         some = together([members[number] for number in numbers])
         with np.errstate(all="ignore"):  # a value that is not finite has a reason
-            each = extremes_of_each(some, quantity, edges, EXTREMES[asked.how][0])
+            each = piecewise_extremes_of_many(some, quantity, edges, EXTREMES[asked.how][0])
         found |= zip(numbers, each, strict=True)
     return [found[number] for number in range(len(designs))]
 
@@ -707,7 +707,7 @@ def _extreme(
     if borders is not None and len(borders):
         edges = merged(np.concatenate((edges, borders)))
     with np.errstate(all="ignore"):  # a value that is not finite has a reason
-        (found,) = extremes_of_each(ONE, quantity, edges, EXTREMES[asked.how][0])
+        (found,) = piecewise_extremes_of_many(ONE, quantity, edges, EXTREMES[asked.how][0])
     return _read(found, asked, heading)
 
 

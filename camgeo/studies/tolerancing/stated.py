@@ -1109,7 +1109,7 @@ def _(follower: TranslatingRoller, second: Machine) -> dict[str, Dimension]:
     assert second.cam.mount is not None
     right = 1j * follower.outward  # the main roller looks the other way
     offset = Unit(Freedom(Way.BODY), right)
-    spacing = dict(second.cam.mount.given)["spacing"]
+    spacing = dict(second.cam.mount.arguments)["spacing"]
     return {
         "spacing": _length(
             Way.BODY, "the return roller lies farther from the main one", spacing, follower.outward

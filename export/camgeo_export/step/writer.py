@@ -23,7 +23,7 @@ from camgeo.geometry.contour.contour import Contour, winding_number
 from camgeo.geometry.contour.cubic_proof import approximating_arcs
 from camgeo.geometry.contour.parallel import parallel as mitred
 from camgeo.geometry.contour.spline import DEGREE, Arc, CubicSpline, SplineContour, strands_of
-from camgeo.numeric.quadrature import gauss, nodes_beside
+from camgeo.numeric.quadrature import gauss, nodes_for_singularity
 from camgeo.part.part import Band, Bevel, Boundary, Level, Part, written_contour
 from camgeo.reading import INSTANCES
 from camgeo.scene.formats.step import FORMAT
@@ -112,7 +112,9 @@ def _area(band: Band, strands: tuple[Strand, ...]) -> float:
 
     if (radius := band.wall.corner_radius) is None:
         return (whole + 4.0 * within(0.5) + within(1.0)) / 6.0
-    shares, _, weights = gauss(np.zeros(1), np.ones(1), nodes_beside(-1.0 - radius / band.width))
+    shares, _, weights = gauss(
+        np.zeros(1), np.ones(1), nodes_for_singularity(-1.0 - radius / band.width)
+    )
     return 0.5 * math.fsum(
         weight * within(share) for weight, share in zip(weights, shares[0], strict=True)
     )

@@ -24,7 +24,7 @@ from camgeo.design.verify import (
 from camgeo.errors import FileError, GeometryError
 from camgeo.geometry.contour.spline import Arc
 from camgeo.numeric.arrays import FloatArray, phase
-from camgeo.numeric.quadrature import gauss, nodes_beside
+from camgeo.numeric.quadrature import gauss, nodes_for_singularity
 from camgeo.units import MM_PER, TURN, counted
 from camgeo_export.dxf.reader import closed
 from camgeo_export.part21 import (
@@ -396,7 +396,7 @@ def _volume_by_sections(face: Face, low: float, high: float) -> float:
         raise FileError(f"{face.told} has an edge that rises and falls")
     place = min(FARTHEST, *(abs(each.turning - low - half) / half for each in bends))
     rows = rows_of(face)
-    heights, _, weights = gauss(np.array([low]), np.array([high]), nodes_beside(-place))
+    heights, _, weights = gauss(np.array([low]), np.array([high]), nodes_for_singularity(-place))
     return half * math.fsum(
         weight * strand.moment
         for weight, z in zip(weights.tolist(), heights[0].tolist(), strict=True)

@@ -197,9 +197,9 @@ def changed(request: Request, positions_by: Callable[[float], float], factor: fl
                 request,
                 to=positions_by(request.to),
                 positions=np.array([positions_by(float(each)) for each in request.positions]),
-                given={
+                boundaries={
                     index: (times(velocity), times(acceleration))
-                    for index, (velocity, acceleration) in request.given.items()
+                    for index, (velocity, acceleration) in request.boundaries.items()
                 },
                 velocity=times(request.velocity),
                 acceleration=times(request.acceleration),
@@ -399,7 +399,7 @@ def decides(request: Request) -> bool:
     """Whether the turns of a move follow from its law, so that not both can be chosen."""
     if not isinstance(request, MoveRequest) or request.law in (AUTO, *POLYNOMIALS):
         return False
-    return request.law in ("double-harmonic", "simple-sine") or bool(request.shaped_by)
+    return request.law in ("double-harmonic", "simple-sine") or bool(request.stated_parameters)
 
 
 @given(ANY.drawn())
@@ -505,10 +505,10 @@ NO_NUMBERS: tuple[Any, ...] = (
             for v in (None, "ab", [1j, 2j])
         ),
         *((kind, "shares", [0.1]) for kind in (PointsRequest, TableRequest)),
-        (PointsRequest, "given", {2: (0.0, None)}),
-        (PointsRequest, "given", {"0": (0.0, None)}),
-        (PointsRequest, "given", {0: 3.0}),
-        (PointsRequest, "given", {0: (math.nan, None)}),
+        (PointsRequest, "boundaries", {2: (0.0, None)}),
+        (PointsRequest, "boundaries", {"0": (0.0, None)}),
+        (PointsRequest, "boundaries", {0: 3.0}),
+        (PointsRequest, "boundaries", {0: (math.nan, None)}),
         *((TableRequest, "smoothing", value) for value in (*NO_NUMBERS, 0.0, -1.0, 5e-324)),
         *((Unit, "size", value) for value in (*NO_NUMBERS, 0.0, -1.0, 5e-324, None)),
     ],

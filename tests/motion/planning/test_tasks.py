@@ -589,7 +589,7 @@ def test_once_a_turn_is_made_sharper_the_rest_is_still_the_smoothest(
 def test_stated_values_of_points_are_met() -> None:
     plan = planned(
         rest(60),
-        through(120, 20.0, (0.25, 4.0), (0.5, 12.0), given={0: (9.0, -3.0), 1: (None, 2.0)}),
+        through(120, 20.0, (0.25, 4.0), (0.5, 12.0), boundaries={0: (9.0, -3.0), 1: (None, 2.0)}),
         move(180, 0.0),
     )
     assert laws(plan)[:2] == ["rest", "data"]

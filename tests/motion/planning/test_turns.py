@@ -15,7 +15,12 @@ from camgeo.errors import GeometryError
 from camgeo.kinematics.laws import FAMILIES, make_law
 from camgeo.kinematics.laws.law import Law, acceleration_jumps, characteristic
 from camgeo.kinematics.plan import MotionPlan, joints
-from camgeo.kinematics.planning.build import best_law, best_turn, equal_accelerations, size_of
+from camgeo.kinematics.planning.build import (
+    best_law,
+    best_turn,
+    criterion_size,
+    equal_accelerations,
+)
 from camgeo.kinematics.planning.requests import CRITERIA, Request
 from camgeo.kinematics.time_course import ConstantSpeed, plan_extremes
 from tests.long_form import examples
@@ -97,7 +102,7 @@ def test_the_best_turn_is_the_best(task: str, criterion: str) -> None:
     for factor in (1.0, *np.geomspace(0.5, 4.0, examples(9, long=24))):
         ends = {"a1": factor * found[1]} | ({"a0": factor * found[0]} if task == "U-U" else {})
         law = best_law(task, known | ends, {}, {criterion: 1.0})
-        sizes.append(size_of(characteristic(law), criterion))
+        sizes.append(criterion_size(characteristic(law), criterion))
     assert sizes[0] <= (1.2 if criterion == "velocity" else 1.001) * min(sizes)
     mirrored = best_turn(task[::-1], 0.0, v0, ((criterion, 1.0),))
     assert mirrored == (-found[1], -found[0])

@@ -25,10 +25,10 @@ from camgeo.kinematics.time_course import TimeCourse
 from camgeo.numeric.arrays import SIDES, ComplexArray, FloatArray, Side
 from camgeo.numeric.extremes import (
     Extreme,
-    grid_of,
     piecewise_extremes,
     piecewise_highest,
     piecewise_lowest,
+    sample_grid,
 )
 from camgeo.units import TURN
 
@@ -261,7 +261,7 @@ def ceiling(function: Quantity, edges: FloatArray) -> float:
     """A bound of the largest value, for much less: nothing is refined, and each point of the grid
     counts with the larger of the steps to its neighbours, eight times what a parabola may rise.
     """
-    grid = grid_of(edges)
+    grid = sample_grid(edges)
     values = function(grid.ravel(), "right").reshape(grid.shape)
     steps = np.pad(np.abs(np.diff(values, axis=1)), ((0, 0), (1, 1)))
     inside = values + np.maximum(steps[:, :-1], steps[:, 1:])

@@ -20,9 +20,9 @@ from camgeo.errors import EffectError
 from camgeo.numeric.arrays import SHARE, ComplexArray, FloatArray, Side, read_only
 from camgeo.numeric.extremes import (
     Extreme,
-    grid_of,
     piecewise_extremes,
     piecewise_highest,
+    sample_grid,
     with_roots,
 )
 from camgeo.numeric.kept import Answers
@@ -318,7 +318,7 @@ def _least(
         return slope, flank.left(phi, side, more) + (guess - now) * effect - guess * slope
 
     cuts = with_roots(lambda phi: per_unit(phi, "right"), edges)
-    effects, rests = parts(grid_of(cuts).ravel(), "right")
+    effects, rests = parts(sample_grid(cuts).ravel(), "right")
     blunt = BLUNT * float(np.max(np.abs(effects)))
     none = TOUCH * float(np.max(np.abs(rests)))
 

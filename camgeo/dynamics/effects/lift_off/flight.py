@@ -55,8 +55,8 @@ from camgeo.numeric.arrays import ComplexArray, FloatArray, Side, merged
 from camgeo.numeric.extremes import (
     bracketed_roots,
     dips,
-    grid_of,
     piecewise_extremes,
+    sample_grid,
     sign_changes,
     with_roots,
 )
@@ -1188,7 +1188,7 @@ class ElasticFollower:
         cells = cells_from(angle, self.free.edges, 1.0, MOST_ELASTIC_TURNS)
         while block := list(itertools.islice(cells, size)):
             cuts = np.array([block[0][0], *(high for _, high in block)])
-            cuts = merged(np.concatenate((cuts, dips(reserve, grid_of(cuts)))))
+            cuts = merged(np.concatenate((cuts, dips(reserve, sample_grid(cuts)))))
             cuts = with_roots(reserve, cuts)
             below = np.append(reserve(0.5 * (cuts[:-1] + cuts[1:])) < 0.0, False)
             if np.any(below):

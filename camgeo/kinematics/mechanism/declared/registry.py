@@ -57,7 +57,7 @@ FOLLOWERS: Final = {
             unit="mm",
             touching="roller",
             schema=stored_schema(__file__, "translating_roller"),
-            made="rollers:TranslatingRoller",
+            class_path="rollers:TranslatingRoller",
             sizes=(
                 "base_radius",
                 "roller_radius",
@@ -66,7 +66,7 @@ FOLLOWERS: Final = {
                 "return.offset",
                 "return.roller_radius",
             ),
-            returned="rollers:return_on_carriage",
+            return_maker="rollers:return_on_carriage",
         ),
         FollowerKind(
             name="oscillating-roller",
@@ -74,7 +74,7 @@ FOLLOWERS: Final = {
             unit="rad",
             touching="roller",
             schema=stored_schema(__file__, "oscillating_roller"),
-            made="rollers:OscillatingRoller",
+            class_path="rollers:OscillatingRoller",
             sizes=(
                 "pivot",
                 "arm",
@@ -83,7 +83,7 @@ FOLLOWERS: Final = {
                 "return.arm",
                 "return.roller_radius",
             ),
-            returned="rollers:return_on_lever",
+            return_maker="rollers:return_on_lever",
         ),
         FollowerKind(
             name="translating-flat",
@@ -91,7 +91,7 @@ FOLLOWERS: Final = {
             unit="mm",
             touching="face",
             schema=stored_schema(__file__, "translating_flat"),
-            made="flat:TranslatingFlat",
+            class_path="flat:TranslatingFlat",
             sizes=("base_radius",),
             rules=(_face_has_a_length,),
         ),
@@ -101,7 +101,7 @@ FOLLOWERS: Final = {
             unit="rad",
             touching="face",
             schema=stored_schema(__file__, "oscillating_flat"),
-            made="flat:OscillatingFlat",
+            class_path="flat:OscillatingFlat",
             sizes=("pivot", "base_radius", "face_offset"),
             rules=(_face_has_a_length,),
         ),
