@@ -39,7 +39,7 @@ from camgeo.kinematics.laws import FAMILIES, make_law
 from camgeo.kinematics.mechanism.linkage import LinkedMotion
 from camgeo.kinematics.mechanism.rollers import OscillatingRoller, TranslatingRoller
 from camgeo.kinematics.plan import Dwell, MotionPlan, Move
-from camgeo.scene.keys import path_of
+from camgeo.scene.keys import parse_path
 from camgeo.scene.scene import Scene
 from tests.cams import cam_of
 from tests.draws.remedies import BAD, cases, complaints
@@ -510,7 +510,7 @@ def rewritten(scene: Scene, cure: Cure) -> Scene:
     assert cure.value_to is not None
     edits: dict[str, Any] = {}
     for change in (Change(cure.key, cure.value_from, cure.value_to), *cure.also):
-        path = known(path_of(change.key))
+        path = known(parse_path(change.key))
         *above, last = path
         table: Any = scene.values
         for step in above:

@@ -17,7 +17,7 @@ from typing import Any, Final, Literal, Self
 from camgeo.design.writing import PRIVATE, lock_at, settle, sync, write_set
 from camgeo.errors import FileError, unreadable
 from camgeo.reading import SCENE, check_size, read_within
-from camgeo.scene.values import Stamp, stamp_of
+from camgeo.scene.values import Stamp, stamp_from_stat
 
 RESTORED: Final = (
     "unsaved edits of {name} have been restored; undo takes them back step by step, reload goes"
@@ -316,7 +316,7 @@ def read(path: Path) -> tuple[str, Opened]:
         raise FileError(f"{path.name}: is not text in UTF-8") from error
     except OSError as error:
         raise FileError(f"{path.name}: cannot be read: {unreadable(error)}") from error
-    return text, Opened(path, digest(data), stamp_of(before))
+    return text, Opened(path, digest(data), stamp_from_stat(before))
 
 
 def disk(opened: Opened, *, closely: bool = False) -> Disk:
@@ -327,7 +327,7 @@ def disk(opened: Opened, *, closely: bool = False) -> Disk:
     """
     try:
         found = opened.path.lstat()
-        if stamp_of(found) == opened.stamp and not closely:
+        if stamp_from_stat(found) == opened.stamp and not closely:
             return "same"
         if not stat.S_ISREG(found.st_mode) or found.st_size > SCENE.size:
             return "changed"
@@ -364,7 +364,7 @@ def saved(path: Path, text: str, before: Opened | None, *, force: bool) -> Opene
         found = path.lstat()
     except OSError as error:
         raise FileError(f"{path.name}: cannot be read: {unreadable(error)}") from error
-    return Opened(path, digest(data), stamp_of(found))
+    return Opened(path, digest(data), stamp_from_stat(found))
 
 
 def encoded(text: str, name: str) -> bytes:

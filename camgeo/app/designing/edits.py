@@ -40,7 +40,7 @@ from camgeo.errors import CamgeoError, Fault, GeometryError, SceneError, Unknown
 from camgeo.kinematics.mechanism.declared.registry import FOLLOWERS, LINKAGES
 from camgeo.kinematics.plan import EXACT, FULL_TURN
 from camgeo.reading import SCENE
-from camgeo.scene.keys import KeyPath, path_of, spelled, value_at
+from camgeo.scene.keys import KeyPath, parse_path, spelled, tree_value
 from camgeo.scene.scene import Scene
 from camgeo.scene.schema import EFFECTS_KEY, Node
 from camgeo.scene.toml import template, written_into
@@ -48,10 +48,10 @@ from camgeo.scene.values import (
     Source,
     Tree,
     ValidValues,
-    data_of,
     document,
     document_of_tree,
-    edited,
+    encode_scene,
+    with_edits,
     without,
     written,
 )
@@ -108,7 +108,7 @@ def changed(
     if len(asked) != 1:
         raise refusal(f"a change is one of {', '.join(CHANGES)}")
     try:
-        found = document(data_of(text)) if design is None else design.scene.stated.scene
+        found = document(encode_scene(text)) if design is None else design.scene.stated.scene
     except SceneError as error:
         raise SceneError(error.faults, file) from error
     given = Given(text, found.exact, file, folder, design)
@@ -130,7 +130,9 @@ def _written(given: Given, after: Tree, label: str, *, valid: bool) -> Changed:
         return Changed(text, label)
     before = given.design.scene
     try:
-        return Changed(text, label, Scene.of(found, replace(before.source, text=text), before))
+        return Changed(
+            text, label, Scene.from_document(found, replace(before.source, text=text), before)
+        )
     except SceneError:
         if valid:
             raise
@@ -147,7 +149,7 @@ def _by_keys(given: Given, arguments: Mapping[str, Any]) -> tuple[Tree, str]:
     whole; choices come with what goes with them.
     """
     edits = _edits(arguments["edits"])
-    after = with_companions(given, edited(given.tree, edits), edits)
+    after = with_companions(given, with_edits(given.tree, edits), edits)
     return _whole_turn(given.tree, after), label_of(edits, _units(after, edits))
 
 
@@ -155,7 +157,7 @@ def _dragged(given: Given, arguments: Mapping[str, Any]) -> tuple[Tree, str]:
     """`handle`: the name of one, dropped at `to`, in steps of `step`."""
     name = arguments["handle"]
     handle, edits = dragged(given.design, name, arguments.get("to"), arguments.get("step"))
-    after = edited(given.tree, edits)
+    after = with_edits(given.tree, edits)
     # What a joint takes from the segment behind it goes without saying.
     told = {key: edits[key] for key in handle.keys if key in edits}
     return after, label_of(told, _units(after, told)) if told else handle.name
@@ -169,13 +171,13 @@ def _cured(given: Given, arguments: Mapping[str, Any]) -> tuple[Tree, str]:
     if not cures[number].works:
         raise refusal(cures[number].sentence)
     edits = given.design.edits(edits_of(cures[number]))
-    return edited(given.tree, edits), label_of(edits, _units(given.tree, edits))
+    return with_edits(given.tree, edits), label_of(edits, _units(given.tree, edits))
 
 
 def _sized(given: Given, arguments: Mapping[str, Any]) -> tuple[Tree, str]:
     """`sized`: values by key, as of `camgeo.app.answers.size.CamSize.edits`."""
     edits = _edits(arguments["sized"])
-    return edited(given.tree, edits), f"sized: {label_of(edits, _units(given.tree, edits))}"
+    return with_edits(given.tree, edits), f"sized: {label_of(edits, _units(given.tree, edits))}"
 
 
 CHANGES: Final[Mapping[str, Callable[[Given, Mapping[str, Any]], tuple[Tree, str]]]] = {
@@ -207,7 +209,7 @@ def _edits(asked: Any) -> dict[str, Any]:
 def _units(tree: Tree, edits: Mapping[str, Any]) -> dict[str, str]:
     """The unit of each key."""
     fields = Fields(document_of_tree(tree))
-    return {key: fields.unit(path_of(key) or ()) for key in edits}
+    return {key: fields.unit(parse_path(key) or ()) for key in edits}
 
 
 def _whole_turn(before: Tree, after: Tree) -> Tree:
@@ -257,7 +259,7 @@ def label_of(edits: Mapping[str, Any], units: Mapping[str, str]) -> str:
 
 
 def _named(key: str, value: Any, unit: str) -> str:
-    path = path_of(key) or ()
+    path = parse_path(key) or ()
     title = title_of(path)
     if path[:1] == ("motion",) and len(path) > 1 and isinstance(path[1], int):
         title = f"segment {path[1] + 1} {title}"
@@ -579,7 +581,7 @@ def _first_valid(given: Given, trees: Iterable[Tree]) -> Tree:
 def _with_suiting_effects(given: Given, tree: Tree) -> Tree:
     """The tree with other data for the effects whose own do not suit, or without these effects."""
     for fault in given.new_faults(tree):
-        path = path_of(fault.key) or ()
+        path = parse_path(fault.key) or ()
         effects = tree.get(EFFECTS_KEY)
         if path[:1] != (EFFECTS_KEY,) or not isinstance(effects, dict):
             continue
@@ -874,7 +876,7 @@ def _on(given: Given, name: str) -> Tree:
             wanted.append(need.partition(".")[2])
         else:
             thick = rounded(base_radius(tree) * THICK)
-            tree = edited(tree, {need: thick if need == "part.thickness" else SPEED})
+            tree = with_edits(tree, {need: thick if need == "part.thickness" else SPEED})
     unmet: list[Fault] = []
     for made in _with(given, tree, (*wanted, name)):
         fault = given.unmet(_alone(made, name), name)
@@ -891,7 +893,7 @@ def _alone(tree: Tree, name: str) -> Tree:
     required, waiting = {name}, [name]
     while waiting:
         effect = find_effect(waiting.pop())
-        keys = (path_of(key) or () for keys in effect.keys for key in keys)
+        keys = (parse_path(key) or () for keys in effect.keys for key in keys)
         needs = {*effect.needs, *(str(path[1]) for path in keys if path[:1] == (EFFECTS_KEY,))}
         waiting += needs - required
         required |= needs
@@ -926,7 +928,7 @@ def _fitting(given: Given, tree: Tree, name: str) -> Iterator[Tree]:
 
 def _is_of(key: str, name: str) -> bool:
     """Whether a key is of the table of that effect."""
-    return (path_of(key) or ())[:2] == (EFFECTS_KEY, name)
+    return (parse_path(key) or ())[:2] == (EFFECTS_KEY, name)
 
 
 def _needs(tree: Tree, effect: Effect) -> Iterator[str]:
@@ -938,7 +940,7 @@ def _needs(tree: Tree, effect: Effect) -> Iterator[str]:
         each = waiting.pop()
         seen.add(each.name)
         for keys in each.keys:
-            if any(value_at(tree, path_of(key) or ()) is not None for key in keys):
+            if any(tree_value(tree, parse_path(key) or ()) is not None for key in keys):
                 continue
             first = next((key for key in keys if key not in lacking), None)
             if first is None or set(keys) & set(lacking) or first == f"{EFFECTS_KEY}.{effect.name}":
@@ -965,7 +967,7 @@ def _initial(tree: Tree, key: str, value: Any) -> Any:
         return value
     if key in BESIDE:
         return _end(tree, BESIDE[key])
-    speed = value_at(tree, ("cam", "speed"))
+    speed = tree_value(tree, ("cam", "speed"))
     return rounded(Decimal(speed if is_number(speed) else SPEED) * FASTER)
 
 
@@ -973,18 +975,18 @@ def _end(tree: Tree, beside: float) -> list[Decimal]:
     """An end of a spring on a rocker: so many base radii beside the middle between pivot and cam
     axis, on the side of the arm, from which the spring turns it towards the axis.
     """
-    pivot = value_at(tree, ("follower", "pivot"))
+    pivot = tree_value(tree, ("follower", "pivot"))
     if not _is_point(pivot):
         return []
     at = complex(*map(float, pivot))
-    side = 1j if value_at(tree, ("follower", "arm_side")) == "cw" else -1j
+    side = 1j if tree_value(tree, ("follower", "arm_side")) == "cw" else -1j
     found = 0.5 * at + beside * float(base_radius(tree)) * side * at / (abs(at) or 1.0)
     return [rounded(Decimal(each)) for each in (found.real, found.imag)]
 
 
 def base_radius(tree: Tree) -> Decimal:
     """The base radius of a scene, in its unit; that of a usual cam if it has none."""
-    radius = value_at(tree, ("follower", "base_radius"))
+    radius = tree_value(tree, ("follower", "base_radius"))
     if is_number(radius) and radius > 0:
         return Decimal(radius)
     unit = ValidValues(document_of_tree(tree)).unit
@@ -1031,7 +1033,7 @@ BLANK_BESIDE: Final = 1.6
 
 def with_companions(given: Given, after: Tree, edits: Mapping[str, Any]) -> Tree:
     """The tree `after` these edits, with the companions of the choices among them."""
-    paths = {path_of(key) or (): value for key, value in edits.items()}
+    paths = {parse_path(key) or (): value for key, value in edits.items()}
     for path, value in paths.items():
         if not isinstance(value, str | bool):
             continue
@@ -1049,7 +1051,7 @@ def _with_law(given: Given, after: Tree, path: KeyPath) -> Tree:
     first point.
     """
     after = with_a_point(after, int(path[1]))
-    own = value_at(after, path[:2])
+    own = tree_value(after, path[:2])
     among = [(*path[:2], key) for key in own if key not in KEPT]
     return given.without_misfits(after, lambda misfit: misfit in among)
 
@@ -1065,16 +1067,16 @@ def _with_contact(given: Given, after: Tree) -> Tree:
 
 def _blanks(given: Given, after: Tree) -> Iterator[Tree]:
     edits: dict[str, Any] = {}
-    if value_at(after, ("part", "rim")) is None:
+    if tree_value(after, ("part", "rim")) is None:
         edits["part.rim"] = _diameter(given)
-    thick = value_at(after, ("part", "thickness"))
+    thick = tree_value(after, ("part", "thickness"))
     deep = dict(edits)
-    if is_number(thick) and value_at(after, ("part", "groove_depth")) is None:
+    if is_number(thick) and tree_value(after, ("part", "groove_depth")) is None:
         deep["part.groove_depth"] = rounded(Decimal(thick) / 2)
     part = after.get("part", {})
     if isinstance(part, dict):
-        yield edited(after, deep) if deep else after
-        yield edited(after, edits) if edits else after
+        yield with_edits(after, deep) if deep else after
+        yield with_edits(after, edits) if edits else after
     yield after
 
 
@@ -1119,7 +1121,7 @@ class Given:
     @cached_property
     def source(self) -> Source:
         """Where the files lie that the scene names."""
-        return Source.of(self.file, self.folder, self.text)
+        return Source.from_file(self.file, self.folder, self.text)
 
     @cached_property
     def design(self) -> Design:
@@ -1129,7 +1131,7 @@ class Given:
     def scene(self, tree: Tree) -> Scene:
         """The scene with other values; SceneError if they are not valid."""
         earlier = None if self.known is None else self.known.scene
-        return Scene.of(document_of_tree(tree), self.source, earlier)
+        return Scene.from_document(document_of_tree(tree), self.source, earlier)
 
     def faults(self, tree: Tree) -> tuple[Fault, ...]:
         """What is wrong with other values."""
@@ -1169,7 +1171,7 @@ class Given:
         Some only turn out to be at fault when others are gone.
         """
         for _ in range(ROUNDS):
-            paths = {path_of(fault.key) or () for fault in self.new_faults(tree)}
+            paths = {parse_path(fault.key) or () for fault in self.new_faults(tree)}
             misfits = [path for path in paths if path and may(path)]
             if not misfits:
                 break

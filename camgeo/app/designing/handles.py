@@ -38,7 +38,7 @@ from camgeo.kinematics.mechanism.rollers import Mount, OscillatingRoller, Transl
 from camgeo.kinematics.plan import EXACT
 from camgeo.numeric.arrays import phase
 from camgeo.pictures.motion import PLAN
-from camgeo.scene.keys import path_of, spelled, value_at
+from camgeo.scene.keys import parse_path, spelled, tree_value
 from camgeo.scene.scene import Scene
 from camgeo.units import MM_PER, TURN
 
@@ -170,7 +170,7 @@ def _of_grip(scene: Scene, grip: Grip) -> Handle:
     now = grip.sizes(grip.at)
     values = []
     for key, size in now.items():
-        label = title_of(path_of(key) or ())
+        label = title_of(parse_path(key) or ())
         before = _before(scene, key, size)
         if isinstance(before, list):
             parts = ("from", "to") if key.endswith("face") else ("x", "y")
@@ -199,7 +199,7 @@ def _value(key: str, label: str, unit: str, value: Any) -> dict[str, Any]:
 
 def _before(scene: Scene, key: str, now: Size) -> Any:
     """The value that the scene states at `key`, or else the one that it has by default."""
-    stated = value_at(scene.stated.scene.exact, path_of(key) or ())
+    stated = tree_value(scene.stated.scene.exact, parse_path(key) or ())
     return _numbers(scene, now) if stated is None else stated
 
 
@@ -721,7 +721,7 @@ def _handle(
     """
 
     def before(key: str) -> Any:
-        return value_at({"motion": motion}, path_of(key) or ())
+        return tree_value({"motion": motion}, parse_path(key) or ())
 
     def differing(to: Place, steps: Place) -> Edits:
         found = edits(to, steps)
