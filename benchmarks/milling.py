@@ -43,13 +43,13 @@ from camgeo.design.product import Product
 from camgeo.errors import GeometryError
 from camgeo.geometry.contour.contour import Contour
 from camgeo.milling.cut import AreaCut, ContourCut
-from camgeo.milling.judged import Side, runs_of, setup_of
+from camgeo.milling.judged import Side, simulation_setup, toolpath_runs
 from camgeo.milling.machine import Machine, load
-from camgeo.milling.machining_time import block_times, blocks_of, contour_time
+from camgeo.milling.machining_time import block_times, contour_time, controller_blocks
 from camgeo.milling.milling import Heights, Holding, MillingSpec, Stock, Tool
-from camgeo.milling.moves import Course, Feed, Move, Operation, Rapid, Toolpath, course_of
+from camgeo.milling.moves import Course, Feed, Move, Operation, Rapid, Toolpath, feed_course
 from camgeo.milling.plan import Cutting, Engagement, plan_toolpath
-from camgeo.milling.planned import sequence_of
+from camgeo.milling.planned import plan_sequence
 from camgeo.milling.simulation import simulate
 from camgeo.numeric.arrays import ComplexArray
 from camgeo.part.part import Boundary, Part
@@ -141,7 +141,7 @@ def roughed(product: Product, diameter: float, limit: float) -> Roughed:
         )  # fmt: skip
         spec = MillingSpec(tools=(tool,), stock=stock, holding=holding)
         try:
-            cuts = sequence_of(part, spec, HEIGHTS).cuts
+            cuts = plan_sequence(part, spec, HEIGHTS).cuts
             whole = plan_toolpath(cuts, HEIGHTS, machine.arcs, TOLERANCE, "fast")
         except GeometryError as error:
             fault = fault or error
@@ -168,10 +168,10 @@ def retracts(moves: Sequence[object]) -> int:
 
 def loose(found: Roughed) -> int:
     """Pieces that come loose in the whole program."""
-    runs = runs_of(found.whole)
+    runs = toolpath_runs(found.whole)
     cuts = tuple(each.cut for each in found.whole.operations)
     spec = MillingSpec(tools=(), stock=found.stock, holding=found.holding)
-    setup = setup_of(Side(found.part, spec, cuts, runs), 1e-3)
+    setup = simulation_setup(Side(found.part, spec, cuts, runs), 1e-3)
     return sum(each.name == "loose" for each in simulate(setup, runs).flaws)
 
 
@@ -184,7 +184,7 @@ def engaged(found: Roughed, course: Course, spacing: float, bottom: float = math
 def seconds(moves: Sequence[Move], machine: Machine) -> float:
     """Machining time [s], from the first point."""
     assert machine.dynamics is not None
-    blocks = blocks_of(moves, None, chord=machine.arcs.interpolation)
+    blocks = controller_blocks(moves, None, chord=machine.arcs.interpolation)
     return math.fsum(block_times(blocks, machine.dynamics, machine.smoothed(TOLERANCE))[0])
 
 
@@ -331,11 +331,11 @@ def roughing(scenes: Sequence[Path], diameter: float, limit: float, spacing: flo
             except GeometryError as error:
                 print(f"{product.name:24}{error}")
                 continue
-            course = course_of(found.operation.moves)
+            course = feed_course(found.operation.moves)
             own = engaged(found, course, spacing)
             time = seconds(found.operation.travel, machine)
             whole, parts = passes(found), clipped(found)
-            peer = engaged(found, course_of(whole), spacing, found.cut.bottom)
+            peer = engaged(found, feed_course(whole), spacing, found.cut.bottom)
             times = [seconds(each, machine) / time for each in (whole, parts)]
             worst_air = max(worst_air, own.air_share)
             worst_angle = max(worst_angle, own.peak)

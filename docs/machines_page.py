@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from camgeo.app.answers.machines import WORDS, Listed, machines
-from camgeo.milling.machine import EARLIER, EVIDENCE, Machine, RadiusDifference, Reading, schema
+from camgeo.milling.machine import EARLIER, EVIDENCE, Machine, RadiusDifference, ReaderRules, schema
 
 PAGE: Final = Path(__file__).with_name("machines.md")
 
@@ -117,8 +117,8 @@ def _reading(listed: tuple[Listed, ...]) -> Iterator[str]:
     names = [each.profile for each in listed]
     yield f"| rule | default | {' | '.join(names)} |"
     yield "|---" * (len(names) + 2) + "|"
-    default = Reading()
-    for field in fields(Reading):
+    default = ReaderRules()
+    for field in fields(ReaderRules):
         own = getattr(default, field.name)
         cells = [_rule(each.machine, field.name, own) for each in listed]
         yield f"| `{field.name}` | {_shown(own) or BLANK} | {' | '.join(cells)} |"

@@ -21,7 +21,9 @@ DIGITS: Final = 15
 def in_inches(scene: Scene, edits: Mapping[str, Any] | None = None) -> str:
     """TOML of a scene that states its lengths in mm, in inches to `DIGITS` digits."""
     values = scene.with_values(edits or {}).values
-    fields = Fields(Document.of({**values, "units": {**values.get("units", {}), "length": "inch"}}))
+    fields = Fields(
+        Document.from_values({**values, "units": {**values.get("units", {}), "length": "inch"}})
+    )
     found = _converted((), values, fields)
     found["units"] = {**found.get("units", {}), "length": "inch"}
     return tomlkit.dumps(found)

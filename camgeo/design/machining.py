@@ -12,7 +12,7 @@ from camgeo.check.finding import Finding, findings_in_unit
 from camgeo.design.product import product_sides
 from camgeo.errors import FileError, GeometryError, SceneError, ToleranceError, UndercutError
 from camgeo.milling.machine import load
-from camgeo.milling.machining_time import OperationTime, times_on
+from camgeo.milling.machining_time import OperationTime, machine_times
 from camgeo.scene.formats.gcode import FORMAT
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from camgeo.errors import Fault
     from camgeo.milling.judged import Feature
     from camgeo.milling.machine import Machine
-    from camgeo.milling.plan import Engaged
+    from camgeo.milling.plan import OperationEngagement
 
 MILLING: Final = "milling"
 """Name of findings on what cannot be planned."""
@@ -44,7 +44,7 @@ class Program:
     findings: tuple[Finding, ...]
     operations: tuple[OperationTime, ...] | None = None
     faults: tuple[Fault, ...] = ()
-    roughing: tuple[Engaged, ...] = ()
+    roughing: tuple[OperationEngagement, ...] = ()
     features: tuple[Feature, ...] = ()
 
     @property
@@ -104,7 +104,7 @@ def machining_time(discs: Iterable[Product]) -> float:
     durations = []
     for side in (side for disc in discs for side in product_sides(disc)):
         machine, tolerance = _machine(side), side.scene.output.tolerance
-        times = times_on(machine, side.milled.toolpath(tolerance), tolerance)
+        times = machine_times(machine, side.milled.toolpath(tolerance), tolerance)
         if times is None:
             message = "has a profile without [dynamics]: how fast it runs a program is not known"
             raise GeometryError(message, "output.gcode.machine", f'"{machine.name}"')
@@ -129,7 +129,7 @@ def _program(disc: Product, machine: Machine) -> Program:
     try:
         toolpath = milled.toolpath(output.tolerance)
         findings = milled.findings(toolpath, output.tolerance)
-        times = times_on(machine, toolpath, output.tolerance)
+        times = machine_times(machine, toolpath, output.tolerance)
         roughing = milled.engaged(toolpath)
     except SceneError as error:
         where, stated = f"{error.file}: " if error.file else "", disc.scene.stated

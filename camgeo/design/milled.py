@@ -18,12 +18,12 @@ from camgeo.scene.formats.gcode import FORMAT
 if TYPE_CHECKING:
     from camgeo.design.drawn import DrawnDisc
     from camgeo.milling.cut import ContourCut, Cut
-    from camgeo.milling.judged import Done, Feature
+    from camgeo.milling.judged import Feature, SimulatedSide
     from camgeo.milling.milling import GcodeSpec, MillingSpec
     from camgeo.milling.moves import Toolpath, Zero
-    from camgeo.milling.plan import Engaged
-    from camgeo.milling.planned import Sequence
-    from camgeo.milling.simulation import Flaw, Run
+    from camgeo.milling.plan import OperationEngagement
+    from camgeo.milling.planned import CutSequence
+    from camgeo.milling.simulation import Flaw, ToolRun
     from camgeo.part.part import Part
     from camgeo.scene.scene import Scene
 
@@ -94,20 +94,20 @@ class MilledDisc(Pickled):
         return Side(first.part, spec, first.sequence.cuts, ()).left_to_do
 
     @lazy
-    def sequence(self) -> Sequence:
+    def sequence(self) -> CutSequence:
         """The exact cuts of all programs, and what is told of them; raises SceneError if the scene
         lacks what milling needs, or its tools cannot do it.
         """
         if self.whole is not None:
             return self.whole.sequence
-        from camgeo.milling.planned import sequence_of
+        from camgeo.milling.planned import plan_sequence
 
         with self._faults_of_scene():
             if lacking := self.scene.lacking([FORMAT]):
                 raise SceneError(lacking, self.scene.source.file)
             assert self.spec is not None  # for the scene has a tool
             options = self.gcode
-            planned = sequence_of(self.part, self.spec, options.heights, options.compensation)
+            planned = plan_sequence(self.part, self.spec, options.heights, options.compensation)
             return replace(planned, findings=findings_in_unit(self.scene.unit, planned.findings))
 
     @contextmanager
@@ -119,11 +119,11 @@ class MilledDisc(Pickled):
             raise
         except GeometryError as error:
             from camgeo.milling.milling import of_second_side
-            from camgeo.scene.milling import refused  # few scenes mill
+            from camgeo.scene.milling import planning_error  # few scenes mill
 
             scene = self.scene
             error = error if self.first is None else of_second_side(error)
-            raise refused(scene.stated, error, scene.source.file) from error
+            raise planning_error(scene.stated, error, scene.source.file) from error
 
     @property
     def cuts(self) -> tuple[Cut, ...]:
@@ -174,11 +174,11 @@ class MilledDisc(Pickled):
     @property
     def zero(self) -> Zero:
         """Of the program; raises SceneError if the blank has no such corner."""
-        from camgeo.milling.milling import AXIS, NOT, Stock
+        from camgeo.milling.milling import AXIS, FIRST_SIDE, Stock
         from camgeo.milling.moves import Zero
 
         stock = Stock() if self.spec is None else self.spec.stock
-        turned = NOT if self.spec is None else self.spec.turned
+        turned = FIRST_SIDE if self.spec is None else self.spec.turned
         with self._faults_of_scene():
             stated_zero, first = Zero.stated(self.gcode, stock, self.part, turned), self.first
             if (
@@ -206,23 +206,23 @@ class MilledDisc(Pickled):
         """What the simulation of a program finds that lies within `tolerance` [mm]; of the second
         side from what the first one leaves.
         """
-        from camgeo.milling.judged import runs_of, settled
+        from camgeo.milling.judged import side_flaws, toolpath_runs
 
         cuts = tuple(operation.cut for operation in toolpath.operations)
         with self.ledger.entry("simulation"):
-            return settled(job(self, cuts, runs_of(toolpath), tolerance, ahead=False))[-1]
+            return side_flaws(job(self, cuts, toolpath_runs(toolpath), tolerance, ahead=False))[-1]
 
-    def engaged(self, toolpath: Toolpath) -> tuple[Engaged, ...]:
+    def engaged(self, toolpath: Toolpath) -> tuple[OperationEngagement, ...]:
         """How the cutter is engaged in each roughing operation of a program, with places as the
         work lies; on the second side at most, as if the first had left all of the blank.
         """
         from camgeo.milling.milling import mirrored
-        from camgeo.milling.plan import engaged_of
+        from camgeo.milling.plan import program_engagements
 
         part, spec = self.part, self.spec
         assert spec is not None  # for there is a program
         with self.ledger.entry("engagement"):
-            operations = engaged_of(toolpath, part, spec)
+            operations = program_engagements(toolpath, part, spec)
         return tuple(
             replace(operation, place=mirrored(operation.place, spec.turned))
             for operation in operations
@@ -232,10 +232,10 @@ class MilledDisc(Pickled):
         """What is told of the sequence and its programs, and what their simulation finds: "broken"
         if they must not be run.
         """
-        from camgeo.milling.judged import findings_of
+        from camgeo.milling.judged import feature_findings
 
         program_findings = (
-            *findings_of(compared(self)),
+            *feature_findings(compared(self)),
             *(flaw.finding for flaw in self.flaws(toolpath, tolerance)),
         )
         names = {finding.name for finding in program_findings}
@@ -278,7 +278,7 @@ def compared(milled: MilledDisc) -> tuple[Feature, ...]:
     """The part, feature by feature, with the operations of all sides of its job; none for a second
     side, of whose operations the first one tells.
     """
-    from camgeo.milling.judged import Side, features_of
+    from camgeo.milling.judged import Side, compare_features
 
     first = milled if milled.whole is None else milled.whole
     if first.first is not None or first.spec is None:
@@ -288,23 +288,23 @@ def compared(milled: MilledDisc) -> tuple[Feature, ...]:
         try:
             second, cuts = first.second.spec, first.second.sequence.cuts
         except SceneError:  # which is told of that side
-            second, cuts = first.spec.of_second_side(faced=False, done=frozenset()), ()
+            second, cuts = first.spec.of_second_side(faced=False, finished_walls=frozenset()), ()
         assert second is not None  # for there is that side
         sides.append(Side(first.second.part, second, cuts, ()))
     keyway = None if first.disc.spec is None else first.disc.spec.keyway
-    return features_of(first.disc.part, keyway, sides)
+    return compare_features(first.disc.part, keyway, sides)
 
 
 def job(
     milled: MilledDisc,
     cuts: tuple[Cut, ...],
-    runs: tuple[Run, ...],
+    runs: tuple[ToolRun, ...],
     tolerance: float,
     *,
     level: float | None = None,
     allowed: float | None = None,
     ahead: bool = True,
-) -> tuple[Done, ...]:
+) -> tuple[SimulatedSide, ...]:
     """The sides of a disc simulated, where `milled`, one of them, runs `runs` for its `cuts`, and
     the other what is planned for it, within `tolerance` [mm].
 
@@ -314,7 +314,7 @@ def job(
         allowed in addition to what is.
     ahead : whether a side that follows is simulated, too.
     """
-    from camgeo.milling.judged import Side, runs_of, simulated
+    from camgeo.milling.judged import Side, simulate_sides, toolpath_runs
     from camgeo.milling.simulation import ALLOWED, LEVEL
 
     assert milled.spec is not None  # for there is a program
@@ -323,12 +323,12 @@ def job(
     other = milled.second if milled.first is None else milled.first
     if other is not None and (ahead or other is milled.first):
         assert other.spec is not None  # likewise
-        planned = runs_of(other.toolpath(tolerance))
+        planned = toolpath_runs(other.toolpath(tolerance))
         side = Side(other.part, other.spec, other.sequence.cuts, planned, density)
         sides = [side, *sides] if other is milled.first else [*sides, side]
-    return simulated(
+    return simulate_sides(
         sides,
         allowed=ALLOWED + tolerance if allowed is None else allowed,
         level=LEVEL if level is None else level,
-        of=1 if other is None else 2,
+        side_count=1 if other is None else 2,
     )

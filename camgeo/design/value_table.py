@@ -201,7 +201,7 @@ def stated_table(whole: Table, spec: CsvSpec, unit: LengthUnit) -> Table:
     return Table(
         tuple(columns),
         np.column_stack(tuple(columns.values())),
-        separator=spec.between,
+        separator=spec.delimiter,
         decimal_comma=spec.decimal_comma,
     )
 

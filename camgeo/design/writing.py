@@ -37,7 +37,7 @@ from camgeo.scene.formats.format import (
     NO_FORMATS,
     SMALLEST_TOLERANCE,
     Format,
-    format_of,
+    load_format,
     writer_entries,
 )
 
@@ -696,5 +696,5 @@ def find_writers(names: Iterable[str]) -> dict[str, Writer]:
             message = f"no writer for this format; there are {', '.join(known)}"
             hint = NO_FORMATS.get(name) or meant(name, known, '"')
             raise SceneError([Fault("format", name, message, hint)])
-        writers[name] = format_of(entries[name])[0]
+        writers[name] = load_format(entries[name])[0]
     return writers

@@ -26,7 +26,7 @@ from camgeo.milling.cut import (
     LetterCut,
     LineCut,
     PointCut,
-    slack_of,
+    roughing_slack,
 )
 from camgeo.milling.milling import COMPUTED, CONTROL, END_MILL, MillingSpec, Tool, ToolError
 from camgeo.milling.polygons import Area, grown, polygon
@@ -47,7 +47,7 @@ COARSE: Final = 0.01
 """Tolerance [mm] of contours that are compared: what lies over what, and clamps, against which it
 counts; around the disc more is cleared than that."""
 
-BESIDE: Final = 0.1
+STRIP_WIDTH: Final = 0.1
 """Width [mm] of the strip beside a wall that must be free for tools to reach it."""
 
 ALLOWANCE_SHARE: Final = 0.05
@@ -60,20 +60,21 @@ class Reason(str):
 
     Attributes
     ----------
-    field : of the tool, too small or too large for it.
+    field : attribute of the tool that is at fault.
     """
 
     __slots__ = ("field",)
     field: str
 
     def __new__(cls, sentence: str, field: str) -> Self:
-        found = super().__new__(cls, sentence)
-        found.field = field
-        return found
+        reason = super().__new__(cls, sentence)
+        reason.field = field
+        return reason
 
 
 Unfit = Callable[[Tool], str]
-"""Why a tool cannot do something, perhaps a `Reason`; empty if it can."""
+"""Function that says why a tool cannot do something, as a `Reason` if one of its attributes is at
+fault; an empty text if it can."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,7 +94,7 @@ class Bench:
 
     @property
     def walls(self) -> dict[str, Wall]:
-        """Of the part, by the names of their boundaries."""
+        """The walls of the part, by the names of their boundaries."""
         return {wall.boundary.name: wall for wall in self.part.walls}
 
     @property
@@ -126,17 +127,17 @@ class Bench:
         walls = self.walls
         message = ""
         if name not in walls:
-            names = dict.fromkeys(text_name(each) or each for each in walls)
-            known = ", ".join(f'"{each}"' for each in names)
+            names = dict.fromkeys(text_name(wall_name) or wall_name for wall_name in walls)
+            known = ", ".join(f'"{wall_name}"' for wall_name in names)
             message = f"the part has no such wall; it has {known}"
         elif not is_open(self.part, walls[name]):
-            message = f"it is not open on the {self.milling.up} face: the part lies over it"
+            message = f"it is not open on the {self.milling.top_face} face: the part lies over it"
         if message:
             raise GeometryError(message, key, f'"{name}"')
         return walls[name]
 
     def is_through(self, wall: Wall) -> bool:
-        """Whether the wall reaches the lower face."""
+        """Whether the wall reaches the lower face of the part."""
         return wall.z0 == self.lower_face
 
     def pierces(self, wall: Wall) -> bool:
@@ -147,13 +148,13 @@ class Bench:
         """Z from which a round hole is drilled [mm]: of the face on which it opens, above a
         counterbore if it has one.
         """
-        middle = bore_of(wall).exact.centres[0]
-        over = (
-            each.z1
-            for each in self.holes
-            if each.z0 == wall.z1 and bore_of(each).exact.centres[0] == middle
+        middle = exact_boundary(wall).exact.centres[0]
+        upper_ends = (
+            hole.z1
+            for hole in self.holes
+            if hole.z0 == wall.z1 and exact_boundary(hole).exact.centres[0] == middle
         )
-        return max(over, default=wall.z1)
+        return max(upper_ends, default=wall.z1)
 
     def bottom(self, wall: Wall) -> float:
         """Z at which cuts along the wall end [mm]: below the part, on its skin, or on a floor."""
@@ -168,7 +169,7 @@ class Bench:
         Raises
         ------
         GeometryError
-            With key "tool", and why each one does not.
+            With key "tool", and the reason why each tool does not fit.
         """
         reasons = []
         for tool in self.milling.tools:
@@ -178,7 +179,7 @@ class Bench:
             if not reason:
                 return tool
             reasons.append(f"tool {tool.number}: {reason}")
-        message = f"none fits the {what}: {'; '.join(reasons) or f'no {END_MILL} is stated'}"
+        message = f"no tool fits the {what}: {'; '.join(reasons) or f'no {END_MILL} is stated'}"
         if len(reasons) == len(self.milling.tools) == 1:
             raise ToolError(message, self.milling.tools[0], getattr(reason, "field", ""))
         raise GeometryError(message, key="tool")
@@ -186,23 +187,23 @@ class Bench:
     def allowance(self, tool: Tool, wall: Wall) -> float:
         """What a planned roughing with `tool` leaves on a wall [mm].
 
-        No more than half of what the tightest place leaves it.
+        At most half of the play that the cutter has in the tightest place.
         """
         usual = min(ALLOWANCE_SHARE * tool.diameter, LARGEST_ALLOWANCE)
         place = tightest(wall.boundary)
         return usual if place is None else min(usual, 0.5 * (place.radius - tool.radius))
 
     def room_outside(self, tool: Tool, compensation: str) -> float:
-        """For the leads of a finish around which all is cleared [mm]: more where
-        the controller takes up the cutter's.
+        """Room for the leads of a finish beside which everything is cleared [mm]: more where the
+        controller takes up the cutter's radius in them.
         """
         return (3.0 if compensation == CONTROL else 1.0) * tool.radius
 
     # Why tools do not fit -----------------------------------------------------------------------
 
     def too_short(self, tool: Tool, bottom: float, top: float = 0.0) -> str:
-        """Whether its edges, shank and holder allow a cut from `top` to `bottom` [mm]; the holder
-        stays above the upper face of the part.
+        """Why the tool is too short for a cut from `top` to `bottom` [mm]; empty if edges, shank
+        and holder allow it. The holder stays above the upper face of the part.
         """
         depth, reach = top - bottom, max(top, 0.0) - bottom
         if tool.flute_length is not None and tool.flute_length < depth:
@@ -217,13 +218,14 @@ class Bench:
         wide = tool.shank_diameter
         if wide is not None and wide > tool.diameter and tool.flute_length is None:
             return Reason(
-                f"its shank is wider than its edges, whose length is not stated for {depth:g} mm",
+                f"its shank is wider than its cutting edges, whose length must be stated for a cut"
+                f" of {depth:g} mm",
                 "shank_diameter",
             )
         return ""
 
     def too_large(self, tool: Tool, boundary: Boundary) -> str:
-        """Whether it reaches all of the boundary."""
+        """Why the cutter does not reach all of the boundary; empty if it does."""
         place = tightest(boundary)
         if place is None or tool.radius < place.radius:
             return ""
@@ -245,21 +247,22 @@ class Bench:
 
 
 def largest_diameter(place: Tightest) -> float:
-    """Of a cutter that fits, in steps of a hundredth of a millimetre [mm]."""
+    """Diameter of the largest cutter that fits [mm], rounded down to a whole hundredth."""
     return math.floor(200.0 * place.radius) / 100.0
 
 
 def is_open(part: Part, wall: Wall) -> bool:
     """Whether tools from above reach the wall: no higher layer lies over where they run."""
-    over = [layer for layer in part.layers if layer.z0 >= wall.z1]
-    if not over:
+    higher = [layer for layer in part.layers if layer.z0 >= wall.z1]
+    if not higher:
         return True
     inside = coarse(wall.boundary)
     hole = wall.boundary.hole
-    beside = grown(inside, BESIDE)
-    beside = inside.difference(grown(inside, -BESIDE)) if hole else beside.difference(inside)
-    for layer in over:
-        shared = shapely.intersection(beside, coarse(*layer.boundaries)).area
+    strip = grown(inside, STRIP_WIDTH)
+    strip = inside.difference(grown(inside, -STRIP_WIDTH)) if hole else strip.difference(inside)
+    for layer in higher:
+        shared = shapely.intersection(strip, coarse(*layer.boundaries)).area
+        # Contours of touching bodies may overlap along the whole wall, each by its tolerance.
         if shared > 2.0 * COARSE * inside.length:
             return False
     return True
@@ -267,10 +270,10 @@ def is_open(part: Part, wall: Wall) -> bool:
 
 def coarse(*boundaries: Boundary) -> Area:
     """What boundaries enclose, within `COARSE`."""
-    return polygon([each.arcs(COARSE, "fast").contour for each in boundaries], COARSE)
+    return polygon([boundary.arcs(COARSE, "fast").contour for boundary in boundaries], COARSE)
 
 
-def letters_of(bench: Bench, text: str) -> tuple[Wall, ...]:
+def letter_walls(bench: Bench, text: str) -> tuple[Wall, ...]:
     """The walls of the letters of a text; none of anything else."""
     return tuple(wall for name, wall in bench.walls.items() if text_name(name) == text != "")
 
@@ -286,7 +289,7 @@ def flank_curve(wall: Wall) -> WorkingCurve:
     return wall.boundary.path.stretches[0].curve
 
 
-def bore_of(wall: Wall) -> ExactBoundary:
+def exact_boundary(wall: Wall) -> ExactBoundary:
     """The boundary of the bore."""
     assert isinstance(wall.boundary, ExactBoundary)  # as every bore is
     return wall.boundary
@@ -327,17 +330,20 @@ def tightest(boundary: Boundary) -> Tightest | None:
         return Tightest(boundary.round_radius) if boundary.hole else None
     if not isinstance(boundary, CurveBoundary):
         return None
-    found = [_of_stretch(each, hole=boundary.hole) for each in boundary.path.stretches]
-    places = (each for each in found if each is not None)
-    return min(places, key=lambda each: each.radius, default=None)
+    candidates = [
+        _tightest_on_stretch(stretch, hole=boundary.hole) for stretch in boundary.path.stretches
+    ]
+    places = (place for place in candidates if place is not None)
+    return min(places, key=lambda place: place.radius, default=None)
 
 
-def _of_stretch(stretch: Stretch, *, hole: bool) -> Tightest | None:
+def _tightest_on_stretch(stretch: Stretch, *, hole: bool) -> Tightest | None:
     curve = stretch.curve
     try:
         bends = curvature_extremes(curve.pitch)
     except GeometryError:  # a cusp, in what is trimmed away: the fit of the path decides
         return None
+    # Candidates: the extremes on the stretch itself, and its ends with their one-sided curvature.
     inside = (bends.phi - stretch.start) % TURN <= stretch.end - stretch.start
     ends = np.array([stretch.start, stretch.end])
     kappa = np.concatenate(
@@ -353,6 +359,7 @@ def _of_stretch(stretch: Stretch, *, hole: bool) -> Tightest | None:
     worst = int(np.argmax(bend))
     if bend[worst] <= 0.0:
         return None
+    # From the pitch curve to the wall: the radius of the wall itself is that of the parallel.
     distance = curve.distance if hole else -curve.distance
     return Tightest(float(1.0 / bend[worst] + distance), float(phi[worst]) % TURN)
 
@@ -364,19 +371,19 @@ def _of_stretch(stretch: Stretch, *, hole: bool) -> Tightest | None:
 MOST_PASSES: Final = 1_000
 """Of one cut; a pass thinner than a thousandth of a part is a typing error."""
 
-CLEARED_BESIDE: Final = 1.25
+CLEARED_DIAMETERS: Final = 1.25
 """Diameters of the widest cutter that are cleared beside the disc: a slot, and an allowance."""
 
 
 def rough_around(bench: Bench, wall: Wall, tool: Tool, top: float, allowance: float) -> ContourCut:
-    """Around a wall in passes, in full material: the cutter enters along its path."""
-    boundary, slack = wall.boundary, slack_of(allowance)
+    """A slot around a wall, in passes through full material; the cutter enters along its path."""
+    boundary, slack = wall.boundary, roughing_slack(allowance)
     return ContourCut(
         name=f"rough {boundary.name}",
         strategy="slot",
         tool=tool,
         top=top,
-        depths=depths_of(tool, top, bench.bottom(wall)),
+        depths=pass_depths(tool, top, bench.bottom(wall)),
         allowance=allowance,
         centre=boundary.offset(tool.radius + allowance + slack),
         right=boundary.name,
@@ -387,8 +394,9 @@ def rough_around(bench: Bench, wall: Wall, tool: Tool, top: float, allowance: fl
 def rough_outside(
     bench: Bench, wall: Wall, tool: Tool, top: float, allowance: float
 ) -> AreaCut | ContourCut:
-    """Around a wall that cuts the part free: from a round blank all beside it is cleared; from a
-    plate, where no spiral leads there, and where tabs need a frame to hold on to, a slot is cut.
+    """Roughing around a wall that cuts the part free: of a round blank everything beside the wall
+    is cleared; a slot is cut from a plate, where no spiral leads to the wall, and where tabs need a
+    frame to hold on to.
     """
     holding = bench.milling.holding
     framed = holding is not None and holding.tabs is not None
@@ -406,24 +414,26 @@ def rough_outside(
 def clear_outside(
     bench: Bench, wall: Wall, tool: Tool, top: float, allowance: float
 ) -> AreaCut | None:
-    """All between a wall and the known outline of the blank; None if no spiral leads there."""
+    """Clearing of all material between a wall and the known outline of the blank; None if no spiral
+    leads there.
+    """
     from camgeo.milling.clear import spirals  # few outlines of blanks are known
 
     name, bottom = f"rough {wall.boundary.name}", bench.bottom(wall)
-    made = clear_area(bench, name, "rough", tool, top, bottom, (wall.boundary,), allowance)
-    return made if spirals(made, wall.boundary, MOST_SLACK) else None
+    area_cut = clear_area(bench, name, "rough", tool, top, bottom, (wall.boundary,), allowance)
+    return area_cut if spirals(area_cut, wall.boundary, MOST_SLACK) else None
 
 
 def clear_around(bench: Bench, wall: Wall, tool: Tool, top: float, allowance: float) -> AreaCut:
-    """Around what stands on the disc, down to the face that it stands on: all of a blank whose
-    outline is known, else as far as cutters go that lay the disc free.
+    """Clearing around a boss, down to the face on which it stands: of the whole blank if its
+    outline is known, else of a ring in which the cutters that cut the disc free have room.
     """
     name, bottom = f"rough {wall.boundary.name}", bench.bottom(wall)
     strategy, walls = "rough", [wall.boundary]
     if bench.milling.stock.outline is None:
         disc = bench.part.outermost.arcs(COARSE, "fast")
-        widest = max(each.diameter for each in bench.milling.tools if each.kind == END_MILL)
-        radius = largest_radius(disc.contour) + disc.deviation + CLEARED_BESIDE * widest
+        widest = max(mill.diameter for mill in bench.milling.tools if mill.kind == END_MILL)
+        radius = largest_radius(disc.contour) + disc.deviation + CLEARED_DIAMETERS * widest
         edge = ExactBoundary("edge of what is cleared", hole=True, exact=Contour.circle(radius))
         strategy, walls = "moat", [wall.boundary, edge]
     return clear_area(bench, name, strategy, tool, top, bottom, tuple(walls), allowance)
@@ -443,7 +453,12 @@ def finish_along(
     compensation: str = "",
     note: str = "",
 ) -> ContourCut:
-    """Along a roughed wall at full depth, or at `depths`; what is beside it is cleared."""
+    """Finish along a roughed wall at full depth, or at `depths`.
+
+    Parameters
+    ----------
+    room, rest, cleared, springs : as of `ContourCut`.
+    """
     boundary = wall.boundary
     return ContourCut(
         name=boundary.name,
@@ -462,15 +477,16 @@ def finish_along(
     )
 
 
-def slot_between(bench: Bench, inner: Wall, outer: Wall, tool: Tool, top: float) -> ContourCut:
-    """Between both flanks, with a cutter as wide as the groove."""
+def groove_slot(bench: Bench, inner: Wall, outer: Wall, tool: Tool, top: float) -> ContourCut:
+    """One round between both flanks, with a cutter as wide as the groove."""
+    # The cutter's centre runs on the pitch curve: the parallel at distance 0.
     path = Path(Envelope(WorkingCurve(flank_curve(outer).pitch, 0.0)).elements)
     return ContourCut(
         name="groove",
         strategy="slot",
         tool=tool,
         top=top,
-        depths=depths_of(tool, top, bench.bottom(outer)),
+        depths=pass_depths(tool, top, bench.bottom(outer)),
         centre=CurveBoundary("path of the cutter along the groove", hole=True, path=path),
         right=outer.boundary.name,
         left=inner.boundary.name,
@@ -489,10 +505,10 @@ usually, and at most, so that no core is left in them.
 def loops_along(
     bench: Bench, wall: Wall, other: Wall | None, tool: Tool, top: float, allowance: float
 ) -> AreaCut:
-    """Along a wall by loops, in a slot wider than the cutter by `LOOPS`.
+    """Trochoidal roughing along a wall, in a slot wider than the cutter by `LOOPS`.
 
-    `other` is the flank across a groove: the slot is as wide as that, less both allowances, if
-    loops make it at once.
+    `other` is the flank across a groove: the slot is as wide as the groove, less both allowances,
+    if loops can make it at once.
     """
     boundary, bottom = wall.boundary, bench.bottom(wall)
     flat = tool.radius - tool.corner_radius
@@ -506,10 +522,10 @@ def loops_along(
         strategy="trochoid",
         tool=tool,
         top=top,
-        depths=depths_of(tool, top, bottom),
+        depths=pass_depths(tool, top, bottom),
         allowance=allowance,
         walls=tuple(walls),
-        stepover=stepover_of(tool),
+        stepover=stated_stepover(tool),
         slot=slot,
     )
 
@@ -524,7 +540,9 @@ def clear_area(
     walls: tuple[Boundary, ...],
     allowance: float = 0.0,
 ) -> AreaCut:
-    """All between walls and, unless a hole encloses it, the outline of the blank."""
+    """Clearing of all material between walls and, unless a hole encloses it, the outline of the
+    blank.
+    """
     stock = bench.milling.stock
     inside = any(wall.hole for wall in walls)
     return AreaCut(
@@ -532,19 +550,21 @@ def clear_area(
         strategy=strategy,
         tool=tool,
         top=top,
-        depths=depths_of(tool, top, bottom),
+        depths=pass_depths(tool, top, bottom),
         allowance=allowance,
         walls=walls,
         stock=None if inside else stock.outline,
         cleared=(stock.hole,) if (stock.bore is not None and (inside or not walls)) else (),
-        stepover=stepover_of(tool),
+        stepover=stated_stepover(tool),
     )
 
 
 def drill_all(
     name: str, tool: Tool, top: float, bottom: float, holes: Mapping[str, complex]
 ) -> PointCut:
-    """Straight down in each of the `holes`, places [mm] by the names of their boundaries."""
+    """Drilling of the `holes`, complex places [mm] by the names of their boundaries; the point of
+    the drill goes below `bottom` [mm].
+    """
     depths = passes(top, bottom - tool.tip_length, tool.stepdown)
     places = tuple(holes.values())
     return PointCut(
@@ -553,51 +573,52 @@ def drill_all(
     )  # fmt: skip
 
 
-def no_engraver(bench: Bench, tool: Tool, walls: Sequence[Wall]) -> str:
+def unfit_for_engraving(bench: Bench, tool: Tool, walls: Sequence[Wall]) -> str:
     """Why a tool does not make a mark in one pass, or the letters of a text; empty if it does."""
     wall = walls[0]
     if text_name(wall.boundary.name):
         reason = "" if is_open(bench.part, wall) else "they are not open on this face"
-        reason = reason or unfit_for_letters(tool, [each.boundary for each in walls])
+        reason = reason or unfit_for_letters(tool, [letter.boundary for letter in walls])
         return reason or bench.too_short(tool, bench.bottom(wall), wall.z1)
-    width = 2.0 * float(np.max(bore_of(wall).exact.radii))
+    width = 2.0 * float(np.max(exact_boundary(wall).exact.radii))
     if tool.kind != END_MILL or tool.corner_radius:
         return "a mark is cut with a flat end mill"
     if not as_wide(tool, 0.5 * width):
         return f"it is not as wide as the {wall.boundary.name}, {width:g} mm"
-    if bore_of(wall).is_round and not tool.plunges:
-        return "a dot takes a tool that plunges"
+    if exact_boundary(wall).is_round and not tool.plunges:
+        return "a dot needs a tool that may plunge"
     return bench.too_short(tool, bench.bottom(wall), wall.z1)
 
 
-def engraved(bench: Bench, walls: Sequence[Wall], tool: Tool, top: float) -> Cut:
+def engraving_cut(bench: Bench, walls: Sequence[Wall], tool: Tool, top: float) -> Cut:
     """A mark as wide as the tool, a slot along its middle line or a dot; or letters of a text."""
     wall = walls[0]
     if text := text_name(wall.boundary.name):
         return LetterCut(
             name=f"engrave {text}", strategy="letters", tool=tool, top=top,
-            depths=depths_of(tool, top, bench.bottom(wall)), stepover=stepover_of(tool),
-            walls=tuple(each.boundary for each in walls),
+            depths=pass_depths(tool, top, bench.bottom(wall)), stepover=stated_stepover(tool),
+            walls=tuple(letter.boundary for letter in walls),
             note=f"corners keep the radius of the cutter, {tool.radius:g} mm",
         )  # fmt: skip
-    boundary = bore_of(wall)
-    ends = ends_of(boundary)
+    boundary = exact_boundary(wall)
+    ends = slot_ends(boundary)
     assert ends is not None  # as of every mark
     name, bottom = f"engrave {boundary.name}", bench.bottom(wall)
     if ends[0] == ends[1]:
-        made = drill_all(name, tool, top, bottom, {boundary.name: ends[0]})
-        return replace(made, depths=(bottom,))
+        dot = drill_all(name, tool, top, bottom, {boundary.name: ends[0]})
+        return replace(dot, depths=(bottom,))
     return LineCut(
-        name=name, strategy="engrave", tool=tool, top=top, depths=depths_of(tool, top, bottom),
+        name=name, strategy="engrave", tool=tool, top=top, depths=pass_depths(tool, top, bottom),
         start=ends[0], end=ends[1], slot=boundary.name,
     )  # fmt: skip
 
 
-def ends_of(boundary: ExactBoundary) -> tuple[complex, complex] | None:
-    """The ends of the middle line of a slot with round ends [mm], of a circle twice its middle.
+def slot_ends(boundary: ExactBoundary) -> tuple[complex, complex] | None:
+    """The ends of the centre line of a slot with round ends [mm]; of a circle, its centre twice.
 
-    None of any other boundary.
+    None for any other boundary.
     """
+    # Both shapes have two arcs of equal radius and sweep: about two centres or about one.
     contour = boundary.exact
     bent = contour.sweeps != 0.0
     middles = np.unique(contour.centres[bent])
@@ -620,10 +641,11 @@ def passes(top: float, bottom: float, largest: float | None) -> tuple[float, ...
     depth = positive("part", top - bottom, "mm")
     count = 1
     if largest is not None:
+        # Rounding must not add a pass where the depth is a multiple of the stepdown.
         share = depth / positive("tool.stepdown", largest, "mm") * (1.0 - 1e-12)
         if share > MOST_PASSES:
             raise GeometryError(
-                f"must be at least {depth / MOST_PASSES:.3g} mm: no more passes than that",
+                f"must be at least {depth / MOST_PASSES:.3g} mm, for at most {MOST_PASSES} passes",
                 "tool.stepdown",
                 f"{largest:g}",
             )
@@ -631,8 +653,8 @@ def passes(top: float, bottom: float, largest: float | None) -> tuple[float, ...
     return (*(top - depth * (k + 1) / count for k in range(count - 1)), bottom)
 
 
-def depths_of(tool: Tool, top: float, bottom: float) -> tuple[float, ...]:
-    """Z of equal passes [mm]; raises ToolError without a stepdown."""
+def pass_depths(tool: Tool, top: float, bottom: float) -> tuple[float, ...]:
+    """Z of equal passes [mm] from `top` to `bottom`; ToolError if the tool states no stepdown."""
     if tool.stepdown is None:
         raise ToolError(
             f"tool {tool.number} states no stepdown to cut {top - bottom:g} mm deep",
@@ -642,11 +664,11 @@ def depths_of(tool: Tool, top: float, bottom: float) -> tuple[float, ...]:
     return passes(top, bottom, tool.stepdown)
 
 
-def stepover_of(tool: Tool) -> float:
-    """Between neighbouring paths [mm]; raises ToolError if it is not stated."""
+def stated_stepover(tool: Tool) -> float:
+    """Largest distance of neighbouring paths [mm]; ToolError if the tool does not state it."""
     if tool.stepover is None:
         raise ToolError(
-            f"tool {tool.number} states no stepover to clear an area; none is invented",
+            f"tool {tool.number} states no stepover, which is needed to clear an area",
             tool,
             "stepover",
         )

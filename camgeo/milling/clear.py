@@ -15,17 +15,26 @@ import numpy as np
 from camgeo.errors import GeometryError
 from camgeo.geometry.contour.contour import Contour, Effort, least_distance
 from camgeo.milling.cut import AreaCut
-from camgeo.milling.track import FLAT, Beside, Track, begun, chained, flattest, lead_at, started
+from camgeo.milling.track import (
+    FLAT,
+    LeadSpec,
+    Track,
+    begin_at_distance,
+    begin_in_piece,
+    chain_tracks,
+    fit_leads,
+    flattest,
+)
 from camgeo.milling.walk import (
     SAME,
     SPENT,
-    Walk,
+    ToolpathBuilder,
     along,
     coarse,
     cut_of_kind,
     descend,
     descent,
-    limit_of,
+    engagement_limit,
     require_clear,
 )
 from camgeo.numeric.arrays import ComplexArray, FloatArray, Side, ascending, phase
@@ -34,7 +43,7 @@ from camgeo.part.part import Boundary
 from camgeo.units import TURN
 
 
-def clear(walk: Walk, tolerance: float, effort: Effort) -> None:  # noqa: ARG001  all strategies are called alike
+def clear(builder: ToolpathBuilder, tolerance: float, effort: Effort) -> None:  # noqa: ARG001  all strategies are called alike
     """The moves that clear an area; its paths are fitted fast, and coarsely within the allowance.
 
     Raises
@@ -42,22 +51,22 @@ def clear(walk: Walk, tolerance: float, effort: Effort) -> None:  # noqa: ARG001
     GeometryError
         If the cutter is too large for the area, or no strategy clears an area with such walls.
     """
-    cut = cut_of_kind(walk.cut, AreaCut, "clears an area")
+    cut = cut_of_kind(builder.cut, AreaCut, "clears an area")
     holes = [wall for wall in cut.walls if wall.hole]
     solids = [wall for wall in cut.walls if not wall.hole]
     match solids, holes:
         case [], []:
-            face(walk, cut, tolerance)
+            face(builder, cut, tolerance)
         case [solid], []:
-            outside(walk, cut, solid, tolerance)
+            outside(builder, cut, solid, tolerance)
         case [], [hole]:
-            inside(walk, cut, hole, tolerance)
+            inside(builder, cut, hole, tolerance)
         case [solid], [hole]:
-            ring(walk, cut, solid, hole, tolerance)
+            ring(builder, cut, solid, hole, tolerance)
         case _:
             names = ", ".join(wall.name for wall in cut.walls)
             raise GeometryError(
-                "an area has at most one wall around it and one within it", "part", names
+                "an area may have at most one wall around it and one within it", "part", names
             )
 
 
@@ -73,7 +82,7 @@ INNERMOST = 0.9
 """Radius of the last round as a share of that within which the cutter is flat."""
 
 
-def face(walk: Walk, cut: AreaCut, tolerance: float) -> None:
+def face(builder: ToolpathBuilder, cut: AreaCut, tolerance: float) -> None:
     """At each depth: down in the air beside the blank, and round it inward to its middle.
 
     Between depths the cutter runs out again over what it has cleared.
@@ -90,22 +99,26 @@ def face(walk: Walk, cut: AreaCut, tolerance: float) -> None:
     middle = blank.moments.first / blank.area
     radius = cut.tool.radius
     flat = max(radius - cut.tool.corner_radius, 0.25 * radius)
-    begin = Star.of(grown(blank, radius), middle)
-    ends = [Star.of(Contour.circle(each, middle), middle) for each in (radius, INNERMOST * flat)]
+    begin = Star.from_contour(grown(blank, radius), middle)
+    ends = [
+        Star.from_contour(Contour.circle(end_radius, middle), middle)
+        for end_radius in (radius, INNERMOST * flat)
+    ]
     if begin is None or ends[0] is None or ends[1] is None:
         raise GeometryError("the blank is too long and narrow to be faced by a spiral", "stock")
-    # Nothing is left within the cutter's radius: there is no engagement to measure.
+    # Within the cutter's radius of the middle nothing is left, so the engagement is paced only up
+    # to there; the last bit inward is run at the same pace per turn.
     paced = spiral(cut, begin, ends[0], 0.0, fine, outward=False)
     wide = begin.distances().highest.value
     longer = (wide - INNERMOST * flat) / (wide - radius)
     morph = replace(paced, b=ends[1], turns=paced.turns * longer)
-    turned = fitted(morph, fine)
+    turned = fit_spiral(morph, fine)
     circle = Track.arc(turned.end, middle, morph.sense * 2.0 * np.pi)
-    level = chained((_entry(morph, turned, radius), turned, circle))
+    level = chain_tracks((_entry(morph, turned, radius), turned, circle))
     for z in cut.depths:
-        walk.over(level.start)
-        walk.down(z)
-        walk.follow(level)
+        builder.link(level.start)
+        builder.lower(z)
+        builder.follow(level)
 
 
 # -- inside ---------------------------------------------------------------------------------------
@@ -121,10 +134,10 @@ WHOLE = 0.95
 alone."""
 
 INSIDE_ROOM = 0.5
-"""Of the way off the wall, as a share of the cutter's radius."""
+"""Room of the lead off the wall of a hole, as a share of the cutter's radius."""
 
 
-def inside(walk: Walk, cut: AreaCut, wall: Boundary, tolerance: float) -> None:
+def inside(builder: ToolpathBuilder, cut: AreaCut, wall: Boundary, tolerance: float) -> None:
     """A helix down to each depth in turn, from the middle or round a hole that is there, and from
     it a spiral out to the wall and a full round along it; a narrow round hole by the helix alone.
 
@@ -136,48 +149,50 @@ def inside(walk: Walk, cut: AreaCut, wall: Boundary, tolerance: float) -> None:
     fine = coarse(cut, tolerance)
     path = along(wall, cut, fine)
     flat = max(cut.tool.radius - cut.tool.corner_radius, 0.25 * cut.tool.radius)
-    star = star_of(path, wall.name)
+    star = require_star(path, wall.name)
     least = star.distances().lowest.value
     turned = 2.0 * math.pi if cut.climb else -2.0 * math.pi
     if _is_circle(path) and least <= WHOLE * flat:
         whole = Track.around(path if cut.climb else path.reversed())
         require_clear(whole, wall, cut, fine)
         for above, z in pairwise((cut.top, *cut.depths)):
-            descend(walk, whole, above, z)
-        walk.follow(whole)
-        walk.follow(Track.line(whole.start, 0j))
+            descend(builder, whole, above, z)
+        builder.follow(whole)
+        builder.follow(Track.line(whole.start, 0j))
         return
     hole = _hole(cut, fine)
     middle = min(HELIX * flat, 0.5 * least) if hole is None else min(hole, 0.9 * least)
     finish = flattest_direction(path)
-    outward = fitted(
-        spiral(cut, star_of(Contour.circle(middle), "helix"), star, finish, fine, outward=True),
+    outward = fit_spiral(
+        spiral(
+            cut, require_star(Contour.circle(middle), "helix"), star, finish, fine, outward=True
+        ),
         fine,
     )
     helix = Track.arc(outward.start, 0j, turned)
-    last = begun(path, star.along(finish))
+    last = begin_at_distance(path, star.along(finish))
     last = last if cut.climb else last.reversed()
-    lead = lead_at(
+    lead = fit_leads(
         last,
         INSIDE_ROOM * min(cut.tool.radius, least),
-        Beside(free=walk.free, usual=cut.tool.radius),
+        LeadSpec(free=builder.free, usual=cut.tool.radius),
     )
-    off = () if lead is None else (lead.off,)
-    # The first round of the spiral begins on that of the helix, whose floor is still sloping.
+    lead_off_track = () if lead is None else (lead.exit,)
+    # A round at depth first: the helix has left a sloping floor, on which the spiral would begin.
     first = (helix,) if hole is None else ()
-    level = chained((*first, outward, Track.around(last), *off))
+    level = chain_tracks((*first, outward, Track.around(last), *lead_off_track))
     require_clear(level, wall, cut, fine)
     for number, (above, z) in enumerate(pairwise((cut.top, *cut.depths))):
         if number:
-            walk.follow(Track.line(walk.place, helix.start))
+            builder.follow(Track.line(builder.place, helix.start))
         if hole is None:
-            descend(walk, helix, above, z)
+            descend(builder, helix, above, z)
         else:
             if not number:
-                walk.above(helix.start)
-            walk.down(z)
-        walk.follow(level)
-    walk.follow(Track.line(walk.place, 0.5 * walk.place))
+                builder.traverse(helix.start)
+            builder.lower(z)
+        builder.follow(level)
+    builder.follow(Track.line(builder.place, 0.5 * builder.place))
 
 
 def _is_circle(path: Contour) -> bool:
@@ -189,21 +204,21 @@ def _hole(cut: AreaCut, fine: float) -> float | None:
 
     None without one that it fits into with room to come down.
     """
-    found = None
-    for each in cut.cleared:
-        star = Star.of(each.arcs(fine, "fast").contour)
+    largest = None
+    for boundary in cut.cleared:
+        star = Star.from_contour(boundary.arcs(fine, "fast").contour)
         if star is not None:
             room = star.distances().lowest.value - cut.tool.radius - 2.0 * fine
             if room > 0.1 * cut.tool.radius:
-                found = max(room, found or 0.0)
-    return found
+                largest = max(room, largest or 0.0)
+    return largest
 
 
 # -- moat -----------------------------------------------------------------------------------------
 # Clearing around a round boss in full material: a slot along it, widened outward by a spiral.
 
 
-def moat(walk: Walk, tolerance: float, effort: Effort) -> None:  # noqa: ARG001  all strategies are called alike
+def moat(builder: ToolpathBuilder, tolerance: float, effort: Effort) -> None:  # noqa: ARG001  all strategies are called alike
     """To each depth in turn by a helix along the boss, from there a spiral out to the wall around
     it, and a full round along that.
 
@@ -212,29 +227,32 @@ def moat(walk: Walk, tolerance: float, effort: Effort) -> None:  # noqa: ARG001 
     GeometryError
         If the cutter is too large for the area, or that is none around a boss.
     """
-    cut = walk.cut
+    cut = builder.cut
     if not isinstance(cut, AreaCut) or [wall.hole for wall in cut.walls] != [False, True]:
-        raise GeometryError("is cleared around a boss, within a wall", "toolpath", cut.name)
+        raise GeometryError(
+            "must be cleared between a boss and a wall around it", "toolpath", cut.name
+        )
     boss, edge = cut.walls
     fine = coarse(cut, tolerance)
     inner, outer = along(boss, cut, fine), along(edge, cut, fine)
     morph = spiral(
-        cut, star_of(inner, boss.name), star_of(outer, edge.name), 0.0, fine, outward=True
+        cut, require_star(inner, boss.name), require_star(outer, edge.name), 0.0, fine, outward=True
     )
-    outward = fitted(morph, fine)
+    outward = fit_spiral(morph, fine)
     helix = Track.arc(outward.start, 0j, 2.0 * math.pi if cut.climb else -2.0 * math.pi)
-    last = begun(outer, morph.b.along(morph.finish))
-    level = chained((helix, outward, Track.around(last if cut.climb else last.reversed())))
+    last = begin_at_distance(outer, morph.b.along(morph.finish))
+    level = chain_tracks((helix, outward, Track.around(last if cut.climb else last.reversed())))
     for wall in cut.walls:
         require_clear(level, wall, cut, fine)
-    # The cutter may pass where it has been, but not over the boss.
-    kept = Track.around(Contour.circle(float(np.min(np.abs(inner.vertices))) - fine))
+    # Between depths the cutter passes over what it has cleared, but not across the boss: the circle
+    # lies within the cutter's innermost path.
+    barrier = Track.around(Contour.circle(float(np.min(np.abs(inner.vertices))) - fine))
     for number, (above, z) in enumerate(pairwise((cut.top, *cut.depths))):
         if number:
-            walk.over(helix.start, kept)
-            walk.down(above)
-        descend(walk, helix, above, z)
-        walk.follow(level)
+            builder.link(helix.start, barrier)
+            builder.lower(above)
+        descend(builder, helix, above, z)
+        builder.follow(level)
 
 
 # -- outside --------------------------------------------------------------------------------------
@@ -245,15 +263,15 @@ SHORTEST_START = 0.05
 """Least length of a piece at which a round begins [mm]: shorter ones could vanish in rounding."""
 
 MOST_TRIALS, MORE = 20, 0.02
-"""Of a depth's spiral, and by which share its turns grow each time."""
+"""Trials of the spiral of the next depth, and the share by which its turns grow each time."""
 
 
-def outside(walk: Walk, cut: AreaCut, wall: Boundary, tolerance: float) -> None:
-    """At each depth: from where the cutter first touches the blank once around it after the other,
-    ever nearer to the wall, and a full round along it.
+def outside(builder: ToolpathBuilder, cut: AreaCut, wall: Boundary, tolerance: float) -> None:
+    """At each depth a spiral from where the cutter first touches the blank to the wall, and a full
+    round along the wall.
 
-    Down in the air beside the blank, and out there again between depths without being lifted: each
-    depth begins in the direction in which the one before has ended.
+    The cutter goes down in the air beside the blank, and returns there between depths without being
+    lifted: each depth begins in the direction in which the previous one has ended.
 
     Raises
     ------
@@ -265,16 +283,16 @@ def outside(walk: Walk, cut: AreaCut, wall: Boundary, tolerance: float) -> None:
     fine = coarse(cut, tolerance)
     path = along(wall, cut, fine)
     edge = _edge(cut, cut.stock.arcs(fine, "fast").contour, path)
-    begin, end = star_of(edge, "blank"), star_of(path, wall.name)
+    begin, end = require_star(edge, "blank"), require_star(path, wall.name)
     morph = spiral(cut, begin, end, flattest_direction(path), fine, outward=False)
     for number, z in enumerate(cut.depths):
         if number:
-            morph = _continued(cut, morph, walk.place, fine)
-        track = _level(cut, morph, path, fine)
+            morph = _next_depth_spiral(cut, morph, builder.place, fine)
+        track = _depth_track(cut, morph, path, fine)
         require_clear(track, wall, cut, fine)
-        walk.over(track.start, Track.around(path))
-        walk.down(z)
-        walk.follow(track)
+        builder.link(track.start, Track.around(path))
+        builder.lower(z)
+        builder.follow(track)
 
 
 def spirals(cut: AreaCut, wall: Boundary, tolerance: float) -> bool:
@@ -289,10 +307,13 @@ def spirals(cut: AreaCut, wall: Boundary, tolerance: float) -> bool:
     assert cut.stock is not None  # the caller has a blank
     fine = coarse(cut, tolerance)
     edge = grown(cut.stock.arcs(fine, "fast").contour, cut.tool.radius)
-    return Star.of(edge) is not None and Star.of(along(wall, cut, fine)) is not None
+    return (
+        Star.from_contour(edge) is not None
+        and Star.from_contour(along(wall, cut, fine)) is not None
+    )
 
 
-def star_of(contour: Contour, what: str) -> Star:
+def require_star(contour: Contour, what: str) -> Star:
     """The contour seen from the cam axis.
 
     Raises
@@ -300,11 +321,11 @@ def star_of(contour: Contour, what: str) -> Star:
     GeometryError
         With key "toolpath", if rays from there meet it more than once.
     """
-    star = Star.of(contour)
+    star = Star.from_contour(contour)
     if star is None:
         raise GeometryError(
             f"the {what} cannot be cleared by a spiral: rays from the cam axis meet the cutter's"
-            " path more than once, or nearly along it",
+            " path more than once, or at too flat an angle",
             key="toolpath",
         )
     return star
@@ -312,12 +333,13 @@ def star_of(contour: Contour, what: str) -> Star:
 
 def flattest_direction(path: Contour) -> float:
     """The direction [rad] of the flattest place of a path."""
-    return phase(complex(started(path, next(flattest(path))).vertices[0]))
+    return phase(complex(begin_in_piece(path, next(flattest(path))).vertices[0]))
 
 
-def off_joints(path: Contour, star: Star, direction: float) -> float:
-    """The `direction` [rad] in which a round of the path begins, or that of a joint of its pieces
-    next to it: no piece of a round is shorter than `SHORTEST`.
+def avoid_joints(path: Contour, star: Star, direction: float) -> float:
+    """The `direction` [rad] in which a round of the path may begin: as given, or that of the
+    nearest joint of its pieces if that is closer than `SHORTEST_START`, so that no piece is
+    shorter.
     """
     place = star.along(direction)
     joints = np.concatenate(([0.0], np.cumsum(path.lengths)))
@@ -328,16 +350,16 @@ def off_joints(path: Contour, star: Star, direction: float) -> float:
     return direction + turned
 
 
-def _level(cut: AreaCut, morph: Morph, path: Contour, fine: float) -> Track:
-    """The way at one depth: onto the spiral, along it, once round, and off."""
-    morph = replace(morph, finish=off_joints(path, morph.b, morph.finish))
-    turned = fitted(morph, fine)
-    last = begun(path, morph.b.along(morph.finish))
+def _depth_track(cut: AreaCut, morph: Morph, path: Contour, fine: float) -> Track:
+    """The track at one depth: onto the spiral, along it, once round the wall, and off."""
+    morph = replace(morph, finish=avoid_joints(path, morph.b, morph.finish))
+    turned = fit_spiral(morph, fine)
+    last = begin_at_distance(path, morph.b.along(morph.finish))
     if morph.sense < 0:
         last = last.reversed()
     radius = cut.tool.radius
-    return chained(
-        (_entry(morph, turned, radius), turned, Track.around(last), *_off(last, morph, radius))
+    return chain_tracks(
+        (_entry(morph, turned, radius), turned, Track.around(last), *_exit(last, morph, radius))
     )
 
 
@@ -348,15 +370,17 @@ def _entry(morph: Morph, turned: Track, radius: float) -> Track:
     return Track.arc(turned.start, centre, -free * 0.5 * np.pi).reversed()
 
 
-def _continued(cut: AreaCut, morph: Morph, place: complex, fine: float) -> Morph:
+def _next_depth_spiral(cut: AreaCut, morph: Morph, place: complex, fine: float) -> Morph:
     """The spiral of the next depth: onto it the way is straight out from `place`, where the one
     before it has ended.
 
     It ends elsewhere, so that it may take slightly more turns to keep the engagement.
     """
-    limit = limit_of(cut, fine)
+    limit = engagement_limit(cut, fine)
     for _ in range(MOST_TRIALS):
-        turned = fitted(morph, fine)
+        turned = fit_spiral(morph, fine)
+        # The start of the entry arc must lie in the direction of `place`; seen from the cam axis it
+        # is `aside` of the spiral's start, which lies all turns before the finish.
         aside = phase(_entry(morph, turned, cut.tool.radius).start / turned.start)
         finish = phase(place) - aside + morph.sense * 2.0 * np.pi * morph.turns
         morph = replace(morph, finish=finish)
@@ -366,12 +390,12 @@ def _continued(cut: AreaCut, morph: Morph, place: complex, fine: float) -> Morph
     return morph
 
 
-def _off(last: Contour, morph: Morph, radius: float) -> tuple[Track, ...]:
-    """The way off the last round, none where there is no room for one."""
+def _exit(last: Contour, morph: Morph, radius: float) -> tuple[Track, ...]:
+    """The lead off the last round, as large as there is room for; empty if there is none."""
     for size in (ENTRY * radius, 0.3 * radius, 0.1 * radius):
-        lead = lead_at(last, size, Beside(free=-morph.side, usual=radius))
+        lead = fit_leads(last, size, LeadSpec(free=-morph.side, usual=radius))
         if lead is not None:
-            return (lead.off,)
+            return (lead.exit,)
     return ()
 
 
@@ -379,7 +403,7 @@ CORNER = 1e-9
 """Turn [rad] below which two pieces join without a corner."""
 
 
-def grown(contour: Contour, by: float) -> Contour:
+def grown(contour: Contour, distance: float) -> Contour:
     """The parallel at `by` [mm] outside a convex contour, counter-clockwise, round at its corners.
 
     Raises
@@ -390,6 +414,7 @@ def grown(contour: Contour, by: float) -> Contour:
     contour = contour.counter_clockwise()
     pieces = Track.around(contour).pieces
     leaving, arriving = pieces.tangents(pieces.starts), pieces.tangents(pieces.ends)
+    # Turn at the start of each piece, from the end of the one before it.
     turns = np.angle(leaving * np.conj(np.roll(arriving, 1)))
     if np.any(turns < -CORNER) or np.any(contour.sweeps < 0.0):
         raise GeometryError("the outline of the blank must be convex", "stock")
@@ -398,11 +423,12 @@ def grown(contour: Contour, by: float) -> Contour:
     centres: list[complex] = []
     for k, turn in enumerate(turns.tolist()):
         corner = complex(contour.vertices[k])
-        if turn > CORNER:
-            vertices.append(corner - 1j * by * complex(arriving[k - 1]))
+        if turn > CORNER:  # the parallel rolls around the corner
+            vertices.append(corner - 1j * distance * complex(arriving[k - 1]))
             sweeps.append(turn)
             centres.append(corner)
-        vertices.append(corner - 1j * by * complex(leaving[k]))
+        # -1j times the heading points outward, as the contour runs counter-clockwise.
+        vertices.append(corner - 1j * distance * complex(leaving[k]))
         sweeps.append(float(contour.sweeps[k]))
         centres.append(complex(contour.centres[k]))
     return Contour(np.array(vertices), np.array(sweeps), np.array(centres))
@@ -418,7 +444,7 @@ def _edge(cut: AreaCut, blank: Contour, path: Contour) -> Contour:
     """
     radius = cut.tool.radius
     edge = grown(blank, radius)
-    outer, inner = star_of(edge, "blank"), star_of(path, "wall")
+    outer, inner = require_star(edge, "blank"), require_star(path, "wall")
     lacking = inner.distances(beyond=outer).highest.value
     if lacking > 0.5 * radius:
         raise GeometryError(
@@ -434,11 +460,13 @@ def _edge(cut: AreaCut, blank: Contour, path: Contour) -> Contour:
 # Clearing of a groove: a slot along its middle, widened on both sides towards the walls.
 
 
-def ring(walk: Walk, cut: AreaCut, solid: Boundary, hole: Boundary, tolerance: float) -> None:
-    """Between a wall around it, `hole`, and one within it, `solid`, which are parallel.
+def ring(
+    builder: ToolpathBuilder, cut: AreaCut, solid: Boundary, hole: Boundary, tolerance: float
+) -> None:
+    """A groove between an outer wall, `hole`, and an inner one, `solid`, which are parallel.
 
-    To each depth in turn along the middle, and from there rounds nearer to the outer wall, then
-    back and nearer to the inner one, each by climb milling.
+    At each depth first a slot along the middle, then rounds ever nearer to the outer wall, then
+    rounds ever nearer to the inner one, all by climb milling.
 
     Raises
     ------
@@ -446,7 +474,7 @@ def ring(walk: Walk, cut: AreaCut, solid: Boundary, hole: Boundary, tolerance: f
         If the cutter is too large for the groove, or there are more than `MOST_TURNS` rounds.
     """
     fine = coarse(cut, tolerance)
-    outer, inner = (Track.around(each.arcs(tolerance, "fast").contour) for each in (hole, solid))
+    outer, inner = (Track.around(wall.arcs(tolerance, "fast").contour) for wall in (hole, solid))
     width = least_distance(outer, inner)
     play = width - cut.tool.diameter - 2.0 * cut.allowance - 2.0 * SPENT * fine
     if play < 0.0:
@@ -458,43 +486,48 @@ def ring(walk: Walk, cut: AreaCut, solid: Boundary, hole: Boundary, tolerance: f
         )
     if 0.5 * play > MOST_TURNS * cut.stepover:
         raise GeometryError(
-            f"makes more than {MOST_TURNS} rounds on each side of the groove's middle",
+            f"is too small: more than {MOST_TURNS} rounds would be needed on each side of the"
+            " groove's middle",
             "tool.stepover",
             f"{cut.stepover:g}",
         )
+    # On each side equal steps, the last of which ends at the allowance itself, offset 0.
     count = math.ceil(0.5 * play / cut.stepover)
-    offs = [0.5 * play * (count - k) / count for k in range(1, count + 1)] if count else []
-    middle = _begun(along(hole, cut, fine, 0.5 * play), climb=cut.climb)
+    offsets = [0.5 * play * (count - k) / count for k in range(1, count + 1)] if count else []
+    middle = _middle_track(along(hole, cut, fine, 0.5 * play), climb=cut.climb)
     point = middle.start
     sides = [
-        [_beside(wall, along(wall, cut, fine, off), point, ccw=ccw) for off in offs]
+        [
+            _round_from_ray(wall, along(wall, cut, fine, offset), point, ccw=ccw)
+            for offset in offsets
+        ]
         for wall, ccw in ((hole, cut.climb), (solid, not cut.climb))
     ]
     for track in (middle, *sides[0], *sides[1]):
         for wall in (hole, solid):
             require_clear(track, wall, cut, fine)
-    walk.above(point)
-    walk.down(cut.top)
+    builder.traverse(point)
+    builder.lower(cut.top)
     for above, z in pairwise((cut.top, *cut.depths)):
         for end in descent(cut, above, z, middle.length):
-            walk.follow(middle, end, both=True)
-        walk.follow(middle, both=True)
+            builder.follow(middle, end, both=True)
+        builder.follow(middle, both=True)
         for rounds in sides:
             for track in rounds:
-                walk.follow(Track.line(walk.place, track.start))
-                walk.follow(track)
-            walk.follow(Track.line(walk.place, point))
+                builder.follow(Track.line(builder.place, track.start))
+                builder.follow(track)
+            builder.follow(Track.line(builder.place, point))
 
 
-def _begun(path: Contour, *, climb: bool) -> Track:
-    path = started(path, next(flattest(path)))
+def _middle_track(path: Contour, *, climb: bool) -> Track:
+    path = begin_in_piece(path, next(flattest(path)))
     return Track.around(path if climb else path.reversed())
 
 
-def _beside(wall: Boundary, path: Contour, point: complex, *, ccw: bool) -> Track:
-    """Once round a path, from where the ray through `point` meets it."""
-    star = star_of(path, wall.name)
-    path = begun(path, star.along(off_joints(path, star, phase(point))))
+def _round_from_ray(wall: Boundary, path: Contour, point: complex, *, ccw: bool) -> Track:
+    """One round of a path along `wall`, from where the ray through `point` meets it."""
+    star = require_star(path, wall.name)
+    path = begin_at_distance(path, star.along(avoid_joints(path, star, phase(point))))
     return Track.around(path if ccw else path.reversed())
 
 
@@ -524,7 +557,7 @@ NEARLY = 0.01
 """Turns by which a spiral may be longer than it has to."""
 
 SLOWINGS = (0.2, 0.35, 0.5)
-"""Of the pace, that are tried; each pays only if it saves `WORTH` turns."""
+"""Values of `Morph.slowing` that are tried; each is taken only if it saves `WORTH` turns."""
 
 WORTH = 0.2
 
@@ -565,6 +598,8 @@ class Morph:
     @property
     def rate(self) -> float:
         """Growth of u per turn at the beginning, where it is largest."""
+        # The integral of the pace over all turns is 1: it falls evenly from `rate` to the share
+        # 1 - slowing, and over the turns of easing from there to 0.
         plain = self.turns - self.ease
         return 1.0 / (plain * (1.0 - 0.5 * self.slowing) + 0.5 * self.ease * (1.0 - self.slowing))
 
@@ -580,12 +615,16 @@ class Morph:
         u = np.where(turn <= 0.0, 0.0, np.where(left <= 0.0, 1.0, u))
         return u, np.where((turn < 0.0) | (left <= 0.0), 0.0, slope)
 
-    def at(self, turn: FloatArray) -> tuple[ComplexArray, ComplexArray]:
-        """(m,) points [mm] and unit tangents at `turn` (m,), in turns from where u leaves 0."""
+    def points_and_tangents(self, turn: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+        """(m,) complex points [mm] and unit tangents at `turn` (m,), in turns from where u leaves
+        0.
+        """
         direction = self.finish + self.sense * 2.0 * np.pi * (turn - self.turns)
-        (ra, sa), (rb, sb) = self.a.at(direction), self.b.at(direction)
+        (ra, sa), (rb, sb) = self.a.radii_and_slopes(direction), self.b.radii_and_slopes(direction)
         u, slope = self.share(turn)
         r = (1.0 - u) * ra + u * rb
+        # dr per radian turned: u changes by slope / 2 pi; the curves' own slopes are by direction,
+        # which runs with `sense`.
         growth = slope / (2.0 * np.pi) * (rb - ra) + self.sense * ((1.0 - u) * sa + u * sb)
         ray = np.exp(1j * direction)
         along = ray * (growth + 1j * self.sense * r)
@@ -599,52 +638,58 @@ def engagements(morph: Morph, radius: float, per_turn: int = PER_TURN) -> FloatA
     """
     count = math.ceil((morph.turns + 1.0) * per_turn)
     turn = np.arange(-per_turn, count + 1) / per_turn
-    points, tangents = morph.at(turn)
+    points, tangents = morph.points_and_tangents(turn)
+    # The wall that the cutter makes lies on the side of the material. One turn earlier the spiral
+    # was `per_turn` places before, beside the same ray; the first of these turns runs along a.
     walls = points + 1j * morph.side * tangents * radius
     now = np.arange(per_turn, len(turn))
     centre, normal = points[now], 1j * morph.side * tangents[now]
-    found = np.zeros(len(now))
+    angles = np.zeros(len(now))
     inside = np.abs(walls[now - per_turn] - centre) < radius
     # Forward along the wall of the turn before until it leaves the cutter's circle.
-    before = walls[now - per_turn]
+    previous_points = walls[now - per_turn]
     waiting = np.flatnonzero(inside)
     for step in range(1, per_turn):
         ahead = np.minimum(now[waiting] - per_turn + step, now[waiting])
-        after = walls[ahead]
-        out = np.abs(after - centre[waiting]) >= radius
-        done = waiting[out]
-        start, way = before[done] - centre[done], after[out] - before[done]
-        # The point between the two on the circle.
+        next_points = walls[ahead]
+        is_outside = np.abs(next_points - centre[waiting]) >= radius
+        crossed = waiting[is_outside]
+        start, way = (
+            previous_points[crossed] - centre[crossed],
+            next_points[is_outside] - previous_points[crossed],
+        )
+        # The point between the two on the circle, |start + share way| = radius: the positive root,
+        # as the start lies inside.
         half, square = (np.conj(start) * way).real, np.abs(way) ** 2
         rest = radius**2 - np.abs(start) ** 2
         share = (np.sqrt(half**2 + square * rest) - half) / np.where(square > 0.0, square, 1.0)
         arm = start + np.clip(share, 0.0, 1.0) * way
-        found[done] = -morph.side * np.angle(arm * np.conj(normal[done]))
-        before[waiting] = after
-        waiting = waiting[~out]
+        angles[crossed] = -morph.side * np.angle(arm * np.conj(normal[crossed]))
+        previous_points[waiting] = next_points
+        waiting = waiting[~is_outside]
         if not len(waiting):
             break
-    found[waiting] = np.pi  # the wall never leaves the circle
-    return np.maximum(found, 0.0)
+    angles[waiting] = np.pi  # the wall never leaves the circle
+    return np.maximum(angles, 0.0)
 
 
 def spiral(
     cut: AreaCut, a: Star, b: Star, finish: float, tolerance: float, *, outward: bool
 ) -> Morph:
     """The spiral from a to b, outward in a hole, that ends in the direction `finish` [rad]."""
-    return paced(
+    return shortest_spiral(
         a,
         b,
         sense=1 if outward == cut.climb else -1,
         side=-1 if cut.climb else 1,
         finish=finish,
         radius=cut.tool.radius,
-        limit=limit_of(cut, tolerance),
+        limit=engagement_limit(cut, tolerance),
         step=min(cut.stepover, 2.0 * (cut.tool.radius - cut.tool.corner_radius) or cut.stepover),
     )
 
 
-def paced(
+def shortest_spiral(
     a: Star,
     b: Star,
     *,
@@ -664,11 +709,12 @@ def paced(
         If that takes more than `MOST_TURNS`.
     """
     rays = np.linspace(0.0, 2.0 * np.pi, PER_TURN, endpoint=False)
-    travel = float(np.max(np.abs(a.at(rays)[0] - b.at(rays)[0])))
+    # The pitch of the turns along a ray is at most `rate` times the distance between a and b.
+    travel = float(np.max(np.abs(a.radii_and_slopes(rays)[0] - b.radii_and_slopes(rays)[0])))
     fewest = max(travel / step, 1e-3)
     if fewest > MOST_TURNS:
         raise GeometryError(
-            f"makes more than {MOST_TURNS} turns of the roughing spiral",
+            f"is too small: the roughing spiral would need more than {MOST_TURNS} turns",
             key="tool.stepover",
             value=f"{step:g}",
         )
@@ -681,22 +727,24 @@ def paced(
             return False
         return float(np.max(engagements(morph, radius))) <= limit
 
-    best = _shortest(plain, MOST_TURNS, holds)
+    best = _fewest_turns(plain, MOST_TURNS, holds)
     if best is None:
         raise GeometryError(
-            f"is too small: no roughing spiral of {MOST_TURNS} turns keeps to it",
+            f"is too small: no roughing spiral of up to {MOST_TURNS} turns stays below it",
             "tool.engagement",
             f"{math.degrees(limit):g}",
         )
     for slowing in SLOWINGS:
         shorter = replace(best, turns=best.turns - WORTH, slowing=slowing)
         if shorter.turns > plain.turns and holds(shorter):
-            best = _shortest(replace(plain, slowing=slowing), best.turns, holds) or shorter
+            best = _fewest_turns(replace(plain, slowing=slowing), best.turns, holds) or shorter
     return best
 
 
-def _shortest(morph: Morph, most: float, holds: Callable[[Morph], bool]) -> Morph | None:
-    """The morph with the fewest turns, at least its own and about `most` at most, that holds."""
+def _fewest_turns(morph: Morph, most: float, holds: Callable[[Morph], bool]) -> Morph | None:
+    """The spiral with the fewest turns for which `holds` is true, at least its own and about `most`
+    at most; None if there is none.
+    """
     if holds(morph):
         return morph
     low = high = morph.turns
@@ -713,12 +761,12 @@ def _shortest(morph: Morph, most: float, holds: Callable[[Morph], bool]) -> Morp
     return replace(morph, turns=high)
 
 
-def fitted(morph: Morph, tolerance: float) -> Track:
-    """The spiral as tangential arcs, found within `tolerance` [mm] of it, from its beginning to
-    where it joins b.
+def fit_spiral(morph: Morph, tolerance: float) -> Track:
+    """The spiral as tangential arcs within `tolerance` [mm] of it, from its beginning to where it
+    joins b.
 
-    The distance is taken at `PLACES` of each span, and must leave a fifth of the tolerance for what
-    lies between them. How near the arcs come to the part is proved from the arcs themselves.
+    Distances are measured at `PLACES` of each span, and a fifth of the tolerance is kept in reserve
+    for places between them. How near the arcs come to the part is proved from the arcs themselves.
     """
     spans = max(2, math.ceil(SPANS * morph.turns))
     joints = np.linspace(0.0, morph.turns, spans + 1)
@@ -727,12 +775,12 @@ def fitted(morph: Morph, tolerance: float) -> Track:
     joints[1 + int(np.argmin(np.abs(joints[1:-1] - easing)))] = easing
     most = MOST_SPANS * math.ceil(morph.turns)
     while len(joints) <= most:
-        points, tangents = morph.at(joints)
+        points, tangents = morph.points_and_tangents(joints)
         track = biarcs(points, tangents)
         coarse = np.zeros(len(joints) - 1, dtype=np.bool_)
         for share in PLACES:
-            there, _ = morph.at(joints[:-1] + share * np.diff(joints))
-            coarse |= _apart(there, track) > 0.8 * tolerance
+            there, _ = morph.points_and_tangents(joints[:-1] + share * np.diff(joints))
+            coarse |= _span_distances(there, track) > 0.8 * tolerance
         if not np.any(coarse):
             return track
         middles = 0.5 * (joints[:-1] + joints[1:])[coarse]
@@ -740,17 +788,20 @@ def fitted(morph: Morph, tolerance: float) -> Track:
     raise GeometryError(f"cannot follow the spiral within {tolerance:g} mm", "toolpath")
 
 
-def _apart(points: ComplexArray, track: Track) -> FloatArray:
+def _span_distances(points: ComplexArray, track: Track) -> FloatArray:
     """(n,) distance [mm] of each point from the two arcs of its span."""
-    found = np.empty(len(points))
+    nearest = np.empty(len(points))
     for parity in (0, 1):
         pieces = slice(parity, None, 2)
         start, end = track.starts[pieces], track.ends[pieces]
         sweep, centre = track.sweeps[pieces], track.centres[pieces]
+        # Distance from the chord's line, or from the arc's circle: within a span that is the arc.
         line = np.abs((np.conj(end - start) * (points - start)).imag) / np.abs(end - start)
-        off = np.where(sweep == 0.0, line, np.abs(np.abs(points - centre) - np.abs(start - centre)))
-        found = off if parity == 0 else np.minimum(found, off)
-    return found
+        distance = np.where(
+            sweep == 0.0, line, np.abs(np.abs(points - centre) - np.abs(start - centre))
+        )
+        nearest = distance if parity == 0 else np.minimum(nearest, distance)
+    return nearest
 
 
 def biarcs(points: ComplexArray, tangents: ComplexArray) -> Track:
@@ -775,7 +826,11 @@ def biarcs(points: ComplexArray, tangents: ComplexArray) -> Track:
 
 
 def tangential(vertices: ComplexArray, tangents: ComplexArray) -> Track:
-    """The arcs between `vertices` (n + 1,) [mm] that leave with the unit `tangents` (n,)."""
+    """The arcs between `vertices` (n + 1,) [mm] that leave in the directions `tangents` (n,), of
+    length 1.
+    """
+    # The angle between tangent and chord is half the sweep; sagitta = chord / 2 tan(half / 2),
+    # about chord * half / 4.
     chords = np.diff(vertices)
     half = np.angle(chords * np.conj(tangents))
     lengths = np.abs(chords)
@@ -817,7 +872,7 @@ class Star:
     sweeps: FloatArray
 
     @classmethod
-    def of(cls, contour: Contour, pole: complex = 0j) -> Self | None:
+    def from_contour(cls, contour: Contour, pole: complex = 0j) -> Self | None:
         """The contour seen from `pole`.
 
         None if some ray may meet it more than once, or nearly along it.
@@ -833,19 +888,23 @@ class Star:
         angles = float(np.angle(starts[0])) + np.concatenate(([0.0], np.cumsum(turns)[:-1]))
         return cls(pole, angles, starts, ends, np.where(sweeps == 0.0, 0.0, centres), sweeps)
 
-    def at(self, directions: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def radii_and_slopes(self, directions: FloatArray) -> tuple[FloatArray, FloatArray]:
         """(m,) distances r [mm] from the pole in `directions` (m,) [rad], and dr/d(direction)."""
         ahead = np.mod(directions - self.angles[0], 2.0 * np.pi) + self.angles[0]
         index = np.clip(np.searchsorted(self.angles, ahead, "right") - 1, 0, len(self.angles) - 1)
         ray = np.exp(1j * directions)
         start, centre, sweep = self.starts[index], self.centres[index], self.sweeps[index]
         chord = self.ends[index] - start
+        # A line: start + t chord lies on the ray where start x chord = r (ray x chord).
         straight = (np.conj(start) * chord).imag / (np.conj(ray) * chord).imag
+        # An arc: in the frame of the ray the centre is (foot, offset). Where the contour bulges
+        # outward, counter-clockwise, the ray meets the far side of the circle, else the near one.
         seen = np.conj(ray) * centre
-        foot, off = seen.real, seen.imag
-        half = np.sqrt(np.maximum(np.abs(start - centre) ** 2 - off * off, 0.0))
+        foot, offset = seen.real, seen.imag
+        half = np.sqrt(np.maximum(np.abs(start - centre) ** 2 - offset * offset, 0.0))
         r = np.where(sweep == 0.0, straight, foot + np.sign(sweep) * half)
         along = np.where(sweep == 0.0, chord, 1j * np.sign(sweep) * (r * ray - centre))
+        # The tangent in the frame of the ray: dr by r dphi is its radial by its transverse part.
         turned = np.conj(ray) * along
         return r, r * turned.real / turned.imag
 
@@ -857,8 +916,10 @@ class Star:
         turns = np.concatenate([np.mod(star.angles, TURN) for star in stars])
 
         def distance(directions: FloatArray, _: Side) -> FloatArray:
-            own = self.at(directions)[0]
-            return own if beyond is None else own - beyond.at(directions)[0]
+            # Between breaks of either contour the difference is smooth, so piecewise extremes find
+            # all.
+            radii = self.radii_and_slopes(directions)[0]
+            return radii if beyond is None else radii - beyond.radii_and_slopes(directions)[0]
 
         return piecewise_extremes(distance, ascending(np.append(turns, [0.0, TURN])))
 
@@ -880,8 +941,10 @@ class Star:
 
     def points(self, directions: FloatArray) -> ComplexArray:
         """(m,) complex [mm] of the contour in `directions` (m,) [rad]."""
-        found: ComplexArray = self.pole + self.at(directions)[0] * np.exp(1j * directions)
-        return found
+        contour_points: ComplexArray = self.pole + self.radii_and_slopes(directions)[0] * np.exp(
+            1j * directions
+        )
+        return contour_points
 
 
 def _uprightness(
@@ -896,11 +959,16 @@ def _uprightness(
     straight = (np.conj(starts) * chord).imag / size
     radius = np.abs(starts - centres)
     sign = np.where(sweeps < 0.0, -1.0, 1.0)
-    arms = [each - centres for each in (starts, ends)]
-    off = np.abs(centres)
-    toward = np.where(off > 0.0, -centres / np.where(off > 0.0, off, 1.0), 1.0)
+    arms = [vertices - centres for vertices in (starts, ends)]
+    centre_distances = np.abs(centres)
+    toward = np.where(
+        centre_distances > 0.0,
+        -centres / np.where(centre_distances > 0.0, centre_distances, 1.0),
+        1.0,
+    )
     unit = np.where(radius > 0.0, radius, 1.0)
-    # p = c + R a with |a| = 1; p x t = sign (R + c . a), least where a points back to the pole.
+    # A point is p = c + R a with |a| = 1. The cosine times |p| is p x t = sign (R + c . a), t being
+    # the unit tangent: least at an end, or inside the arc where a points back to the pole.
     values = [sign * (radius + (np.conj(centres) * arm).real / unit) for arm in arms]
     least = np.minimum(*values)
     inner = sign * toward
@@ -908,5 +976,7 @@ def _uprightness(
     there = sign * (radius + (np.conj(centres) * inner).real)
     least = np.where(turned < np.abs(sweeps), np.minimum(least, there), least)
     reach = np.minimum(np.abs(starts), np.abs(ends))
-    found: FloatArray = np.where(sweeps == 0.0, straight, least) / np.where(reach > 0.0, reach, 1.0)
-    return found
+    uprightness: FloatArray = np.where(sweeps == 0.0, straight, least) / np.where(
+        reach > 0.0, reach, 1.0
+    )
+    return uprightness

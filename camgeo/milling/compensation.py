@@ -19,16 +19,17 @@ from camgeo.geometry.contour.spline import Arc
 from camgeo.milling.cut import ContourCut, Cut
 from camgeo.milling.machine import Compensation
 from camgeo.milling.milling import COMPUTED, CONTROL
-from camgeo.milling.moves import ArcFeed, Feed, Move, Operation, Point, Stop, piece_of
-from camgeo.milling.track import Track, track_of
+from camgeo.milling.moves import ArcFeed, Feed, Move, Operation, Point, Stop, plane_piece
+from camgeo.milling.track import Track, track_along
 
 KEY: Final = "output.gcode.compensation"
 
 SHARE: Final = 0.9
-"""Of what geometry allows, for printed numbers and for what a controller adds at joints."""
+"""Share of what geometry allows that is used; the rest is for printed numbers and for what a
+controller adds at joints."""
 
 LEAST: Final = 1e-3
-"""Wear [mm] below which compensation is of no use; limits are told in whole steps of it."""
+"""Wear [mm] below which compensation is of no use; limits are stated in whole steps of it."""
 
 POINT: Final = 1e-6
 """An arc of a smaller radius [mm] is a corner."""
@@ -38,20 +39,20 @@ LEAD: Final = 2.0
 for the way on, and LinuxCNC's manual asks for two on the way off."""
 
 
-def mode_of(cut: Cut) -> str:
-    """One of `camgeo.milling.milling.COMPENSATIONS`."""
+def compensation_mode(cut: Cut) -> str:
+    """How the cut's radius is compensated: one of `camgeo.milling.milling.COMPENSATIONS`."""
     return cut.compensation if isinstance(cut, ContourCut) else COMPUTED
 
 
-def side_of(cut: Cut) -> str:
+def compensation_side(cut: Cut) -> str:
     """Side of the path on which the cutter is kept: "left", "right", or "" if it is computed."""
-    if mode_of(cut) == COMPUTED:
+    if compensation_mode(cut) == COMPUTED:
         return ""
     return "left" if cut.climb else "right"
 
 
 @dataclass(frozen=True, slots=True)
-class Limit:
+class OffsetLimit:
     """How far the offset of a compensated operation may be from the one it is computed for.
 
     Attributes
@@ -70,7 +71,7 @@ class Limit:
     most: float
 
     def sentence(self, compensation: Compensation, length: Callable[[float], str]) -> str:
-        """What the operator has to know; `length` spells one [mm]."""
+        """The limit in words, for the operator; `length` formats a length given in mm."""
         most = f"at most {length(self.most)} either way"
         if self.mode == CONTROL:
             return f"compensation control: {self._table(compensation, length)}; {most}"
@@ -88,7 +89,7 @@ class Limit:
         return f"{where} {self.tool} holds the {table} that is measured, {nominal} nominally"
 
 
-def limit_of(operation: Operation) -> Limit | None:
+def offset_limit(operation: Operation) -> OffsetLimit | None:
     """The limit of an operation; None if nothing compensates for its cutter's radius.
 
     Either way the parallel must exist: the controller needs leads longer than its offset, arcs and
@@ -100,107 +101,108 @@ def limit_of(operation: Operation) -> Limit | None:
         With key "output.gcode.compensation", if there is no room for any wear.
     """
     cut = operation.cut
-    if not side_of(cut):
+    if not compensation_side(cut):
         return None
-    # Beside the path is no more room, and more allowance than that is not left for the wear.
+    # The cutter may be moved no farther off the path than there is room beside it.
     least = cut.room if isinstance(cut, ContourCut) else math.inf
-    for run in _runs(operation.moves):
-        # Control itself takes the lead for the whole radius.
+    for run in _compensated_runs(operation.moves):
+        # In mode "control" the lead must take up the whole radius before any wear.
         lead = min(run[0].length, run[-1].length) / LEAD
-        taken = cut.tool.radius if mode_of(cut) == CONTROL else 0.0
-        radii = [each.radius for each in run if each.sweep]
-        corners = (_corner(before, after) for before, after in pairwise(run))
-        least = min(least, lead - taken, *radii, *corners)
+        reserved = cut.tool.radius if compensation_mode(cut) == CONTROL else 0.0
+        radii = [piece.radius for piece in run if piece.sweep]
+        corners = (_corner(incoming, outgoing) for incoming, outgoing in pairwise(run))
+        least = min(least, lead - reserved, *radii, *corners)
         for obstacle in cut.obstacles:
             if cut.bottom < obstacle.top:
                 outline = Track.around(obstacle.outline.arcs(0.01, "fast").contour)
-                least = min(least, least_distance(track_of(run), outline) - cut.tool.radius)
+                least = min(least, least_distance(track_along(run), outline) - cut.tool.radius)
     most = math.floor(SHARE * least / LEAST) * LEAST
     if most < LEAST:
         raise GeometryError(
-            f"{cut.name} leaves no room for it: its leads are {run[0].length:.3g} mm long; roughing"
-            ' with more allowance makes room, "computed" needs none',
+            f"{cut.name} leaves no room for it, as its leads are {run[0].length:.3g} mm long; a"
+            ' larger allowance of the roughing makes room, and "computed" needs none',
             KEY,
-            f'"{mode_of(cut)}"',
+            f'"{compensation_mode(cut)}"',
         )
-    return Limit(cut.name, mode_of(cut), cut.tool.number, cut.tool.radius, most)
+    return OffsetLimit(cut.name, compensation_mode(cut), cut.tool.number, cut.tool.radius, most)
 
 
-def limits_of(operations: Sequence[Operation]) -> dict[str, Limit]:
+def offset_limits(operations: Sequence[Operation]) -> dict[str, OffsetLimit]:
     """The limits of all compensated operations, by their names.
 
     Raises
     ------
-    GeometryError
-        As `limit_of`; also if one tool compensates for its wear here and for its radius there.
+    GeometryError As `offset_limit`; also if one tool has mode "wear" in one operation and "control"
+    in another.
     """
-    found = [limit for each in operations if (limit := limit_of(each)) is not None]
-    modes: dict[int, Limit] = {}
-    for each in found:
-        other = modes.setdefault(each.tool, each)
-        if other.mode != each.mode:
+    limits = [limit for operation in operations if (limit := offset_limit(operation)) is not None]
+    modes: dict[int, OffsetLimit] = {}
+    for stated in limits:
+        other = modes.setdefault(stated.tool, stated)
+        if other.mode != stated.mode:
             raise GeometryError(
-                f'tool {each.tool} has "{other.mode}" in {other.operation} and "{each.mode}" in'
-                f" {each.operation}; its offset cannot hold both",
+                f'tool {stated.tool} has "{other.mode}" in {other.operation} and "{stated.mode}" in'
+                f" {stated.operation}; its offset cannot hold both",
                 KEY,
             )
-    return {each.operation: each for each in found}
+    return {stated.operation: stated for stated in limits}
 
 
 def programmed(operation: Operation) -> tuple[Move | Stop, ...]:
-    """The moves as they are programmed: with "control", along the wall.
+    """The moves as they are programmed: in mode "control" along the wall.
 
-    The ends of the leads, where compensation is off, stay where the cutter's centre is.
+    At the ends of the leads, where compensation is off, the programmed point is the cutter's
+    centre.
     """
     cut = operation.cut
-    if mode_of(cut) != CONTROL:
+    if compensation_mode(cut) != CONTROL:
         return operation.moves
     # To the other side of the path than that on which the cutter is kept.
-    shift = -cut.tool.radius if side_of(cut) == "left" else cut.tool.radius
-    found: list[Move | Stop] = []
-    on = False
-    at: Point | None = None
+    shift = -cut.tool.radius if compensation_side(cut) == "left" else cut.tool.radius
+    program: list[Move | Stop] = []
+    active = False
+    position: Point | None = None
     moves = operation.moves
-    for move, after in zip(moves, (*moves[1:], None), strict=True):
-        place = at
-        at = at if isinstance(move, Stop) else move.end
+    for move, following in zip(moves, (*moves[1:], None), strict=True):
+        place = position
+        position = position if isinstance(move, Stop) else move.end
         switch = move.switch if isinstance(move, Feed) else ""
-        on = (on or bool(switch)) and switch != "off"
-        if not on or not isinstance(move, Feed | ArcFeed) or place is None:
-            found.append(move)
+        active = (active or bool(switch)) and switch != "off"
+        if not active or not isinstance(move, Feed | ArcFeed) or place is None:
+            program.append(move)
             continue
         # Behind a lead that goes across to its path the next piece says where that is.
-        piece = piece_of(place, move)
+        piece = plane_piece(place, move)
         ahead = _headings(piece)[1]
-        if switch and isinstance(after, Feed | ArcFeed):
-            ahead = _headings(piece_of(move.end, after))[0]
-        beside = piece.end + 1j * shift * ahead
-        end = (beside.real, beside.imag, move.end[2])
-        if isinstance(move, ArcFeed) and abs(beside - piece.centre) < POINT:
-            found.append(Feed(end, move.feed))  # around a corner of the wall
+        if switch and isinstance(following, Feed | ArcFeed):
+            ahead = _headings(plane_piece(move.end, following))[0]
+        shifted = piece.end + 1j * shift * ahead
+        end = (shifted.real, shifted.imag, move.end[2])
+        if isinstance(move, ArcFeed) and abs(shifted - piece.centre) < POINT:
+            program.append(Feed(end, move.feed))  # around a corner of the wall
         else:
-            found.append(replace(move, end=end))
-    return tuple(found)
+            program.append(replace(move, end=end))
+    return tuple(program)
 
 
-def _runs(moves: Sequence[Move | Stop]) -> Iterator[list[Arc]]:
+def _compensated_runs(moves: Sequence[Move | Stop]) -> Iterator[list[Arc]]:
     """The pieces of each stretch under compensation, from its straight way on to that off."""
-    at: Point | None = None
+    position: Point | None = None
     run: list[Arc] = []
-    on = False
+    active = False
     for move in moves:
         if isinstance(move, Stop):
             continue
         if isinstance(move, Feed) and move.switch:
-            on = True
-        if on and at is not None and isinstance(move, Feed | ArcFeed):
-            piece = piece_of(at, move)
+            active = True
+        if active and position is not None and isinstance(move, Feed | ArcFeed):
+            piece = plane_piece(position, move)
             if piece.length > 0.0:
                 run.append(piece)
         if isinstance(move, Feed) and move.switch == "off":
             yield run
-            run, on = [], False
-        at = move.end
+            run, active = [], False
+        position = move.end
 
 
 def _headings(piece: Arc) -> tuple[complex, complex]:
@@ -208,9 +210,11 @@ def _headings(piece: Arc) -> tuple[complex, complex]:
     return start / abs(start), end / abs(end)
 
 
-def _corner(before: Arc, after: Arc) -> float:
-    """Largest offset [mm] whose parallels still meet at a corner."""
-    turned = _headings(after)[0] / _headings(before)[1]
+def _corner(incoming: Arc, outgoing: Arc) -> float:
+    """Largest offset [mm] at which the parallels of both pieces still meet at their corner."""
+    turned = _headings(outgoing)[0] / _headings(incoming)[1]
     half = 0.5 * abs(math.atan2(turned.imag, turned.real))
-    shorter = min(before.length, after.length)
+    shorter = min(incoming.length, outgoing.length)
+    # A parallel at distance d loses d tan(half) at the corner; each piece may lose half its length,
+    # as it has a corner at its other end too.
     return 0.5 * shorter / math.tan(half) if half > 0.0 else math.inf

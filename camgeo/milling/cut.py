@@ -41,7 +41,7 @@ from camgeo.numeric.checked import (
 from camgeo.part.part import Boundary, BoundaryField, boundary_tuple
 
 SLACK: Final = 0.05
-"""Of the allowance, that a roughing path may deviate."""
+"""Deviation of a roughing path, as a share of its allowance."""
 
 MOST_SLACK: Final = 0.02
 """Largest deviation of a roughing path [mm], unless the program's tolerance is larger."""
@@ -96,8 +96,8 @@ class Cut:
                 "toolpath",
                 value_text(self.depths),
             )
-        given = instance("toolpath", self.obstacles, tuple, "a tuple of obstacles")
-        obstacles = instances("toolpath", given, (Obstacle,), "obstacles")
+        entries = instance("toolpath", self.obstacles, tuple, "a tuple of obstacles")
+        obstacles = instances("toolpath", entries, (Obstacle,), "obstacles")
         hold(self, depths=tuple(depths.tolist()), obstacles=obstacles)
 
     @property
@@ -166,12 +166,12 @@ class ContourCut(Cut):
 
     @property
     def contact_radius(self) -> float:
-        """As of `Cut`."""
+        """Radius of the cutter where it meets the wall [mm]; smaller for a cone."""
         return self.contact or self.tool.radius
 
     @property
     def produced(self) -> tuple[str, ...]:
-        """As of `Cut`."""
+        """Names of the boundaries on both sides of the path, as far as it produces them."""
         return tuple(name for name in (self.right, self.left) if name)
 
 
@@ -219,7 +219,7 @@ class AreaCut(Cut):
 
     @property
     def produced(self) -> tuple[str, ...]:
-        """As of `Cut`."""
+        """Names of its walls."""
         return tuple(wall.name for wall in self.walls)
 
 
@@ -248,16 +248,16 @@ class PointCut(Cut):
             raise GeometryError("needs a point", "toolpath", value_text(points))
         holes = instance("toolpath", self.holes, tuple, "a tuple of names")
         instances("toolpath", holes, (str,), "names")
-        hold(self, points=tuple(point("toolpath", each, "mm") for each in points))
+        hold(self, points=tuple(point("toolpath", place, "mm") for place in points))
 
     @property
     def sinking(self) -> float:
-        """Feed into the material [mm/min]."""
+        """Feed along Z into the material [mm/min]."""
         return self.tool.feed if self.tool.kind == DRILL else self.tool.plunge_feed
 
     @property
     def produced(self) -> tuple[str, ...]:
-        """As of `Cut`."""
+        """Names of the boundaries of its holes."""
         return self.holes
 
 
@@ -287,7 +287,7 @@ class LineCut(Cut):
 
     @property
     def produced(self) -> tuple[str, ...]:
-        """As of `Cut`."""
+        """Name of the boundary of the mark."""
         return (self.slot,) if self.slot else ()
 
 
@@ -311,10 +311,10 @@ class LetterCut(Cut):
 
     @property
     def produced(self) -> tuple[str, ...]:
-        """As of `Cut`."""
+        """Names of its walls."""
         return tuple(wall.name for wall in self.walls)
 
 
-def slack_of(allowance: float) -> float:
-    """By how much the path of a roughing that leaves `allowance` [mm] may be off [mm]."""
+def roughing_slack(allowance: float) -> float:
+    """Deviation [mm] that the path of a roughing may have which leaves `allowance` [mm]."""
     return min(SLACK * allowance, MOST_SLACK)

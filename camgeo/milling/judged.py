@@ -28,15 +28,15 @@ from camgeo.milling.milling import (
     Tool,
     mirrored,
 )
-from camgeo.milling.moves import Course, Move, Point, Stop, Toolpath, course_of
+from camgeo.milling.moves import Course, Move, Point, Stop, Toolpath, feed_course
 from camgeo.milling.simulation import (
     ALLOWED,
     Body,
     Chamfer,
     Flaw,
-    Run,
     Setup,
     Simulation,
+    ToolRun,
     simulate,
 )
 from camgeo.part.boundaries import ExactBoundary
@@ -51,36 +51,36 @@ ROUGHLY: Final = 1.0
 """Tolerance [mm] of contours of clamps, which are lines and arcs."""
 
 UNKNOWN: Final = 2.0
-"""Diameters of the cutter by which a blank of unknown outline reaches beyond the course."""
+"""Diameters of the largest cutter by which a blank of unknown outline reaches beyond all moves."""
 
 
 PART_FINENESS: Final = 1e-3
-"""Of the contours with which the part is compared [mm]."""
+"""Tolerance [mm] of the contours of the part with which a simulation is compared."""
 
 
-def runs_of(toolpath: Toolpath) -> tuple[Run, ...]:
+def toolpath_runs(toolpath: Toolpath) -> tuple[ToolRun, ...]:
     """The operations as they run one after the other."""
-    found = []
-    at: Point | None = None
+    runs = []
+    position: Point | None = None
     for operation in toolpath.operations:
         obstacles = operation.cut.obstacles
-        found.append(run_with(operation.tool, operation.name, operation.moves, obstacles, at))
-        at = operation.travel[-1].end
-    return tuple(found)
+        runs.append(tool_run(operation.tool, operation.name, operation.moves, obstacles, position))
+        position = operation.travel[-1].end
+    return tuple(runs)
 
 
-def run_with(
+def tool_run(
     tool: Tool,
     name: str,
     moves: tuple[Move | Stop, ...],
     obstacles: Iterable[Obstacle],
     start: Point | None,
-) -> Run:
-    """What a tool does that stands at `start` before; None if the first move is a traverse."""
+) -> ToolRun:
+    """The run of a tool from `start` [mm], which is None if the first move is a traverse."""
     shank = None
     if tool.shank_diameter is not None and tool.flute_length is not None:
         shank = (0.5 * tool.shank_diameter, tool.flute_length)
-    return Run(
+    return ToolRun(
         name,
         moves,
         tool.radius,
@@ -88,27 +88,27 @@ def run_with(
         tool.tip_angle is None,
         tool.plunges or tool.kind == DRILL,
         shank,
-        tuple(_body(each) for each in obstacles),
+        tuple(_body(obstacle) for obstacle in obstacles),
         start,
     )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Side:
-    """One setup of a job: what is to be made, and what its tools do.
+    """One side of a job: the part to be made in one setup, and what the tools do there.
 
     Attributes
     ----------
-    part, milling : as tools from above see them.
-    cuts : that are planned.
-    runs : what is run.
+    part, milling : in coordinates in which the tools come from above.
+    cuts : planned operations.
+    runs : operations as they are simulated.
     density : of the material [t/mm^3]; None if it is not stated.
     """
 
     part: Part
     milling: MillingSpec
     cuts: tuple[Cut, ...]
-    runs: tuple[Run, ...]
+    runs: tuple[ToolRun, ...]
     density: float | None = None
 
     @property
@@ -118,33 +118,38 @@ class Side:
 
     @property
     def left_to_do(self) -> MillingSpec | None:
-        """What is stated on the second side, with what this first one has done; None without one.
+        """What is stated for the second side, with what this first side has finished; None without
+        a second side.
 
-        Of a planned sequence all walls that tools reach are done: what it leaves out is there, or
-        made otherwise.
+        A planned sequence finishes all walls that its tools reach: what it leaves out is in the
+        blank already, or made otherwise.
         """
-        done = frozenset(
+        finished = frozenset(
             wall.boundary.name
             for wall in self.part.walls
             if (is_finished(wall, [self]) if self.milling.operations else is_open(self.part, wall))
         )
-        return self.milling.of_second_side(faced=any(map(faces, self.cuts)), done=done)
+        return self.milling.of_second_side(
+            faced=any(map(faces, self.cuts)), finished_walls=finished
+        )
 
 
-def setup_of(side: Side, tolerance: float = PART_FINENESS, others: Iterable[Cut] = ()) -> Setup:
+def simulation_setup(
+    side: Side, tolerance: float = PART_FINENESS, others: Iterable[Cut] = ()
+) -> Setup:
     """What a program starts from, and the part that must come of it, within `tolerance` [mm].
 
-    Its cuts say which walls are cut, and where the outline of the blank is not known, its runs how
-    far it must reach. Holes and marks that neither they nor `others` make, the cuts of another
-    side, are none of that part: they are made otherwise.
-    A bore with a keyway counts as round: a round cutter leaves the keyway to be broached. Letters
-    count as what the cutter makes of them. Without a
-    holding nothing is said of pieces that come loose; with one, only what it holds is held: clamps
-    and screws as long as they are set.
+    The part to compare with has no holes and marks that neither its own cuts nor `others`, those of
+    the other side, make: they are made otherwise. A bore with a keyway counts as round, as a round
+    cutter leaves the keyway to be broached; letters have the rounded corners that the cutter
+    leaves. Where the outline of the blank is not known, it reaches beyond all moves of the runs.
+
+    Without a holding, pieces that come loose are not checked; with one, nothing else holds them:
+    clamps and screws do so while they are set.
     """
     part, stock, holding = side.part, side.milling.stock, side.milling.holding
     every = (*side.cuts, *others)
-    made, letters = part.without(left_out(part, every)), _letters(every)
+    target, letters = part.without(unmade_names(part, every)), _letters(every)
     bodies = tuple(
         Body(
             layer.name,
@@ -152,7 +157,7 @@ def setup_of(side: Side, tolerance: float = PART_FINENESS, others: Iterable[Cut]
             layer.z1,
             tuple(_contours(layer.boundaries, letters, tolerance)),
         )
-        for layer in made.layers
+        for layer in target.layers
     )
     low, high = side.lowest, part.layers[-1].z1
     outline, rim, known = _blank(side, tolerance)
@@ -182,26 +187,26 @@ def setup_of(side: Side, tolerance: float = PART_FINENESS, others: Iterable[Cut]
     )
 
 
-def left_out(part: Part, cuts: Iterable[Cut]) -> tuple[str, ...]:
+def unmade_names(part: Part, cuts: Iterable[Cut]) -> tuple[str, ...]:
     """Names of the holes, marks and letters that no cut makes, and of a bore if no round cutter
     makes it.
     """
-    made = _produced(cuts)
+    produced = _produced(cuts)
     return tuple(
-        each.name
-        for each in part.boundaries
-        if (isinstance(each, ExactBoundary) and each.hole) or text_name(each.name)
-        if each.name not in made
-        if each.name != BORE or not (isinstance(each, ExactBoundary) and each.is_round)
+        boundary.name
+        for boundary in part.boundaries
+        if (isinstance(boundary, ExactBoundary) and boundary.hole) or text_name(boundary.name)
+        if boundary.name not in produced
+        if boundary.name != BORE or not (isinstance(boundary, ExactBoundary) and boundary.is_round)
     )
 
 
 def _chamfers(cuts: Iterable[Cut], tolerance: float) -> Iterator[Chamfer]:
-    """The edges that cones take off the part on their exact courses."""
+    """The chamfers that cones cut, each with the exact course of the cone's tip."""
     for cut in cuts:
         if isinstance(cut, ContourCut) and cut.tool.kind == CHAMFER_MILL:
             course = level(cut.centre.arcs(tolerance, "fast").contour, cut.bottom)
-            yield Chamfer(run_with(cut.tool, cut.name, (), (), None), course, cut.top)
+            yield Chamfer(tool_run(cut.tool, cut.name, (), (), None), course, cut.top)
 
 
 def level(contour: Contour, z: float) -> Course:
@@ -212,23 +217,23 @@ def level(contour: Contour, z: float) -> Course:
 
 
 def _letters(cuts: Iterable[Cut]) -> dict[str, list[Contour]]:
-    """What cutters make of texts, by the name of the first boundary of each."""
-    found = [each for each in cuts if isinstance(each, LetterCut)]
-    if not found:
+    """The outlines that cutters make of texts, by the name of the first boundary of each text."""
+    letter_cuts = [cut for cut in cuts if isinstance(cut, LetterCut)]
+    if not letter_cuts:
         return {}
-    from camgeo.milling.strategies import reached
+    from camgeo.milling.strategies import letter_outlines
 
-    return {each.produced[0]: reached(each) for each in found}
+    return {cut.produced[0]: letter_outlines(cut) for cut in letter_cuts}
 
 
 def _contours(
     boundaries: Iterable[Boundary], letters: Mapping[str, list[Contour]], tolerance: float
 ) -> Iterator[Contour]:
-    for each in boundaries:
-        if text_name(each.name):
-            yield from letters.get(each.name, ())
+    for boundary in boundaries:
+        if text_name(boundary.name):
+            yield from letters.get(boundary.name, ())
         else:
-            yield _contour(each, tolerance)
+            yield _contour(boundary, tolerance)
 
 
 def _contour(boundary: Boundary, tolerance: float) -> Contour:
@@ -262,8 +267,8 @@ def _blank(side: Side, tolerance: float) -> tuple[Contour, tuple[Contour, ...], 
         inner = Contour(share * outline.vertices, outline.sweeps, share * outline.centres)
         return outline, (outline, inner), True
     else:
-        ends = [course_of(run.moves, run.start).ends for run in side.runs]
-        both = [np.abs(part) for each in ends for part in (each.real, each.imag)]
+        ends = [feed_course(run.moves, run.start).ends for run in side.runs]
+        both = [np.abs(part) for points in ends for part in (points.real, points.imag)]
         reach = max((float(np.max(part, initial=0.0)) for part in both), default=0.0)
         wide = 2.0 * UNKNOWN * max((run.radius for run in side.runs), default=0.0)
         corner, centre, known = (reach + wide) * (1.0 + 1.0j), 0j, False
@@ -280,17 +285,17 @@ def _produced(cuts: Iterable[Cut]) -> set[str]:
 # The verdict on a program: what its simulation finds, and what of it must not be run.
 
 
-def finished_by(cut: Cut) -> tuple[str, ...]:
+def finished_walls(cut: Cut) -> tuple[str, ...]:
     """Names of the walls that a cut leaves as they are to be."""
     return () if cut.allowance else cut.produced
 
 
-def finished_down_to(cuts: Iterable[Cut], name: str) -> float:
+def finished_depth(cuts: Iterable[Cut], name: str) -> float:
     """Z down to which cuts leave a wall as it is to be [mm]; infinite if none does."""
-    return min((cut.bottom for cut in cuts if name in finished_by(cut)), default=math.inf)
+    return min((cut.bottom for cut in cuts if name in finished_walls(cut)), default=math.inf)
 
 
-def lowest_of(wall: Wall, holding: Holding | None) -> float:
+def required_depth(wall: Wall, holding: Holding | None) -> float:
     """Z down to which a wall is to be cut [mm]: a skin is left, to be removed by hand."""
     return wall.z0 + (0.0 if holding is None else holding.skin or 0.0)
 
@@ -309,7 +314,7 @@ def faces(cut: Cut) -> bool:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Done:
+class SimulatedSide:
     """A side that is simulated."""
 
     side: Side
@@ -317,49 +322,58 @@ class Done:
     simulation: Simulation
 
 
-def setups_of(sides: Sequence[Side], of: int) -> tuple[Setup, ...]:
-    """What each side, the first ones `of` a job, starts from but for the material that is left, and
-    what must come of it.
+def simulation_setups(sides: Sequence[Side], side_count: int) -> tuple[Setup, ...]:
+    """The setup of each of the first `sides` of a job with `side_count` sides, without the material
+    that an earlier side leaves, which only its simulation knows.
     """
-    found: list[Setup] = []
+    setups: list[Setup] = []
     for k, side in enumerate(sides):
         others = [cut for other in sides if other is not side for cut in other.cuts]
-        setup = setup_of(side, others=others)
+        setup = simulation_setup(side, others=others)
         if k:
-            setup = _second(setup, side, sides[k - 1], found[k - 1])
-        found.append(
+            setup = _second_setup(setup, side, sides[k - 1], setups[k - 1])
+        setups.append(
             replace(
                 setup,
-                final=k == of - 1,
+                final=k == side_count - 1,
                 density=side.density,
                 unfinished=tuple(_unfinished(sides)),
             )
         )
-    return tuple(found)
+    return tuple(setups)
 
 
-def simulated(sides: Sequence[Side], *, allowed: float, level: float, of: int) -> tuple[Done, ...]:
-    """Each of the first sides `of` a job, as `simulate` judges it, from what the one before it has
-    left.
+def simulate_sides(
+    sides: Sequence[Side], *, allowed: float, level: float, side_count: int
+) -> tuple[SimulatedSide, ...]:
+    """Simulate the first `sides` of a job with `side_count` sides one after the other, each from
+    the material that the one before it has left; `allowed` and `level` as of `simulate`.
     """
-    done: list[Done] = []
-    for side, setup in zip(sides, setups_of(sides, of), strict=True):
-        own = setup
-        if done:
-            first = done[-1]
+    simulated_sides: list[SimulatedSide] = []
+    for side, setup in zip(sides, simulation_setups(sides, side_count), strict=True):
+        side_setup = setup
+        if simulated_sides:
+            first = simulated_sides[-1]
             left = first.simulation.turned_over(first.setup, first.side.runs, first.side.lowest)
-            own = replace(setup, before=left)
-        done.append(Done(side, own, simulate(own, side.runs, allowed=allowed, level=level)))
-    return tuple(done)
+            side_setup = replace(setup, leftover=left)
+        simulated_sides.append(
+            SimulatedSide(
+                side, side_setup, simulate(side_setup, side.runs, allowed=allowed, level=level)
+            )
+        )
+    return tuple(simulated_sides)
 
 
-def settled(done: Sequence[Done]) -> tuple[tuple[Flaw, ...], ...]:
-    """The flaws of each side, as its work lies."""
-    return tuple(tuple(_seen(flaw, each.side) for flaw in each.simulation.flaws) for each in done)
+def side_flaws(done: Sequence[SimulatedSide]) -> tuple[tuple[Flaw, ...], ...]:
+    """The flaws of each side, their places as its work lies on the machine."""
+    return tuple(
+        tuple(_placed_flaw(flaw, simulated_side.side) for flaw in simulated_side.simulation.flaws)
+        for simulated_side in done
+    )
 
 
 def _unfinished(sides: Sequence[Side]) -> Iterator[Contour]:
-    """The walls that stated operations leave unfinished: what they leave there is to be watched."""
+    """The walls that stated operations leave unfinished: material there is a warning, no error."""
     if not any(side.milling.operations for side in sides):
         return
     for wall in sides[0].part.walls:
@@ -368,44 +382,45 @@ def _unfinished(sides: Sequence[Side]) -> Iterator[Contour]:
 
 
 def is_finished(wall: Wall, sides: Sequence[Side]) -> bool:
-    """Whether one side leaves all of a wall as it is to be, or two that meet on it."""
+    """Whether all of a wall is finished, by one side or by two that meet on it."""
     first, name = sides[0], wall.boundary.name
-    down = finished_down_to(first.cuts, name)
-    if down <= lowest_of(wall, first.milling.holding):
+    down = finished_depth(first.cuts, name)
+    if down <= required_depth(wall, first.milling.holding):
         return True
     if len(sides) == 1:
         return False
     second, low = sides[1], first.lowest
+    # The second side sees heights reflected, from the lower face up: z becomes low - z.
     turned = replace(wall, z0=low - wall.z1, z1=low - wall.z0)
-    below = finished_down_to(second.cuts, name)
-    return below <= lowest_of(turned, second.milling.holding) or down <= low - below
+    below = finished_depth(second.cuts, name)
+    return below <= required_depth(turned, second.milling.holding) or down <= low - below
 
 
-def _seen(flaw: Flaw, side: Side) -> Flaw:
-    """The same with its place as the work lies."""
+def _placed_flaw(flaw: Flaw, side: Side) -> Flaw:
+    """The flaw with its place as the work lies on the machine."""
     x, y, z = flaw.place
     place = mirrored(complex(x, y), side.milling.turned)
     return replace(flaw, place=(place.real, place.imag, z))
 
 
-def _second(setup: Setup, side: Side, first: Side, before: Setup) -> Setup:
+def _second_setup(setup: Setup, side: Side, first: Side, before: Setup) -> Setup:
     """The setup of a second side, whose blank is what the first one has left.
 
-    A fixture holds the part alone. What the first side has left hanging may stay, unless a wall is
-    finished that frees the part.
+    A fixture holds the part alone. Waste that the first side has left on tabs or a skin may stay,
+    unless this side finishes a wall around the part, which frees it.
     """
     holding = side.milling.holding
-    own, hanging = _height_left(holding), _height_left(first.milling.holding)
+    remaining, hanging = _height_left(holding), _height_left(first.milling.holding)
     if any(_frees(cut, side) for cut in side.cuts):
         hanging = None
     held = setup.held
     if holding is not None and holding.kind == FIXTURE:
         held = tuple(body.contours for body in setup.part)
-    chamfers = (replace(each, turned=first.lowest) for each in before.chamfers)
+    chamfers = (replace(chamfer, turned=first.lowest) for chamfer in before.chamfers)
     return replace(
         setup,
         held=held,
-        joined=None if own is None else side.lowest + own,
+        joined=None if remaining is None else side.lowest + remaining,
         hanging=None if hanging is None else -hanging,
         chamfers=(*setup.chamfers, *chamfers),
     )
@@ -421,7 +436,7 @@ def _height_left(holding: Holding | None) -> float | None:
 def _frees(cut: Cut, side: Side) -> bool:
     """Whether a cut of the second side finishes a wall around the part."""
     around = {wall.boundary.name for wall in side.part.walls if not wall.boundary.hole}
-    return bool(around & set(finished_by(cut)))
+    return bool(around & set(finished_walls(cut)))
 
 
 # -- features -------------------------------------------------------------------------------------
@@ -429,10 +444,11 @@ def _frees(cut: Cut, side: Side) -> bool:
 
 
 CHAMFERS = "chamfers"
-LEFT_OUT = "left-out"
+OMITTED = "left-out"
 KEYWAY = "keyway"
 UNLIKE_THE_PART = "unlike-the-part"
-"""Names of findings on features that no operation makes, and on those that one makes otherwise."""
+"""Codes of findings on features that no operation makes, or that an operation makes otherwise than
+the part states."""
 
 UNMADE = "no operation makes it"
 
@@ -464,18 +480,20 @@ class Feature:
     made: float | None = None
 
     @property
-    def edge_of(self) -> str:
-        """Name of the wall of which it is an edge; empty of anything else."""
+    def edge_wall(self) -> str:
+        """Name of the wall whose edge the feature is; empty if it is no edge."""
         return self.name.partition(EDGE)[2]
 
     @property
     def sentence(self) -> str:
-        """In words, with the operations."""
-        by = ", ".join(self.operations)
-        return f"{self.name}: {'; '.join(each for each in (by, self.difference) if each)}"
+        """The feature in words: its name, its operations and what differs."""
+        listed = ", ".join(self.operations)
+        return f"{self.name}: {'; '.join(text for text in (listed, self.difference) if text)}"
 
 
-def features_of(part: Part, keyway: Keyway | None, sides: Sequence[Side]) -> tuple[Feature, ...]:
+def compare_features(
+    part: Part, keyway: Keyway | None, sides: Sequence[Side]
+) -> tuple[Feature, ...]:
     """Every wall, edge and face of a part, as the sides of its job make them.
 
     Parameters
@@ -484,53 +502,59 @@ def features_of(part: Part, keyway: Keyway | None, sides: Sequence[Side]) -> tup
     keyway : of its bore; None without one.
     sides : the first one, from above, and perhaps a second.
     """
-    found: dict[str, Feature] = {}
+    features: dict[str, Feature] = {}
     for wall in sides[0].part.walls:
         feature = _wall(wall, sides)
-        if feature.name not in found or found[feature.name].severity == "ok":
-            found[feature.name] = feature
+        if feature.name not in features or features[feature.name].severity == "ok":
+            features[feature.name] = feature
     return (
         *_faces(sides),
-        *found.values(),
-        *(_keyway(keyway) if keyway is not None and BORE in found else ()),
+        *features.values(),
+        *(_keyway(keyway) if keyway is not None and BORE in features else ()),
         *_edges(part, sides),
     )
 
 
-def findings_of(features: Iterable[Feature]) -> Iterator[Finding]:
-    """What is told of features that are not made as the part states; those that no operation makes
-    in one sentence.
+def feature_findings(features: Iterable[Feature]) -> Iterator[Finding]:
+    """The findings on features that are not made as the part states; all features that no operation
+    makes share one sentence.
     """
     features = tuple(features)
-    unmade = [each for each in features if each.difference == UNMADE and each.severity != "ok"]
-    walls = [each.name for each in unmade if each.finding == LEFT_OUT]
+    unmade = [
+        feature for feature in features if feature.difference == UNMADE and feature.severity != "ok"
+    ]
+    walls = [feature.name for feature in unmade if feature.finding == OMITTED]
     if walls:
-        yield Finding(LEFT_OUT, "warning", f"no operation makes {', '.join(walls)}")
-    if any(each.edge_of for each in unmade):
-        others = {each.edge_of for each in features if each.edge_of and each not in unmade}
-        named = (each.name if each.edge_of in others else each.edge_of for each in unmade)
+        yield Finding(OMITTED, "warning", f"no operation makes {', '.join(walls)}")
+    if any(feature.edge_wall for feature in unmade):
+        others = {
+            feature.edge_wall for feature in features if feature.edge_wall and feature not in unmade
+        }
+        named = (
+            feature.name if feature.edge_wall in others else feature.edge_wall for feature in unmade
+        )
         listed = ", ".join(dict.fromkeys(name for name in named if name))
         yield Finding(CHAMFERS, "warning", f"no operation makes the chamfers of {listed}")
-    for each in features:
-        if each.severity != "ok" and each not in unmade:
+    for feature in features:
+        if feature.severity != "ok" and feature not in unmade:
             yield Finding(
-                each.finding, each.severity, each.sentence, each.made, each.stated,
-                "" if each.made is None else "mm",
+                feature.finding, feature.severity, feature.sentence, feature.made, feature.stated,
+                "" if feature.made is None else "mm",
             )  # fmt: skip
 
 
 def _faces(sides: Sequence[Side]) -> Iterator[Feature]:
     """The face that lies up, and the one below."""
     stock = sides[0].milling.stock
-    for name, more, own in (
+    for name, more, responsible in (
         ("upper face", stock.top, sides[:1]),
         ("lower face", stock.bottom, sides[1:]),
     ):
-        cuts = [cut.name for side in own for cut in side.cuts if faces(cut)]
+        cuts = [cut.name for side in responsible for cut in side.cuts if faces(cut)]
         if not more:
-            yield Feature(name, LEFT_OUT, difference="that of the blank")
+            yield Feature(name, OMITTED, difference="that of the blank")
         elif cuts:
-            yield Feature(name, LEFT_OUT, tuple(cuts))
+            yield Feature(name, OMITTED, tuple(cuts))
         else:
             text = f"no operation takes off {more:g} mm of the blank"
             yield Feature(name, UNLIKE_THE_PART, (), "warning", text, 0.0, more)
@@ -539,23 +563,25 @@ def _faces(sides: Sequence[Side]) -> Iterator[Feature]:
 def _wall(wall: Wall, sides: Sequence[Side]) -> Feature:
     name = wall.boundary.name
     cuts = [cut for side in sides for cut in side.cuts if name in cut.produced]
-    made = tuple(cut.name for cut in cuts if name in finished_by(cut))
+    finishing = tuple(cut.name for cut in cuts if name in finished_walls(cut))
     called = text_name(name) or name
     stated = any(side.milling.operations for side in sides)
     severity: Severity = "warning" if stated else "ok"
     if is_finished(wall, sides):
-        return Feature(called, LEFT_OUT, made)
-    if made:
-        return Feature(called, UNLIKE_THE_PART, made, severity, "not all of its height is finished")
+        return Feature(called, OMITTED, finishing)
+    if finishing:
+        return Feature(
+            called, UNLIKE_THE_PART, finishing, severity, "not all of its height is finished"
+        )
     if cuts:
         left = min(cut.allowance for cut in cuts)
-        by = tuple(cut.name for cut in cuts)
+        names = tuple(cut.name for cut in cuts)
         return Feature(
-            called, UNLIKE_THE_PART, by, severity, f"{left:g} mm are left on it", 0.0, left
+            called, UNLIKE_THE_PART, names, severity, f"{left:g} mm are left on it", 0.0, left
         )
     if _is_in_the_blank(wall, sides[0].part, sides[0].milling.stock):
-        return Feature(called, LEFT_OUT, difference="the blank has it")
-    return Feature(called, LEFT_OUT, (), severity, UNMADE)
+        return Feature(called, OMITTED, difference="the blank has it")
+    return Feature(called, OMITTED, (), severity, UNMADE)
 
 
 def _is_in_the_blank(wall: Wall, part: Part, stock: Stock) -> bool:
@@ -571,52 +597,60 @@ def _is_in_the_blank(wall: Wall, part: Part, stock: Stock) -> bool:
 
 
 def _keyway(keyway: Keyway) -> Iterator[Feature]:
-    """A round cutter leaves it."""
+    """The keyway as a feature: a round cutter leaves it to be broached."""
     angle = math.degrees(keyway.angle)
-    text = f"{keyway.width:g} mm wide at {angle:g} deg: no operation makes it, it is to be broached"
+    text = f"{keyway.width:g} mm wide at {angle:g} deg: no operation makes it; it must be broached"
     yield Feature(KEYWAY, KEYWAY, (), "warning", text)
 
 
 def _edges(part: Part, sides: Sequence[Side]) -> Iterator[Feature]:
     """The chamfers that the part states, and those that operations make beside them."""
-    made: dict[tuple[str, bool], list[ContourCut]] = {}
+    chamfer_cuts: dict[tuple[str, bool], list[ContourCut]] = {}
     for upper, side in zip((True, False), sides, strict=False):
         for cut in side.cuts:
             if isinstance(cut, ContourCut) and cut.edge:
-                made.setdefault((cut.edge, upper), []).append(cut)
+                chamfer_cuts.setdefault((cut.edge, upper), []).append(cut)
     for bevel in part.bevels:
-        yield _edge(bevel, made.pop((bevel.boundary.name, bevel.upper), []))
-    for (name, upper), cuts in made.items():
+        yield _edge(bevel, chamfer_cuts.pop((bevel.boundary.name, bevel.upper), []))
+    for (name, upper), cuts in chamfer_cuts.items():
         width = max(cut.width for cut in cuts)
-        text = f"{width:g} mm wide, the part states a sharp edge"
-        by = tuple(cut.name for cut in cuts)
-        yield Feature(_called(name, upper=upper), CHAMFERS, by, "warning", text, 0.0, width)
+        text = f"{width:g} mm wide, but the part states a sharp edge"
+        names = tuple(cut.name for cut in cuts)
+        yield Feature(_edge_name(name, upper=upper), CHAMFERS, names, "warning", text, 0.0, width)
 
 
 def _edge(bevel: Bevel, cuts: Sequence[Cut]) -> Feature:
     """A chamfer of the part, with the cuts along its edge; a cone whose point has another angle
     makes it as wide on the face, and lower or higher on the wall.
     """
-    name = _called(bevel.boundary.name, upper=bevel.upper)
-    by = tuple(cut.name for cut in cuts)
+    name = _edge_name(bevel.boundary.name, upper=bevel.upper)
+    names = tuple(cut.name for cut in cuts)
     if not cuts:
         return Feature(name, CHAMFERS, (), "warning", UNMADE, bevel.width, 0.0)
     width = max(cut.width for cut in cuts if isinstance(cut, ContourCut))
     slope = max(cut.tool.tip_length / cut.tool.radius for cut in cuts)
-    off = max(width - bevel.width, width * slope - bevel.height, key=abs)
-    if abs(off) > ALLOWED:
+    # The deviation of the larger magnitude, in width or in height; positive if too much is taken
+    # off.
+    deviation = max(width - bevel.width, width * slope - bevel.height, key=abs)
+    if abs(deviation) > ALLOWED:
         text = (
             f"{width:g} mm wide and {width * slope:.3g} mm high, the part states {bevel.width:g} mm"
             f" and {bevel.height:g} mm"
         )
-        severity: Severity = "broken" if off > 0.0 else "warning"
-        return Feature(name, CHAMFERS, by, severity, text, bevel.width, width)
+        severity: Severity = "broken" if deviation > 0.0 else "warning"
+        return Feature(name, CHAMFERS, names, severity, text, bevel.width, width)
     if bevel.boundary.corner_radius is not None:
         return Feature(
-            name, CHAMFERS, by, "warning", "it is made along the circle alone", bevel.width, width
+            name,
+            CHAMFERS,
+            names,
+            "warning",
+            "only its circular part is made",
+            bevel.width,
+            width,
         )
-    return Feature(name, CHAMFERS, by, stated=bevel.width, made=width)
+    return Feature(name, CHAMFERS, names, stated=bevel.width, made=width)
 
 
-def _called(name: str, *, upper: bool) -> str:
+def _edge_name(name: str, *, upper: bool) -> str:
     return f"{'upper' if upper else 'lower'}{EDGE}{name}"

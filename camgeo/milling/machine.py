@@ -48,8 +48,8 @@ controller needs finely divided arcs."""
 MOST_DECIMALS: Final = 10
 """More decimals than a controller's double holds for a length of metres."""
 
-MOST_SHOWN: Final = 60
-"""Characters shown of a block."""
+BLOCK_EXCERPT: Final = 60
+"""Characters that are shown of a block in messages."""
 
 LONGEST_LINE: Final = 10_000
 """Characters; no controller accepts as many."""
@@ -79,29 +79,29 @@ def texts(key: str, given: Any) -> tuple[str, ...]:
     raise GeometryError("must be a list of texts", key, value_text(given))
 
 
-def blocks_with(*names: str) -> Any:
+def block_check(*names: str) -> Any:
     """The check of blocks that may have `names` in braces."""
-    return partial(blocks_of, names=names)
+    return partial(checked_blocks, names=names)
 
 
-def blocks_of(key: str, given: Any, names: tuple[str, ...]) -> tuple[str, ...]:
-    """`given` as blocks; GeometryError for braces around anything but `names`."""
+def checked_blocks(key: str, given: Any, names: tuple[str, ...]) -> tuple[str, ...]:
+    """`given` as a tuple of blocks; GeometryError for braces around anything but `names`."""
     blocks = texts(key, given)
     for block in blocks:
         try:
-            found = [each for each in Formatter().parse(block) if each[1] is not None]
+            fields = [part for part in Formatter().parse(block) if part[1] is not None]
         except ValueError:
-            found = [("", None, None, None)]
-        if any(name not in names or form or kind for _, name, form, kind in found):
-            allowed = f" but {', '.join(f'{{{each}}}' for each in names)}" if names else ""
-            raise GeometryError(f"must hold no braces{allowed}", key, repr(block[:MOST_SHOWN]))
+            fields = [("", None, None, None)]
+        if any(name not in names or form or kind for _, name, form, kind in fields):
+            allowed = f" but {', '.join(f'{{{name}}}' for name in names)}" if names else ""
+            raise GeometryError(f"must hold no braces{allowed}", key, repr(block[:BLOCK_EXCERPT]))
     return blocks
 
 
 def codes(key: str, given: Any) -> tuple[float, ...]:
     """`given` as the numbers of G or M words; GeometryError if they are none."""
     instance(key, given, tuple, "a tuple of numbers")
-    return tuple(number(key, each, least=0.0, most=9999.0) for each in given)
+    return tuple(number(key, code, least=0.0, most=9999.0) for code in given)
 
 
 def offsets(key: str, given: Any) -> Mapping[str, str]:
@@ -109,10 +109,10 @@ def offsets(key: str, given: Any) -> Mapping[str, str]:
     table = instance(key, given, Mapping, "a table of names with their blocks")
     if not table:
         raise GeometryError("must name at least one", key, value_text(given))
-    found = {name: instance(f"{key}.{name}", table[name], str, "a text") for name in table}
-    for name, block in found.items():
-        blocks_of(f"{key}.{name}", (block,), ())
-    return MappingProxyType(found)
+    blocks = {name: instance(f"{key}.{name}", table[name], str, "a text") for name in table}
+    for name, block in blocks.items():
+        checked_blocks(f"{key}.{name}", (block,), ())
+    return MappingProxyType(blocks)
 
 
 def meanings(key: str, given: Any) -> Mapping[str, str]:
@@ -120,12 +120,12 @@ def meanings(key: str, given: Any) -> Mapping[str, str]:
     table = instance(key, given, Mapping, "a table of words with their meanings")
     if not table:
         raise GeometryError("must name at least one", key, value_text(given))
-    found = {word: one_of(f"{key}.{word}", table[word], MEANINGS) for word in table}
-    return MappingProxyType(found)
+    by_word = {word: one_of(f"{key}.{word}", table[word], MEANINGS) for word in table}
+    return MappingProxyType(by_word)
 
 
 Texts = Annotated[tuple[str, ...], texts]
-Plain = Annotated[tuple[str, ...], blocks_with()]
+Plain = Annotated[tuple[str, ...], block_check()]
 Size = Annotated[float, partial(number, least=0.0)]
 LineLength = Annotated[int, partial(whole, least=1, most=LONGEST_LINE)]
 DecimalCount = Annotated[int, partial(whole, least=1, most=MOST_DECIMALS)]
@@ -200,9 +200,9 @@ class Compensation:
     def __post_init__(self) -> None:
         check_fields(self, "compensation.")
         for name in ("left", "right"):
-            blocks_of(f"compensation.{name}", (getattr(self, name),), ("tool", "nominal"))
-        blocks_of("compensation.off", (self.off,), ())
-        blocks_of("compensation.nominal", (self.nominal,), ("radius",))
+            checked_blocks(f"compensation.{name}", (getattr(self, name),), ("tool", "nominal"))
+        checked_blocks("compensation.off", (self.off,), ())
+        checked_blocks("compensation.nominal", (self.nominal,), ("radius",))
         for mode in self.modes:
             one_of("compensation.modes", mode, (WEAR, CONTROL))
 
@@ -221,7 +221,7 @@ class Smoothing(CheckedFields, path="smoothing."):
     largest : deviation [mm] above which no more is asked for.
     """
 
-    on: Annotated[tuple[str, ...], blocks_with("p")]
+    on: Annotated[tuple[str, ...], block_check("p")]
     off: Plain
     share: Share
     smallest: Size
@@ -237,7 +237,7 @@ class Smoothing(CheckedFields, path="smoothing."):
 
 
 ARC_FORMS: Final = ("radius with centre", "arm across the plane", "half an absolute centre")
-"""Ways to state an arc that controllers refuse, or of which they ignore a word."""
+"""Ways to state an arc that some controllers reject, or of which they ignore a word."""
 
 COMPENSATED: Final = ("length", "work offset", "path mode", "plane", "cycle of holes")
 """What controllers refuse to change or to do under compensation of the radius; a change of tools
@@ -252,24 +252,24 @@ RETURNS: Final = ("end", "blank", "unknown")
 
 def _choices(key: str, given: Any, allowed: tuple[str, ...]) -> tuple[str, ...]:
     """`given` as a tuple of some of `allowed`; GeometryError for another."""
-    return tuple(one_of(key, each, allowed) for each in texts(key, given))
+    return tuple(one_of(key, choice, allowed) for choice in texts(key, given))
 
 
 def _sets(key: str, given: Any) -> tuple[str, ...]:
     """`given` as sets of words, each a text of two or more; GeometryError for less."""
-    found = texts(key, given)
-    for each in found:
-        if len(each.split()) < 2:
-            raise GeometryError("must be texts of two words or more", key, value_text(each))
-    return found
+    word_sets = texts(key, given)
+    for word_set in word_sets:
+        if len(word_set.split()) < 2:
+            raise GeometryError("must be texts of two words or more", key, value_text(word_set))
+    return word_sets
 
 
 @dataclass(frozen=True, slots=True)
 class RadiusDifference(CheckedFields, path="reading.radius_difference."):
-    """By how much the radii at the two ends of an arc may differ in each unit of the program [mm].
+    """Difference [mm] that the radii at the two ends of an arc may have, by the program's unit.
 
-    More is refused if it is more than the share `relative` of the radius, and if it is 100 times as
-    much in any case.
+    A larger difference is an error if it also exceeds the share `relative` of the radius, and in
+    any case if it is 100 times as large.
     """
 
     mm: Size
@@ -278,8 +278,9 @@ class RadiusDifference(CheckedFields, path="reading.radius_difference."):
 
 
 @dataclass(frozen=True, slots=True)
-class Reading(CheckedFields, path="reading."):
-    """What the controller takes, lengths in mm; the defaults are what most do.
+class ReaderRules(CheckedFields, path="reading."):
+    """What the controller accepts in programs, lengths in mm; defaults are what most controllers
+    do.
 
     Attributes
     ----------
@@ -398,7 +399,7 @@ class Machine:
     dwell: Dwell
     arcs: ArcLimits
     words: Words
-    reading: Reading = field(default_factory=Reading)
+    reading: ReaderRules = field(default_factory=ReaderRules)
     evidence: Annotated[tuple[Evidence, ...], _evidence] = ()
     compensation: Compensation | None = None
     smoothing: Smoothing | None = None
@@ -432,30 +433,36 @@ class Machine:
 
     @property
     def compensations(self) -> tuple[str, ...]:
-        """Those of `camgeo.milling.milling.COMPENSATIONS` that it allows, "computed" first."""
+        """The kinds of compensation that the controller allows, "computed" first."""
         return (COMPUTED, *(self.compensation.modes if self.compensation else ()))
 
     def error(self, message: str) -> SceneError:
-        """What the profile does not allow."""
+        """The error for something that the profile does not allow."""
         return SceneError([Fault(KEY, repr(self.name), message)])
 
     def decimals(self, unit: LengthUnit, tolerance: float) -> int:
-        """Of the coordinates in a program within `tolerance` [mm]: as many as the controller
-        writes, more where that needs them, and no more than it resolves.
+        """Number of decimals of coordinates in a program within `tolerance` [mm]: at least as many
+        as usual for the controller, more where the tolerance needs them, at most what it resolves.
         """
         finest = ROUNDING_SHARE * tolerance / (ROUNDING_UNITS * MM_PER[unit])
         numbers, needed = self.numbers, math.ceil(-math.log10(finest))
-        return min(max(numbers.decimals.of(unit), needed), numbers.most_decimals.of(unit))
+        return min(
+            max(numbers.decimals.for_unit(unit), needed), numbers.most_decimals.for_unit(unit)
+        )
 
     def smoothed(self, tolerance: float, most: float = math.inf) -> float | None:
-        """By how much the controller may leave the path within `tolerance` [mm], `most` at most;
-        None if it runs the exact path.
+        """Distance [mm], at most `most`, by which the controller may leave the path in a program
+        within `tolerance` [mm]; None if it runs the exact path.
         """
         smoothing = self.smoothing
         if smoothing is None:
             return None
-        found = min(smoothing.share * tolerance, smoothing.largest, most)
-        return found if found > 0.0 and found >= smoothing.smallest * (1.0 - 1e-9) else None
+        deviation = min(smoothing.share * tolerance, smoothing.largest, most)
+        return (
+            deviation
+            if deviation > 0.0 and deviation >= smoothing.smallest * (1.0 - 1e-9)
+            else None
+        )
 
 
 @functools.cache
@@ -478,7 +485,7 @@ def load(machine: str, key: str = KEY) -> Machine:
     """
     known = names()
     if machine in known:
-        return _own(machine)
+        return _packaged_profile(machine)
     if not machine.endswith(".toml"):
         message = f"no such machine profile; allowed: {', '.join(known)}, or a .toml file"
         raise SceneError([Fault(key, repr(machine), message, meant(machine, known))])
@@ -492,7 +499,7 @@ def load(machine: str, key: str = KEY) -> Machine:
 
 
 @functools.cache
-def _own(name: str) -> Machine:
+def _packaged_profile(name: str) -> Machine:
     """A profile in the package, which does not change."""
     resource = files("camgeo.milling").joinpath("machines", f"{name}.toml")
     return parse(resource.read_text(encoding="utf-8"), f"{name}.toml")
@@ -509,7 +516,7 @@ def parse(text: str, file: str) -> Machine:
         raise SceneError([Fault("", "", "is nested too deeply for a profile")], file) from None
     except ValueError as error:  # also of an integer of thousands of digits
         raise SceneError([Fault("", "", f"not TOML: {error}")], file) from None
-    if faults := faults_of(table):
+    if faults := profile_faults(table):
         raise SceneError(faults, file)
     try:
         return instance_from_table(Machine, table)
@@ -546,28 +553,28 @@ def _validator() -> Draft202012Validator:
     return Draft202012Validator(schema())
 
 
-def faults_of(table: dict[str, Any]) -> list[Fault]:
+def profile_faults(table: dict[str, Any]) -> list[Fault]:
     """What is wrong with a profile; empty if nothing is."""
-    found: list[Fault] = []
+    faults: list[Fault] = []
     for error in _validator().iter_errors(table):
         node = _node(error)
         path = list(error.instance_path)
         if error.kind.name == "additionalProperties":
             for name in error.kind.as_dict()["unexpected"]:
-                found.append(_unknown([*path, name], node))
+                faults.append(_unknown([*path, name], node))
         elif error.kind.name == "required":
             name = str(error.kind.as_dict()["property"])
             what = node["properties"][name]["description"].rstrip(".")
-            found.append(Fault(_key([*path, name]), "", f"is missing: {what}"))
+            faults.append(Fault(_key([*path, name]), "", f"is missing: {what}"))
         else:
-            value: Any = table
+            value: Any = table  # the value at fault, for the message
             for step in path:
                 value = value[step]
             close = meant(value, node.get("enum", ()), '"') if isinstance(value, str) else ""
-            found.append(Fault(_key(path), value_text(value), allowed(node), close))
-        if len(found) >= MOST_FAULTS:
-            return [*found[:MOST_FAULTS], Fault("", "", "there are more faults than are listed")]
-    return found
+            faults.append(Fault(_key(path), value_text(value), allowed(node), close))
+        if len(faults) >= MOST_FAULTS:
+            return [*faults[:MOST_FAULTS], Fault("", "", "there are more faults than are listed")]
+    return faults
 
 
 def _unknown(path: Sequence[str | int], node: dict[str, Any]) -> Fault:
@@ -664,8 +671,8 @@ class Decimals(CheckedFields, path="numbers."):
     mm: DecimalCount
     inch: DecimalCount
 
-    def of(self, unit: LengthUnit) -> int:
-        """That of `unit`."""
+    def for_unit(self, unit: LengthUnit) -> int:
+        """The number of decimals in `unit`."""
         return self.mm if unit == "mm" else self.inch
 
 
@@ -721,8 +728,8 @@ class UnitWords(CheckedFields, path="unit."):
     mm: Text
     inch: Text
 
-    def of(self, unit: LengthUnit) -> str:
-        """That of `unit`."""
+    def for_unit(self, unit: LengthUnit) -> str:
+        """The word that switches to `unit`."""
         return self.mm if unit == "mm" else self.inch
 
 
@@ -739,11 +746,11 @@ class ProgramFrame(CheckedFields, path="program."):
     stop : halt until the operator starts again.
     """
 
-    safe_start: Annotated[tuple[str, ...], blocks_with("unit", "work_offset")]
-    end: Annotated[tuple[str, ...], blocks_with("name", "unit")]
+    safe_start: Annotated[tuple[str, ...], block_check("unit", "work_offset")]
+    end: Annotated[tuple[str, ...], block_check("name", "unit")]
     stop: Plain
-    start: Annotated[tuple[str, ...], blocks_with("name", "number", "unit")] = ()
-    blank: Annotated[tuple[str, ...], blocks_with("x0", "y0", "z0", "x1", "y1", "z1")] = ()
+    start: Annotated[tuple[str, ...], block_check("name", "number", "unit")] = ()
+    blank: Annotated[tuple[str, ...], block_check("x0", "y0", "z0", "x1", "y1", "z1")] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -760,8 +767,8 @@ class ToolChange(CheckedFields, path="tool_change."):
         has left the tool, then down to the clearance height.
     """
 
-    change: Annotated[tuple[str, ...], blocks_with("tool", "speed", "nominal")]
-    length_offset: Annotated[tuple[str, ...], blocks_with("tool", "z")]
+    change: Annotated[tuple[str, ...], block_check("tool", "speed", "nominal")]
+    length_offset: Annotated[tuple[str, ...], block_check("tool", "z")]
     repeat: Truth = False
     approach: Annotated[str, partial(one_of, choices=("z-first", "xy-first"))] = "z-first"
 
@@ -776,7 +783,7 @@ class Retract:
     first : whether it also stands before the first tool change.
     """
 
-    blocks: Annotated[tuple[str, ...], blocks_with("z")]
+    blocks: Annotated[tuple[str, ...], block_check("z")]
     first: Truth = False
 
     def __post_init__(self) -> None:
@@ -801,7 +808,7 @@ class Spindle(CheckedFields, path="spindle."):
     `spin_up` is the dwell [s] after starting it; `whole_speed` whether {speed} is rounded to one.
     """
 
-    clockwise: Annotated[tuple[str, ...], blocks_with("speed")]
+    clockwise: Annotated[tuple[str, ...], block_check("speed")]
     off: Plain
     spin_up: SpinUp = 0.0
     whole_speed: Truth = False
@@ -823,9 +830,9 @@ class Coolant(CheckedFields, path="coolant."):
         return ("off", *(name for name in names if getattr(self, name) is not None))
 
     def blocks(self, kind: str) -> tuple[str, ...]:
-        """Of one of `kinds`; GeometryError for another."""
-        found: tuple[str, ...] = getattr(self, one_of("coolant", kind, self.kinds))
-        return found
+        """The blocks that switch to one of `kinds`; GeometryError for another word."""
+        kind_blocks: tuple[str, ...] = getattr(self, one_of("coolant", kind, self.kinds))
+        return kind_blocks
 
 
 @dataclass(frozen=True, slots=True)
@@ -835,7 +842,7 @@ class Dwell(CheckedFields, path="dwell."):
     `point_seconds` : whether a time with a decimal point is in seconds although `unit` is "ms".
     """
 
-    blocks: Annotated[tuple[str, ...], blocks_with("dwell")]
+    blocks: Annotated[tuple[str, ...], block_check("dwell")]
     unit: Annotated[str, partial(one_of, choices=("s", "ms"))]
     point_seconds: Truth = False
 
@@ -881,7 +888,8 @@ class Words(CheckedFields, path="words."):
     g, m : codes.
     letters : that may begin a word.
     names : of cycles and keywords of more than one letter.
-    meaning : of words whose meaning is not the common one, one of `MEANINGS`; see `own_meanings`.
+    meaning : of words whose meaning is not the common one, one of `MEANINGS`; see
+        `special_meanings`.
     """
 
     g: Codes
@@ -891,15 +899,15 @@ class Words(CheckedFields, path="words."):
     meaning: Meanings | None = None
 
     @property
-    def own_meanings(self) -> dict[str, str]:
-        """`meaning` by single words: its keys may be several, with blanks between, and ranges of
-        numbers, as in "M100-M199".
+    def special_meanings(self) -> dict[str, str]:
+        """`meaning` by single words: each of its keys may hold several words with blanks between,
+        and ranges of numbers, as in "M100-M199".
         """
-        found: dict[str, str] = {}
+        by_word: dict[str, str] = {}
         for key, meaning in (self.meaning or {}).items():
             for word in key.split():
                 words = [word]
                 if ends := RANGE.fullmatch(word):
                     words = [f"{ends[1]}{k}" for k in range(int(ends[2]), int(ends[3]) + 1)]
-                found |= dict.fromkeys(words, meaning)
-        return found
+                by_word |= dict.fromkeys(words, meaning)
+        return by_word

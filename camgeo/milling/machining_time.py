@@ -28,12 +28,12 @@ import numpy as np
 
 from camgeo.geometry.contour.contour import Contour
 from camgeo.milling.machine import Dynamics, Machine
-from camgeo.milling.moves import Move, Point, Rapid, Stop, Toolpath, piece_of
+from camgeo.milling.moves import Move, Point, Rapid, Stop, Toolpath, plane_piece
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray, grouped
 from camgeo.numeric.checked import CheckedFields, Floats, Integers, Truths
 
 SECONDS: Final = 60.0
-"""Of a minute, the unit of time of feeds."""
+"""Seconds of a minute, the unit of time of feeds."""
 
 STRAIGHT: Final = 0.999999
 """Cosine of the turn, 0.081 degrees, up to which a corner counts as straight in Grbl's planner."""
@@ -79,25 +79,31 @@ def block_times(
     if not count:
         return np.zeros(0), np.zeros(0)
     acceleration, nominal = _limits(blocks, dynamics)
+    # With v^2 as the unknown all is linear along the path: within a block it changes by at most
+    # 2 a s. All speeds below are such squares until the roots are taken.
     gain = 2.0 * acceleration * blocks.lengths
-    before = np.concatenate(([0.0], np.cumsum(gain)))
+    cumulative_gain = np.concatenate(([0.0], np.cumsum(gain)))
     highest = _junctions(blocks, dynamics, smoothing)
     highest[1:] = np.minimum(highest[1:], np.minimum(nominal[1:], nominal[:-1]) ** 2)
     highest[blocks.rests] = 0.0
     highest[0] = 0.0
-    entry = _entries(highest, before, dynamics.look_ahead)
+    entry = _entries(highest, cumulative_gain, dynamics.look_ahead)
     leave = np.append(entry[1:], 0.0)
+    # Accelerating from the entry and braking to the exit meet at the mean of both ends, half the
+    # gain above it; a lower nominal speed cuts the peak off.
     peak = np.minimum(nominal**2, 0.5 * (entry + leave + gain))
     peak = np.maximum(peak, np.maximum(entry, leave))  # but for rounding, as the plan is feasible
     top, first, last = np.sqrt(peak), np.sqrt(entry), np.sqrt(leave)
     ramps = (2.0 * top - first - last) / acceleration
-    even = np.maximum(blocks.lengths - (2.0 * peak - entry - leave) / (2.0 * acceleration), 0.0)
-    return ramps + even / top, first
+    cruise = np.maximum(blocks.lengths - (2.0 * peak - entry - leave) / (2.0 * acceleration), 0.0)
+    return ramps + cruise / top, first
 
 
 def _limits(blocks: Blocks, dynamics: Dynamics) -> tuple[FloatArray, FloatArray]:
     """(n,) acceleration [mm/s^2] and largest speed [mm/s] of each block by itself."""
     arcs = blocks.radii > 0.0
+    # The limits hold for each axis: along a line the axis with the largest component reaches them
+    # first. An arc takes all directions, so it has the limit of one axis.
     share = np.where(arcs, 1.0, np.max(np.abs(blocks.starts), axis=1))
     acceleration = dynamics.acceleration / share
     nominal = np.minimum(blocks.feeds, dynamics.rapid_feed / SECONDS / share)
@@ -114,11 +120,13 @@ def _junctions(blocks: Blocks, dynamics: Dynamics, smoothing: float | None) -> F
     The speed of a circle that touches both neighbours and passes the corner at the deviation. Where
     it is really run, it reaches no farther than the middle of either neighbour.
     """
-    found = np.zeros(len(blocks))
-    before, after = blocks.ends[:-1], blocks.starts[1:]
-    cosine = np.clip(np.sum(before * after, axis=1), -1.0, 1.0)
+    squares = np.zeros(len(blocks))
+    incoming, outgoing = blocks.ends[:-1], blocks.starts[1:]
+    cosine = np.clip(np.sum(incoming * outgoing, axis=1), -1.0, 1.0)
+    # A circle of radius r that touches both sides of a corner, which turns by 2 h, passes it at the
+    # distance r (1 / cos h - 1), so r = deviation cos h / (1 - cos h).
     half = np.sqrt(0.5 * (1.0 + cosine))  # cosine of half the turn
-    across = after - before
+    across = outgoing - incoming
     size = np.linalg.norm(across, axis=1)
     share = np.max(np.abs(across), axis=1) / np.where(size > 0.0, size, 1.0)
     deviation = dynamics.junction_deviation if smoothing is None else smoothing
@@ -126,17 +134,19 @@ def _junctions(blocks: Blocks, dynamics: Dynamics, smoothing: float | None) -> F
     rest = np.where(straight, 1.0, 1.0 - half)
     radius = deviation * half / rest
     if smoothing is not None:
+        # It touches the sides at r tan h from the corner, at most half of the shorter neighbour.
         sine = np.sqrt(0.5 * (1.0 - cosine))
         room = 0.5 * np.minimum(blocks.lengths[:-1], blocks.lengths[1:])
         radius = np.minimum(radius, room * half / np.where(sine > 0.0, sine, 1.0))
+    # In a straight corner nothing limits the speed; the ones only avoid divisions by 0.
     size, share = np.where(straight, 1.0, size), np.where(straight, 1.0, share)
     jump = (dynamics.velocity_jump / size) ** 2
     fast = np.maximum(dynamics.acceleration / share * radius, jump)
-    found[1:] = np.where(straight, np.inf, fast)
-    return found
+    squares[1:] = np.where(straight, np.inf, fast)
+    return squares
 
 
-def _entries(highest: FloatArray, before: FloatArray, ahead: int) -> FloatArray:
+def _entries(highest: FloatArray, cumulative_gain: FloatArray, ahead: int) -> FloatArray:
     """(n,) square of the speed with which each block is entered.
 
     Parameters
@@ -147,12 +157,15 @@ def _entries(highest: FloatArray, before: FloatArray, ahead: int) -> FloatArray:
     """
     count = len(highest)
     ahead = min(ahead, count)
-    sums = np.concatenate((highest + before[:-1], np.full(ahead, np.inf)))
+    # Seen from the start of the path: with G the cumulative gain, v_i^2 can brake to v_j^2 if
+    # v_i^2 + G_i <= v_j^2 + G_j, for all j that are planned, and to 0 at the end of the last one.
+    sums = np.concatenate((highest + cumulative_gain[:-1], np.full(ahead, np.inf)))
     lowest = np.lib.stride_tricks.sliding_window_view(sums, ahead)[:count].min(axis=1)
-    end = before[np.minimum(np.arange(count) + ahead, count)]
-    able = np.minimum(lowest, end) - before[:-1]  # speeds from which it can stop
-    reached = np.minimum.accumulate(able - before[:-1]) + before[:-1]
-    # Differences of long sums may miss what they bound by some rounding.
+    end = cumulative_gain[np.minimum(np.arange(count) + ahead, count)]
+    able = np.minimum(lowest, end) - cumulative_gain[:-1]  # speeds from which it can stop
+    # And it can be reached by accelerating if v_i^2 - G_i <= v_j^2 - G_j for all earlier j.
+    reached = np.minimum.accumulate(able - cumulative_gain[:-1]) + cumulative_gain[:-1]
+    # The sums grow along the path, so their differences may exceed the bounds by some rounding.
     entries: FloatArray = np.clip(np.minimum(reached, able), 0.0, highest)
     return entries
 
@@ -177,7 +190,7 @@ class OperationTime:
 
     @property
     def seconds(self) -> float:
-        """Of the whole operation."""
+        """Time of the whole operation [s]."""
         return self.cutting + self.traverses
 
 
@@ -191,23 +204,23 @@ def toolpath_times(
     chord : deviation [mm] of the chords into which the controller divides arcs; 0 if it runs arcs.
     smoothing : as of `block_times`.
     """
-    found = []
-    at: Point | None = None
+    operation_times = []
+    position: Point | None = None
     for operation in toolpath.operations:
-        blocks = blocks_of(operation.moves, at, chord=chord)
-        at = operation.travel[-1].end
+        blocks = controller_blocks(operation.moves, position, chord=chord)
+        position = operation.travel[-1].end
         times, _ = block_times(blocks, dynamics, smoothing)
         rapid = np.isinf(blocks.feeds)
         cutting = math.fsum(times[~rapid])
         due = math.fsum(blocks.lengths[~rapid] / blocks.feeds[~rapid])
         slowed = max(0.0, 1.0 - due / cutting) if cutting else 0.0
-        found.append(
+        operation_times.append(
             OperationTime(operation.name, cutting, math.fsum(times[rapid]), len(blocks), slowed)
         )
-    return tuple(found)
+    return tuple(operation_times)
 
 
-def times_on(
+def machine_times(
     machine: Machine, toolpath: Toolpath, tolerance: float
 ) -> tuple[OperationTime, ...] | None:
     """The times on a machine that may leave the path within `tolerance` [mm] as its profile says;
@@ -232,7 +245,7 @@ def contour_time(
     An infinite feed gives the shortest round that the controller can run.
     """
     count = len(contour)
-    blocks = _divided(
+    blocks = _divide_arcs(
         _space(contour.vertices),
         _space(contour.ends),
         contour.centres,
@@ -245,7 +258,9 @@ def contour_time(
     return math.fsum(block_times(blocks, dynamics, smoothing)[0])
 
 
-def blocks_of(moves: Iterable[Move | Stop], at: Point | None, *, chord: float = 0.0) -> Blocks:
+def controller_blocks(
+    moves: Iterable[Move | Stop], position: Point | None, *, chord: float = 0.0
+) -> Blocks:
     """The blocks of `moves`, run from rest to rest; those without length are left out.
 
     Parameters
@@ -259,16 +274,16 @@ def blocks_of(moves: Iterable[Move | Stop], at: Point | None, *, chord: float = 
         if isinstance(move, Stop):
             rest = True
             continue
-        if at is not None and move.end != at:
-            piece = piece_of(at, move)
+        if position is not None and move.end != position:
+            piece = plane_piece(position, move)
             arc = piece.centre.real, piece.centre.imag, piece.sweep
             feed = math.inf if isinstance(move, Rapid) else move.feed / SECONDS
-            rows.append((*at, *move.end, *arc, feed, rest, number))
+            rows.append((*position, *move.end, *arc, feed, rest, number))
             rest = False
-        at = move.end
+        position = move.end
     table = np.array(rows, dtype=np.float64).reshape(-1, 12)
     x, y, sweeps, feeds, rests, numbers = table[:, 6:].T
-    return _divided(
+    return _divide_arcs(
         table[:, :3],
         table[:, 3:6],
         x + 1j * y,
@@ -280,7 +295,7 @@ def blocks_of(moves: Iterable[Move | Stop], at: Point | None, *, chord: float = 
     )
 
 
-def _divided(
+def _divide_arcs(
     starts: FloatArray,
     ends: FloatArray,
     centres: ComplexArray,
@@ -301,7 +316,7 @@ def _divided(
         counts = np.maximum(np.floor(0.5 * np.abs(sweeps) * radii / half).astype(int), 1)
         which, part = grouped(counts)
         whole, arms, turns = counts[which], arms[which], sweeps[which]
-        first = _turned(starts[which], ends[which], centres[which], arms, turns, part / whole)
+        first = _arc_points(starts[which], ends[which], centres[which], arms, turns, part / whole)
         last = np.concatenate((first[1:], ends[-1:]))
         final = part == whole - 1
         last[final] = ends[which[final]]
@@ -319,6 +334,7 @@ def _divided(
     straight = _plane(ends) - _plane(starts)
     size = np.abs(straight)
     straight = straight / np.where(size > 0.0, size, 1.0)
+    # The tangent at the start of an arc is square to its arm; it turns by the sweep up to the end.
     begin = 1j * np.sign(sweeps) * arms / np.where(arcs, radii, 1.0)
     first_way = np.where(arcs, begin, straight)
     last_way = np.where(arcs, begin * np.exp(1j * sweeps), straight)
@@ -328,7 +344,7 @@ def _divided(
     return Blocks(lengths, feeds, radii, first, last, rests, moves)
 
 
-def _turned(
+def _arc_points(
     starts: FloatArray,
     ends: FloatArray,
     centres: ComplexArray,
@@ -350,5 +366,5 @@ def _space(points: ComplexArray) -> FloatArray:
 
 
 def _plane(points: FloatArray) -> ComplexArray:
-    found: ComplexArray = points[:, 0] + 1j * points[:, 1]
-    return found
+    plane: ComplexArray = points[:, 0] + 1j * points[:, 1]
+    return plane

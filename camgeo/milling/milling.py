@@ -43,12 +43,12 @@ if TYPE_CHECKING:
 
 
 LARGEST_NUMBER: Final = 99_999
-"""Of a tool in a controller's tool table."""
+"""Largest number of a tool in a controller's tool table."""
 
 MOST_FLUTES: Final = 100
 
 MOST_SPRINGS: Final = 10
-"""Rounds that take nothing off any more."""
+"""Most spring rounds of an operation; further ones remove nothing."""
 
 END_MILL: Final = "end-mill"
 DRILL: Final = "drill"
@@ -63,12 +63,12 @@ WEAR: Final = "wear"
 CONTROL: Final = "control"
 
 COMPENSATIONS: Final = (COMPUTED, WEAR, CONTROL)
-"""Of the cutter's radius: by the computed path; by that, with the controller adding the wear; by
-the controller."""
+"""Ways to compensate the cutter's radius: by the computed path; by the computed path, with the
+controller adding the wear of the cutter; by the controller alone."""
 
 
-LONGEST_SPIN_UP: Final = 600.0
-"""Seconds that a spindle may take."""
+LONGEST_SPIN_UP_TIME: Final = 600.0
+"""Longest time [s] that a spindle may take to reach its speed."""
 
 
 ToolNumber = Annotated[int, partial(whole, least=1, most=LARGEST_NUMBER)]
@@ -167,10 +167,10 @@ class Tool:
                 "tool.stepover",
                 f"{self.stepover:g}",
             )
-        flutes, out = self.flute_length, self.stick_out
-        if flutes is not None and out is not None and out < flutes:
+        flutes, reach = self.flute_length, self.stick_out
+        if flutes is not None and reach is not None and reach < flutes:
             raise GeometryError(
-                f"must be at least the flute length, {flutes:g} mm", "tool.stick_out", f"{out:g}"
+                f"must be at least the flute length, {flutes:g} mm", "tool.stick_out", f"{reach:g}"
             )
 
     @property
@@ -279,13 +279,15 @@ class Clamp(CheckedFields, path="clamp."):
     called: Place | None = None
 
     def turned_over(self, about: str) -> Clamp:
-        """One that is stated as work turned over lies, in the part's coordinates."""
+        """The clamp in the part's coordinates, if it is stated as work turned over about that axis
+        lies on the machine.
+        """
         place = mirrored(self.place, about)
         return replace(self, place=place, angle=-self.angle, called=self.place)
 
     @property
     def what(self) -> str:
-        """In a word."""
+        """What it is in a word."""
         return "screw" if self.round else "clamp"
 
     @property
@@ -294,7 +296,9 @@ class Clamp(CheckedFields, path="clamp."):
         from camgeo.geometry.contour.contour import Contour, rectangle
         from camgeo.part.boundaries import ExactBoundary
 
-        name = f"{self.what} at {_places(self.place if self.called is None else self.called)} mm"
+        name = (
+            f"{self.what} at {_coordinates(self.place if self.called is None else self.called)} mm"
+        )
         if self.round:
             contour = Contour.circle(self.length / 2.0, self.place)
         else:
@@ -331,10 +335,10 @@ class Holding:
 
     def __post_init__(self) -> None:
         check_fields(self, "holding.")
-        given = instance("holding.clamps", self.clamps, tuple, "a tuple of clamps")
-        hold(self, clamps=instances("holding.clamps", given, (Clamp,), "clamps"))
-        own = {"tabs": TABS, "skin": ONION_SKIN}
-        for key, kind in own.items():
+        entries = instance("holding.clamps", self.clamps, tuple, "a tuple of clamps")
+        hold(self, clamps=instances("holding.clamps", entries, (Clamp,), "clamps"))
+        kinds_by_key = {"tabs": TABS, "skin": ONION_SKIN}
+        for key, kind in kinds_by_key.items():
             if (getattr(self, key) is not None) != (self.kind == kind):
                 message = "is missing" if self.kind == kind else f'belongs to kind "{kind}"'
                 raise GeometryError(message, f"holding.{key}")
@@ -345,11 +349,11 @@ class Holding:
             )
 
     def turned_over(self, about: str) -> Holding:
-        """The same with clamps in the part's coordinates, which are stated as the work lies."""
-        return replace(self, clamps=tuple(each.turned_over(about) for each in self.clamps))
+        """The holding with its clamps, which are stated as the work lies, in part coordinates."""
+        return replace(self, clamps=tuple(clamp.turned_over(about) for clamp in self.clamps))
 
 
-def _places(place: complex) -> str:
+def _coordinates(place: complex) -> str:
     return f"{place.real:g}, {place.imag:g}"
 
 
@@ -368,27 +372,27 @@ Y: Final = "y"
 AXES: Final = (X, Y)
 """Axes of the machine about which work is turned over."""
 
-NOT: Final = ""
-"""In place of an axis: of the first side."""
+FIRST_SIDE: Final = ""
+"""In place of an axis: the work is not turned over."""
 
-OTHER: Final[Mapping[str, str]] = MappingProxyType(
+MIRRORED_SIDE: Final[Mapping[str, str]] = MappingProxyType(
     {"left": "right", "right": "left", "off": "off", "": ""}
 )
-"""What sides of a path are called in a mirror."""
+"""Names of the sides of a path when it is mirrored."""
 
 
-HOW: Final[Mapping[str, str]] = MappingProxyType(
+TURNING_NOTE: Final[Mapping[str, str]] = MappingProxyType(
     {
         X: "turned over about X: what was in front is at the back",
         Y: "turned over about Y: what was on the left is on the right",
     }
 )
-"""What is done with the work, for the operator."""
+"""How the work is turned over, in words for the operator."""
 
 
 def mirrored(place: complex, about: str) -> complex:
-    """A place or a direction of the part as it lies on the machine, work turned over `about` an
-    axis; and the other way round, for it is its own inverse.
+    """A place or a direction of the part as it lies on the machine, where work is turned over
+    `about` an axis. The same function converts back, as a reflection is its own inverse.
     """
     # Adding 0 keeps a negative zero out of print.
     if about == X:
@@ -473,13 +477,15 @@ class OperationSpec(CheckedFields, path="operation."):
         With the key in `operation`, if a value is invalid.
     """
 
-    kind: Annotated[str, partial(one_of, choices=[each.value for each in Kind])]
+    kind: Annotated[str, partial(one_of, choices=[kind.value for kind in Kind])]
     tool: ToolNumber
     boundary: Text = ""
     name: Text = ""
     allowance: Radius = 0.0
     depth: Length | None = None
-    strategy: Annotated[str, partial(one_of, choices=["", *(each.value for each in Roughing)])] = ""
+    strategy: Annotated[
+        str, partial(one_of, choices=["", *(roughing.value for roughing in Roughing)])
+    ] = ""
     size: Length | None = None
     stepdown: Length | None = None
     stepover: Length | None = None
@@ -496,8 +502,8 @@ class OperationSpec(CheckedFields, path="operation."):
     def run(self, tool: Tool) -> Tool:
         """The tool as it is run in this operation; raises GeometryError like `Tool`."""
         keys = ("stepdown", "stepover", "spindle_speed", "feed", "plunge_feed", "coolant")
-        own = {key: getattr(self, key) for key in keys if getattr(self, key) is not None}
-        return replace(tool, **own)
+        overrides = {key: getattr(self, key) for key in keys if getattr(self, key) is not None}
+        return replace(tool, **overrides)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -530,31 +536,33 @@ class MillingSpec(Brief):
     earlier: Truth = False
     second: SecondSide | None = None
     second_operations: tuple[OperationSpec, ...] = ()
-    turned: Annotated[str, partial(one_of, choices=(NOT, *AXES))] = NOT
-    done: frozenset[str] = frozenset()
+    turned: Annotated[str, partial(one_of, choices=(FIRST_SIDE, *AXES))] = FIRST_SIDE
+    finished_walls: frozenset[str] = frozenset()
 
     def __post_init__(self) -> None:
         check_fields(self, "")
         tools = instances("tool", instance("tool", self.tools, tuple, "tools"), (Tool,), "tools")
-        given = instance("operation", self.operations, tuple, "operations")
-        hold(self, tools=tools, operations=instances("operation", given, (OperationSpec,), "them"))
-        given = instance("second_side.operation", self.second_operations, tuple, "operations")
-        instances("second_side.operation", given, (OperationSpec,), "operations")
-        instance("second_side", self.done, frozenset, "names of walls")
+        entries = instance("operation", self.operations, tuple, "operations")
+        hold(
+            self, tools=tools, operations=instances("operation", entries, (OperationSpec,), "them")
+        )
+        entries = instance("second_side.operation", self.second_operations, tuple, "operations")
+        instances("second_side.operation", entries, (OperationSpec,), "operations")
+        instance("second_side", self.finished_walls, frozenset, "names of walls")
         counts = Counter(tool.number for tool in tools)
         if repeated := [number for number, count in counts.items() if count > 1]:
             raise GeometryError("each tool needs its own number", "tool", f"{repeated[0]}")
 
     @property
-    def up(self) -> str:
+    def top_face(self) -> str:
         """Which face of the part lies up: "upper", or "lower" on the second side."""
         return "lower" if self.turned else "upper"
 
-    def of_second_side(self, *, faced: bool, done: frozenset[str]) -> MillingSpec | None:
-        """What is stated on the second side, as if it were all; None if there is none.
+    def of_second_side(self, *, faced: bool, finished_walls: frozenset[str]) -> MillingSpec | None:
+        """The statements on the second side as a specification of its own; None without one.
 
-        The first side has taken off what was above the part if it has `faced` it, and has finished
-        the walls that are `done`.
+        `faced` says whether the first side has taken off what was above the part, `finished_walls`
+        are the names of the walls that it has finished.
         """
         second = self.second
         if second is None:
@@ -567,18 +575,18 @@ class MillingSpec(Brief):
             second=None,
             second_operations=(),
             turned=second.turned_about,
-            done=done,
+            finished_walls=finished_walls,
         )
 
 
 def tables() -> dict[str, dict[str, Any]]:
     """The JSON Schemas of the tables, by their keys."""
-    found = stored_schema(__file__)
-    second = found[SECOND_SIDE]["properties"]
-    for name in OWN_TABLES:
-        text = json.dumps(found[name]).replace(f"[{name}", f"[{SECOND_SIDE}.{name}")
+    schemas = stored_schema(__file__)
+    second = schemas[SECOND_SIDE]["properties"]
+    for name in SECOND_SIDE_TABLES:
+        text = json.dumps(schemas[name]).replace(f"[{name}", f"[{SECOND_SIDE}.{name}")
         second[name] = {**json.loads(text), "x-as": name, **second[name]}
-    return found
+    return schemas
 
 
 # Rules between keys ---------------------------------------------------------------------------
@@ -589,9 +597,9 @@ def tool_faults(table: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     kind = table.get("kind", END_MILL)
     for one, other in (("spindle_speed", "cutting_speed"), ("feed", "chip_load")):
         if one in table and other in table:
-            yield other, f"contradicts {one}; give one of them"
+            yield other, f"contradicts {one}; state only one of them"
         elif one not in table and other not in table:
-            yield one, f"is missing: give it or {other}; camgeo invents none"
+            yield one, f"is missing: state it or {other}; there is no default"
     for key, needed, reason in (
         ("flutes", "chip_load" in table, "chip_load needs it"),
         ("plunge_feed", kind != DRILL, "the feed of ramps, helices and plunges"),
@@ -614,25 +622,25 @@ def stock_faults(table: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
             yield key, f'belongs to shape "{PLATE if shape == ROUND else ROUND}"'
     if shape == PLATE and ("length" in table) != ("width" in table):
         missing = "width" if "length" in table else "length"
-        yield missing, "is missing: a plate has length and width, or an outline that is not known"
+        yield missing, "is missing: a plate states both length and width, or neither"
 
 
 def holding_faults(table: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     """Keys of `[holding]` that are missing or too many, each with the reason."""
     kind = table["kind"]
-    own = {"count": TABS, "width": TABS, "height": TABS, "thickness": ONION_SKIN}
-    for key, needed_by in own.items():
-        if kind == needed_by and key not in table:
-            yield key, f"is missing: {needed_by.replace('-', ' ')} need it"
-        elif kind != needed_by and key in table:
-            yield key, f'belongs to kind "{needed_by}"'
+    kinds_by_key = {"count": TABS, "width": TABS, "height": TABS, "thickness": ONION_SKIN}
+    for key, needing in kinds_by_key.items():
+        if kind == needing and key not in table:
+            yield key, f"is missing: {needing.replace('-', ' ')} need it"
+        elif kind != needing and key in table:
+            yield key, f'belongs to kind "{needing}"'
     if kind == ONION_SKIN and "through" in table:
         yield "through", "belongs to the other kinds: an onion skin is not cut through"
     elif kind != ONION_SKIN and "through" not in table:
         yield "through", "is missing: how far cuts go below the part; 0 ends them at its lower face"
-    for key, needed_by in (("clamp", "clamps"), ("screw", "screws")):
-        if kind == needed_by and key not in table:
-            yield key, f'is missing: kind "{needed_by}" needs it at least once'
+    for key, needing in (("clamp", "clamps"), ("screw", "screws")):
+        if kind == needing and key not in table:
+            yield key, f'is missing: kind "{needing}" needs it at least once'
 
 
 def operation_faults(table: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
@@ -691,7 +699,7 @@ HEIGHTS: Final = (PART_TOP, "part-bottom", "blank-top", "blank-bottom")
 CLEARANCE: Final = 5.0
 """Z of traverses [mm] unless a scene states it."""
 
-SpinUp = Annotated[float, partial(number, least=0.0, most=LONGEST_SPIN_UP, unit="s")]
+SpinUp = Annotated[float, partial(number, least=0.0, most=LONGEST_SPIN_UP_TIME, unit="s")]
 ProgramNumber = Annotated[int, partial(whole, least=1, most=9999)]
 
 Profile = Annotated[
@@ -709,7 +717,7 @@ EARLIER: Final = {
 """Earlier keys that state the one tool of a program, with those of `[[tool]]`."""
 
 NEEDED: Final = ("spindle_speed", "feed", "plunge_feed", "pass_depth")
-"""Those of them that nobody may invent."""
+"""Those of them that have no default."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -796,9 +804,7 @@ class GcodeSpec:
 
     @property
     def heights(self) -> Heights:
-        """Of traverses."""
-        # a declaration imports nothing that computes
-
+        """The heights of traverses [mm]."""
         clearance = self.clearance_height
         return Heights(clearance, self.retract_height or clearance)
 
@@ -815,26 +821,32 @@ class GcodeSpec:
         """
         if self.tool_diameter is None:
             return None
-        given = {name: getattr(self, key) for key, name in EARLIER.items()}
+        values = {name: getattr(self, key) for key, name in EARLIER.items()}
         for key in NEEDED:
-            if given[EARLIER[key]] is None:
+            if values[EARLIER[key]] is None:
                 raise GeometryError(f"is missing: {STATE}", f"output.gcode.{key}")
-        return Tool(**{**given, "number": self.tool_number or 1}, plunges=True)
+        return Tool(**{**values, "number": self.tool_number or 1}, plunges=True)
 
 
-STATE: Final = "nothing about how a tool is run is invented; better state the tool in [[tool]]"
-"""What to do where an earlier key is missing."""
+STATE: Final = "how a tool is run has no default; preferably state the tool in [[tool]]"
+"""What to do where an earlier key is missing; ends a message."""
 
 
 # -- side -----------------------------------------------------------------------------------------
 # What a scene states on the second side of a milling job; imports nothing that computes.
 
 
-OWN_KEYS: Final = ("zero", "zero_height", "work_offset", "clearance_height", "retract_height")
+SECOND_SIDE_KEYS: Final = (
+    "zero",
+    "zero_height",
+    "work_offset",
+    "clearance_height",
+    "retract_height",
+)
 """Keys of `[output.gcode]` that the second side states for itself."""
 
-OWN_TABLES: Final = ("holding", "operation")
-"""Tables that it has for itself."""
+SECOND_SIDE_TABLES: Final = ("holding", "operation")
+"""Tables that the second side states for itself."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -864,25 +876,25 @@ class SecondSide(CheckedFields, path="second_side."):
     retract_height: Length | None = None
 
     def program(self, first: GcodeSpec) -> GcodeSpec:
-        """What its program is asked for, beside what that of the `first` side is; raises
-        GeometryError with the key in `second_side`.
+        """The options of its program: those of the `first` side, with what the second one states
+        itself; raises GeometryError with the key in `second_side`.
         """
-        given = {key: getattr(self, key) for key in OWN_KEYS}
+        stated = {key: getattr(self, key) for key in SECOND_SIDE_KEYS}
         try:
             return replace(
-                first, **{key: value for key, value in given.items() if value is not None}
+                first, **{key: value for key, value in stated.items() if value is not None}
             )
         except GeometryError as error:
             raise of_second_side(error) from error
 
 
 def of_second_side(error: GeometryError) -> GeometryError:
-    """The same with the key of the second side, if it has one of its own."""
+    """The error with the key of the second side, if that states the key for itself."""
     head, _, rest = error.key.partition(".")
-    if head.partition("[")[0] in OWN_TABLES:
+    if head.partition("[")[0] in SECOND_SIDE_TABLES:
         return GeometryError(error.message, f"second_side.{error.key}", error.value)
     _, _, name = rest.partition(".")
-    if head == "output" and name in OWN_KEYS:
+    if head == "output" and name in SECOND_SIDE_KEYS:
         return GeometryError(error.message, f"second_side.{name}", error.value)
     return error
 
@@ -940,8 +952,8 @@ class Stock:
                 raise GeometryError(f'belongs to shape "{shape}"', f"stock.{key}")
 
     def turned_over(self, *, faced: bool) -> Stock:
-        """What lies there for a second side; `faced` says whether the first one has taken off what
-        was above the part.
+        """The blank as it lies for the second side; `faced` says whether the first side has taken
+        off what was above the part.
         """
         return replace(self, top=self.bottom, bottom=0.0 if faced else self.top)
 

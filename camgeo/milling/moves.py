@@ -21,7 +21,7 @@ from camgeo.milling.milling import (
     AXIS,
     CORNERS,
     END_MILL,
-    NOT,
+    FIRST_SIDE,
     PART_TOP,
     GcodeSpec,
     Heights,
@@ -55,9 +55,9 @@ def _require(point: Any, size: int) -> None:
     """Raise GeometryError unless `point` has `size` finite coordinates."""
     if not (isinstance(point, tuple) and len(point) == size):
         raise GeometryError(f"must be {size} coordinates", "toolpath", value_text(point))
-    for each in point:
-        if type(each) is not float or not -LARGEST <= each <= LARGEST:
-            finite("toolpath", each, "mm")
+    for coordinate in point:
+        if type(coordinate) is not float or not -LARGEST <= coordinate <= LARGEST:
+            finite("toolpath", coordinate, "mm")
 
 
 @dataclass(frozen=True, slots=True)
@@ -166,10 +166,10 @@ class Operation:
 
     @property
     def swept(self) -> tuple[Course, float]:
-        """What it sweeps at the full radius [mm] of its tool, for those that follow it: the point
-        of a drill or a chamfer mill is left out.
+        """The course and the radius [mm] of the area that it clears for later operations, at the
+        full radius of its tool: the point of a drill or a chamfer mill is left out.
         """
-        course, tool = course_of(self.moves), self.tool
+        course, tool = feed_course(self.moves), self.tool
         if tool.kind != END_MILL:
             point = tool.tip_length
             course = replace(course, from_z=course.from_z + point, to_z=course.to_z + point)
@@ -182,7 +182,7 @@ class Operation:
 
     @property
     def tool(self) -> Tool:
-        """What cuts, and how it is run."""
+        """The tool, as it is run in this operation."""
         return self.cut.tool
 
 
@@ -206,9 +206,9 @@ class Toolpath:
 
     def __post_init__(self) -> None:
         instance("toolpath", self.heights, Heights, "heights")
-        for each in instance("toolpath", self.operations, tuple, "a tuple of operations"):
-            instance("toolpath", each, Operation, "an operation")
-        names = [each.cut.name for each in self.operations]
+        for operation in instance("toolpath", self.operations, tuple, "a tuple of operations"):
+            instance("toolpath", operation, Operation, "an operation")
+        names = [operation.cut.name for operation in self.operations]
         if len(set(names)) < len(names):
             raise GeometryError("each operation needs its own name", "toolpath", ", ".join(names))
 
@@ -217,9 +217,9 @@ class Toolpath:
 # Moves as lines and arcs in the plane.
 
 
-def piece_of(at: Point, move: Move) -> Arc:
+def plane_piece(position: Point, move: Move) -> Arc:
     """The line or the arc of a move that begins `at` a point, in the plane."""
-    start, end = complex(at[0], at[1]), complex(move.end[0], move.end[1])
+    start, end = complex(position[0], position[1]), complex(move.end[0], move.end[1])
     if not isinstance(move, ArcFeed):
         return Arc(start, end, 0.0, 0j)
     centre = complex(*move.centre)
@@ -281,25 +281,27 @@ class Course(Pieces):
 
     def part(self, first: FloatArray, last: FloatArray) -> Course:
         """The part of each from the share `first` to the share `last` (n,) of its length."""
-        found = self.between(first, last)
+        pieces = self.between(first, last)
         low, high = self._tip(first), self._tip(last)
-        return Course(found.starts, found.ends, found.sweeps, found.centres, low, high, self.moves)
+        return Course(
+            pieces.starts, pieces.ends, pieces.sweeps, pieces.centres, low, high, self.moves
+        )
 
     def below(self, z: float) -> Course:
         """The parts of the pieces on which the tip is not above `z` [mm]."""
         course = taken(self, self.lowest <= z)
         if np.all(course.highest <= z):
             return course
+        # Share of each piece at which it crosses the height; 1 for level pieces, which lie below
+        # whole.
         rise = course.to_z - course.from_z
         share = np.divide(z - course.from_z, rise, out=np.ones(len(course)), where=rise != 0.0)
         share = np.clip(share, 0.0, 1.0)
         first = np.where(course.from_z > z, share, 0.0)
-        found = course.part(first, np.where(course.to_z > z, share, 1.0))
-        low, high = (
-            np.minimum(found.from_z, z),
-            np.minimum(found.to_z, z),
-        )  # which rounding may exceed
-        return Course(found.starts, found.ends, found.sweeps, found.centres, low, high, found.moves)
+        lower = course.part(first, np.where(course.to_z > z, share, 1.0))
+        # Rounding may put an end that lies on the height slightly above it.
+        low, high = np.minimum(lower.from_z, z), np.minimum(lower.to_z, z)
+        return Course(lower.starts, lower.ends, lower.sweeps, lower.centres, low, high, lower.moves)
 
     def _tip(self, shares: FloatArray) -> FloatArray:
         """(n,) Z [mm] at a share of the length of each piece."""
@@ -309,12 +311,12 @@ class Course(Pieces):
 
 def arc_sweeps(starts: ComplexArray, ends: ComplexArray, turns: FloatArray) -> FloatArray:
     """(n,) as `arc_sweep`, of arms (n,) and their directions (n,): 1 counter-clockwise, else -1."""
-    found = np.angle(ends / starts) * turns
-    found = np.where(found < -0.5 * np.pi, found + 2.0 * np.pi, found)
-    return turns * np.maximum(found, 0.0)
+    angles = np.angle(ends / starts) * turns
+    angles = np.where(angles < -0.5 * np.pi, angles + 2.0 * np.pi, angles)
+    return turns * np.maximum(angles, 0.0)
 
 
-def course_of(moves: Iterable[Move | Stop], at: Point | None = None) -> Course:
+def feed_course(moves: Iterable[Move | Stop], position: Point | None = None) -> Course:
     """The course of the feed moves; traverses cut nothing and are left out.
 
     Parameters
@@ -326,13 +328,13 @@ def course_of(moves: Iterable[Move | Stop], at: Point | None = None) -> Course:
     for number, move in enumerate(moves):
         if isinstance(move, Stop):
             continue
-        if at is not None and not isinstance(move, Rapid):
-            points += (at, move.end)
+        if position is not None and not isinstance(move, Rapid):
+            points += (position, move.end)
             if isinstance(move, ArcFeed):
                 rows.append((number, *move.centre, 1.0 if move.ccw else -1.0))
             else:
                 rows.append((number, 0.0, 0.0, 0.0))
-        at = move.end
+        position = move.end
     ends = np.array(points, dtype=np.float64).reshape(-1, 2, 3)
     columns = np.array(rows, dtype=np.float64).reshape(-1, 4)
     flat = ends[:, :, 0] + 1j * ends[:, :, 1]
@@ -349,7 +351,8 @@ def course_of(moves: Iterable[Move | Stop], at: Point | None = None) -> Course:
 
 
 def alike(course: Course) -> IntArray:
-    """(n,) the first piece that is the same in the plane as each."""
+    """(n,) index of the first piece that equals each piece in the plane."""
+    # Rows are compared by their bytes, as opaque keys: exactly, and far faster than by numbers.
     rows = np.column_stack((course.starts, course.ends, course.sweeps, course.centres))
     size = rows.dtype.itemsize * rows.shape[1]
     first: dict[bytes, int] = {}
@@ -394,10 +397,10 @@ class Zero:
     height: str = PART_TOP
     place: complex = 0j
     z: float = 0.0
-    turned: str = NOT
+    turned: str = FIRST_SIDE
 
     @classmethod
-    def stated(cls, spec: GcodeSpec, stock: Stock, part: Part, turned: str = NOT) -> Self:
+    def stated(cls, spec: GcodeSpec, stock: Stock, part: Part, turned: str = FIRST_SIDE) -> Self:
         """The zero that a scene asks for, of work that is `turned` over about an axis, or not.
 
         Raises
@@ -427,28 +430,28 @@ class Zero:
 
     @property
     def is_of_the_part(self) -> bool:
-        """Whether the program's coordinates are the part's own."""
+        """Whether the program's coordinates are those of the part."""
         return self.name == AXIS and self.height == PART_TOP and not self.turned
 
     @property
     def sentence(self) -> str:
-        """Where it is, in words."""
+        """The place of the zero in words."""
         where = "the cam axis"
         if self.name != AXIS:
             where = f"the {self.name.replace('-', ' ')} corner of the blank"
         faces = TURNED_FACES if self.turned else FACES
         return f"X 0, Y 0 on {where}, Z 0 on {faces[self.height]}"
 
-    def of(self, place: complex) -> complex:
+    def to_program(self, place: complex) -> complex:
         """A place of the part [mm] in the program's coordinates."""
         return mirrored(place - self.place, self.turned)
 
-    def of_point(self, point: Point) -> Point:
+    def point_to_program(self, point: Point) -> Point:
         """A point of the part [mm] in the program's coordinates."""
-        place = self.of(complex(point[0], point[1]))
+        place = self.to_program(complex(point[0], point[1]))
         return place.real, place.imag, point[2] - self.z
 
-    def part_of(self, place: complex) -> complex:
+    def to_part(self, place: complex) -> complex:
         """A place in the program's coordinates [mm] in those of the part."""
         return mirrored(place, self.turned) + self.place
 
@@ -459,7 +462,7 @@ class Zero:
         sides = (stock.length, stock.width) if stock.diameter is None else (stock.diameter,) * 2
         if sides[0] is None or sides[1] is None:
             return None
-        corner, centre = 0.5 * complex(sides[0], sides[1]), self.of(stock.centre)
+        corner, centre = 0.5 * complex(sides[0], sides[1]), self.to_program(stock.centre)
         low, high = _heights(stock, part)
         least, most = centre - corner, centre + corner
         return (least.real, least.imag, low - self.z), (most.real, most.imag, high - self.z)
@@ -483,11 +486,11 @@ def described(stock: Stock, part: Part, zero: Zero, unit: LengthUnit = "mm") -> 
     where = f", its upper face at Z {length(high - zero.z)}"
     if zero.turned:
         where = f", what the first side has left of it, up to Z {length(high - zero.z)}"
-    centre = zero.of(stock.centre)
-    off = f", its middle at X {length(centre.real)}, Y {length(centre.imag)}" if centre else ""
-    return f"{outline}, {height}{bore}{where}{off}"
+    centre = zero.to_program(stock.centre)
+    offset = f", its middle at X {length(centre.real)}, Y {length(centre.imag)}" if centre else ""
+    return f"{outline}, {height}{bore}{where}{offset}"
 
 
 def _heights(stock: Stock, part: Part) -> tuple[float, float]:
-    """Z of its faces above the upper face of the part [mm]."""
+    """Z of the lower and the upper face of the blank above the upper face of the part [mm]."""
     return part.layers[0].z0 - stock.bottom, part.layers[-1].z1 + stock.top

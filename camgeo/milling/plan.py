@@ -12,9 +12,9 @@ import numpy as np
 
 from camgeo.check.finding import Finding
 from camgeo.geometry.contour.contour import Contour, Effort, Pieces, distances
-from camgeo.milling.compensation import limits_of
+from camgeo.milling.compensation import offset_limits
 from camgeo.milling.cut import AreaCut, Cut
-from camgeo.milling.judged import Side, runs_of, setup_of
+from camgeo.milling.judged import Side, simulation_setup, toolpath_runs
 from camgeo.milling.machine import ArcLimits
 from camgeo.milling.milling import Heights, MillingSpec
 from camgeo.milling.moves import (
@@ -25,11 +25,11 @@ from camgeo.milling.moves import (
     Point,
     Stop,
     Toolpath,
-    course_of,
-    piece_of,
+    feed_course,
+    plane_piece,
     too_long,
 )
-from camgeo.milling.strategies import moves_of
+from camgeo.milling.strategies import cut_moves
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray, frozen, taken
 from camgeo.part.part import Part
 from camgeo.reading import PROGRAM_LINES
@@ -57,39 +57,40 @@ def plan_toolpath(
     operations: list[Operation] = []
     left = PROGRAM_LINES
     for cut in cuts:
-        moves = moves_of(cut, heights, tolerance, effort)
-        first, *others = islice(divided(moves, limits.largest_turn), left + 1)
-        # After a halt the cutter comes back above its first point, wherever it was taken.
+        moves = cut_moves(cut, heights, tolerance, effort)
+        first, *others = islice(divide_arcs(moves, limits.largest_turn), left + 1)
+        # The operator may have moved the cutter: after a halt it traverses to its first point
+        # again.
         stop = (Stop(cut.stop), first) if cut.stop else ()
         operation = Operation(cut, (first, *stop, *others))
         left -= len(operation.moves)
         if left < 0:
             raise too_long()
         operations.append(operation)
-    limits_of(operations)  # raises where compensation has no room
+    offset_limits(operations)  # raises where compensation has no room
     return Toolpath(heights, tuple(operations))
 
 
-def divided(moves: Iterable[Move | Stop], largest: float) -> Iterator[Move | Stop]:
-    """The same with each arc cut into equal parts of at most `largest` [rad]."""
-    at: Point | None = None
+def divide_arcs(moves: Iterable[Move | Stop], largest: float) -> Iterator[Move | Stop]:
+    """The moves with each arc divided into equal parts of at most `largest` [rad]."""
+    position: Point | None = None
     for move in moves:
         if isinstance(move, ArcFeed):
-            if at is None:
+            if position is None:
                 raise ValueError("an arc must start at a known point")
-            yield from _parts(at, move, largest)
+            yield from _parts(position, move, largest)
         else:
             yield move
-        at = at if isinstance(move, Stop) else move.end
+        position = position if isinstance(move, Stop) else move.end
 
 
-def _parts(at: Point, move: ArcFeed, largest: float) -> Iterator[ArcFeed]:
-    whole = piece_of(at, move)
+def _parts(position: Point, move: ArcFeed, largest: float) -> Iterator[ArcFeed]:
+    whole = plane_piece(position, move)
     if abs(whole.sweep) > largest:
         parts = whole.split(largest)
-        rise = (move.end[2] - at[2]) / len(parts)
+        rise = (move.end[2] - position[2]) / len(parts)
         for count, arc in enumerate(parts[:-1], start=1):
-            yield replace(move, end=(arc.end.real, arc.end.imag, at[2] + count * rise))
+            yield replace(move, end=(arc.end.real, arc.end.imag, position[2] + count * rise))
     yield move
 
 
@@ -105,11 +106,11 @@ QUANTILE: Final = 0.995
 """Share of the length of a cut on which its usual engagement is not exceeded."""
 
 SAMPLES: Final = 1000
-"""About so many places of an operation are judged."""
+"""Approximate number of places of an operation at which the engagement is computed."""
 
 PIECES: Final = 300
-"""Pieces of a longer course that are judged, evenly chosen: a place of a spiral of many turns takes
-milliseconds, for each is held against all turns that are near.
+"""Pieces of a longer course that are evaluated, evenly chosen: one place on a spiral of many turns
+takes milliseconds, as it is compared with all turns that are near.
 """
 
 SPACING: Final = 0.5
@@ -120,7 +121,7 @@ SAME: Final = 1e-6
 
 
 @dataclass(frozen=True, slots=True)
-class Engaged:
+class OperationEngagement:
     """The engagement of one roughing operation at its last depth, its entries left out.
 
     Attributes
@@ -144,11 +145,11 @@ class Engaged:
 
     @property
     def sentence(self) -> str:
-        """In words."""
+        """The engagement in words."""
         largest, limit = math.degrees(self.largest), math.degrees(self.limit)
         return (
-            f"{100.0 * self.air:.0f} % of its length in air, the cutter engaged over at most"
-            f" {largest:.1f} deg, {limit:.1f} deg allowed"
+            f"{100.0 * self.air:.0f} % of its length is in air, the cutter is engaged over at most"
+            f" {largest:.1f} deg, {limit:.1f} deg are allowed"
         )
 
     @property
@@ -162,16 +163,20 @@ class Engaged:
         return Finding("engagement", "warning", sentence, *angles, "deg")
 
 
-def engaged_of(toolpath: Toolpath, part: Part, milling: MillingSpec) -> tuple[Engaged, ...]:
+def program_engagements(
+    toolpath: Toolpath, part: Part, milling: MillingSpec
+) -> tuple[OperationEngagement, ...]:
     """The engagement of each operation of a program that clears an area."""
     cuts = tuple(operation.cut for operation in toolpath.operations)
     if not any(isinstance(cut, AreaCut) for cut in cuts):
         return ()
-    setup = setup_of(Side(part, milling, cuts, runs_of(toolpath)))
-    return engaged(toolpath, setup.blank, setup.top)
+    setup = simulation_setup(Side(part, milling, cuts, toolpath_runs(toolpath)))
+    return operation_engagements(toolpath, setup.blank, setup.top)
 
 
-def engaged(toolpath: Toolpath, blank: Sequence[Contour], top: float) -> tuple[Engaged, ...]:
+def operation_engagements(
+    toolpath: Toolpath, blank: Sequence[Contour], top: float
+) -> tuple[OperationEngagement, ...]:
     """The engagement of each operation that clears an area.
 
     Parameters
@@ -179,47 +184,60 @@ def engaged(toolpath: Toolpath, blank: Sequence[Contour], top: float) -> tuple[E
     blank : contours of the blank, of which a point of it is within an odd number.
     top : of the blank, Z [mm].
     """
-    found = []
+    engagements = []
     cleared: list[tuple[Course, float]] = []
     for operation in toolpath.operations:
         if isinstance(operation.cut, AreaCut):
-            course, radius = course_of(operation.moves), operation.tool.radius
-            found.append(_engaged(operation.cut, Cutting(course, radius, blank, top, cleared)))
+            course, radius = feed_course(operation.moves), operation.tool.radius
+            engagements.append(
+                _operation_engagement(operation.cut, Cutting(course, radius, blank, top, cleared))
+            )
         cleared.append(operation.swept)
-    return tuple(found)
+    return tuple(engagements)
 
 
-def _engaged(cut: AreaCut, cutting: Cutting) -> Engaged:
+def _operation_engagement(cut: AreaCut, cutting: Cutting) -> OperationEngagement:
     course = cutting.course
     chosen = ~entries(course) & (course.lowest <= np.min(course.lowest, initial=np.inf) + LEVEL)
     length = float(np.sum(course.lengths[chosen]))
     spacing = max(SPACING, length / SAMPLES)
     moves = course.moves[chosen]
+    # Every n-th move, at most `PIECES` of them; without moves the step must still be 1.
     judged = moves[:: math.ceil(len(moves) / PIECES) or 1]
-    made = cutting.engagement(spacing, judged.tolist())
-    place = complex(made.places[np.argmax(made.largest)]) if len(made.largest) else 0j
+    engagement = cutting.engagement(spacing, judged.tolist())
+    place = (
+        complex(engagement.places[np.argmax(engagement.largest)]) if len(engagement.largest) else 0j
+    )
     limit = cut.tool.engagement or math.acos(max(-1.0, 1.0 - cut.stepover / cut.tool.radius))
-    return Engaged(
-        cut.name, length, made.air_share, made.quantile(QUANTILE), made.peak, limit, place
+    return OperationEngagement(
+        cut.name,
+        length,
+        engagement.air_share,
+        engagement.quantile(QUANTILE),
+        engagement.peak,
+        limit,
+        place,
     )
 
 
 def entries(course: Course) -> BoolArray:
-    """(n,) whether a piece goes down, or levels the floor of the helix that it goes on from."""
-    found = course.to_z < course.from_z
+    """(n,) whether a piece is part of an entry: it goes down, or it levels the floor that the helix
+    before it has left, on the same circle for at most one turn.
+    """
+    is_entry = course.to_z < course.from_z
     radii = course.radii
-    for piece in np.flatnonzero(~found[1:] & found[:-1]) + 1:
+    for piece in np.flatnonzero(~is_entry[1:] & is_entry[:-1]) + 1:
         arc = course.sweeps[piece - 1] != 0.0
         turned = 0.0
-        for each in range(piece, len(course)):
-            joined = course.starts[each] == course.ends[each - 1]
-            same = abs(course.centres[each] - course.centres[piece - 1]) < SAME
-            same &= abs(radii[each] - radii[piece - 1]) < SAME
-            turned += abs(course.sweeps[each])
+        for index in range(piece, len(course)):
+            joined = course.starts[index] == course.ends[index - 1]
+            same = abs(course.centres[index] - course.centres[piece - 1]) < SAME
+            same &= abs(radii[index] - radii[piece - 1]) < SAME
+            turned += abs(course.sweeps[index])
             if not (arc and joined and same and turned < 2.0 * np.pi + SAME):
                 break
-            found[each] = True
-    return found
+            is_entry[index] = True
+    return is_entry
 
 
 # -- engagement -----------------------------------------------------------------------------------
@@ -241,7 +259,7 @@ def entries(course: Course) -> BoolArray:
 
 
 FIRST: Final = 8
-"""Swept pieces with which a place is compared first."""
+"""Number of the latest swept pieces with which a place is compared first."""
 
 ROUNDING: Final = 1e-10
 """Share of the radius by which a point must be within reach to be passed over: the edge of the
@@ -318,14 +336,14 @@ def crossings(pieces: Pieces, place: complex, radius: float, distance: float) ->
     among them; others are too.
     """
     arcs = pieces.sweeps != 0.0
-    found = []
+    angles = []
     lines = ~arcs & (pieces.starts != pieces.ends)
     if np.any(lines):
         along = pieces.ends[lines] - pieces.starts[lines]
         normal = 1j * along / np.abs(along)
         height = np.real((pieces.starts[lines] - place) * np.conj(normal))
         for side in (-distance, distance):
-            found += _pairs(np.angle(normal), (height + side) / radius)
+            angles += _pairs(np.angle(normal), (height + side) / radius)
     circles: list[tuple[ComplexArray, FloatArray]] = []
     if distance > 0.0:
         both = np.concatenate((pieces.starts, pieces.ends))
@@ -339,49 +357,52 @@ def crossings(pieces: Pieces, place: complex, radius: float, distance: float) ->
         cosine = (away**2 + radius**2 - radii**2) / np.where(
             away > 0.0, 2.0 * away * radius, np.nan
         )
-        found += _pairs(np.angle(centres - place), cosine)
-    return np.concatenate(found) if found else np.zeros(0)
+        angles += _pairs(np.angle(centres - place), cosine)
+    return np.concatenate(angles) if angles else np.zeros(0)
 
 
 def inside(boundary: Pieces, places: ComplexArray) -> BoolArray:
     """(k,) whether `places` (k,) lie within an odd number of the closed contours of `boundary`."""
     q = places[:, None]
     start, end = boundary.starts - q, boundary.ends - q
-    up = start.imag <= 0.0
-    crosses = up != (end.imag <= 0.0)
+    starts_below = start.imag <= 0.0
+    crosses = starts_below != (end.imag <= 0.0)
     along = boundary.ends - boundary.starts
     side = start.real * end.imag - start.imag * end.real  # > 0 where q lies left of the chord
     # On the chord itself as if q lay a little higher, as for the ends of the chord.
     side = np.where(side != 0.0, side, np.where(along.real != 0.0, along.real, -along.imag))
-    odd = crosses & (np.where(up, side, -side) > 0.0)
+    odd = crosses & (np.where(starts_below, side, -side) > 0.0)
     arcs = boundary.sweeps != 0.0
     if np.any(arcs):
         # Between chord and arc the arc has q on the other side.
-        within = np.abs(q - boundary.centres) < np.abs(boundary.starts - boundary.centres)
+        in_circle = np.abs(q - boundary.centres) < np.abs(boundary.starts - boundary.centres)
         beyond = side * np.sign(boundary.sweeps) < 0.0
-        odd ^= arcs & within & beyond
-    found: BoolArray = np.sum(odd, axis=1) % 2 == 1
-    return found
+        odd ^= arcs & in_circle & beyond
+    is_inside: BoolArray = np.sum(odd, axis=1) % 2 == 1
+    return is_inside
 
 
 def _pairs(middle: FloatArray, cosine: FloatArray) -> list[FloatArray]:
-    """Both angles around `middle` with that cosine, where there are any."""
+    """Both angles whose difference from `middle` [rad] has that cosine, where there are any."""
     real = np.abs(cosine) <= 1.0
     half = np.arccos(cosine[real])
     return [middle[real] - half, middle[real] + half]
 
 
-class _Low:
-    """The pieces of a course that have been run as low as one height."""
+class _LowPieces:
+    """The pieces of a course that have been run as low as `level` [mm]."""
 
     def __init__(self, course: Course, level: float) -> None:
         self.numbers = np.flatnonzero(course.cleared <= level + LEVEL)
-        found = taken(course, self.numbers)
-        self._middles = 0.5 * (found.starts + found.ends)
-        self._halves = 0.5 * np.abs(found.ends - found.starts)
+        low = taken(course, self.numbers)
+        # The circle around a piece's chord contains the piece, which has at most half a turn.
+        self._middles = 0.5 * (low.starts + low.ends)
+        self._halves = 0.5 * np.abs(low.ends - low.starts)
 
     def near(self, place: complex, reach: float, before: int | None = None) -> IntArray:
-        """(n,) those that may come closer than `reach` [mm] to `place`, and are `before` one."""
+        """(n,) indices of the pieces that may come closer than `reach` [mm] to `place`; only those
+        before the piece `before`, if one is given.
+        """
         last = None if before is None else int(np.searchsorted(self.numbers, before))
         close = np.abs(self._middles[:last] - place) < self._halves[:last] + reach
         return self.numbers[:last][close]
@@ -410,7 +431,7 @@ class Cutting:
         self.course, self.radius, self.top, self.cleared = course, radius, top, cleared
         self.boundary = Pieces.around(blank)
         self._lowest = course.lowest
-        self._low: dict[tuple[int, float], _Low] = {}
+        self._low: dict[tuple[int, float], _LowPieces] = {}
 
     def engagement(self, spacing: float, only: Sequence[int] | None = None) -> Engagement:
         """The engagement along the course, sampled at most `spacing` [mm] apart.
@@ -426,23 +447,24 @@ class Cutting:
         for piece in pieces:
             count = max(2, int(np.ceil(lengths[piece] / spacing)) + 1)
             inset = min(INSET / lengths[piece], 0.1)
-            at = np.linspace(inset, 1.0 - inset, count)
-            shares.append(at)
-            angles.append(np.array([self.angle(int(piece), float(share)) for share in at]))
+            samples = np.linspace(inset, 1.0 - inset, count)
+            shares.append(samples)
+            angles.append(np.array([self.angle(int(piece), float(share)) for share in samples]))
+            # Each sample stands for the length up to half way to its neighbours.
             step = np.full(count, lengths[piece] / (count - 1))
             step[[0, -1]] *= 0.5
             weights.append(step)
-        best = [int(np.argmax(each)) for each in angles]
-        largest = np.array([each[place] for each, place in zip(angles, best, strict=True)])
-        where = np.array([at[place] for at, place in zip(shares, best, strict=True)])
+        best = [int(np.argmax(values)) for values in angles]
+        largest = np.array([values[place] for values, place in zip(angles, best, strict=True)])
+        where = np.array([samples[place] for samples, place in zip(shares, best, strict=True)])
         if len(pieces):
             top = int(np.argmax(largest))
-            where[top], largest[top] = self.refined(
+            where[top], largest[top] = self.refine_peak(
                 int(pieces[top]), shares[top], best[top], float(largest[top])
             )
         air = [
-            self.air(int(piece), at, each) * float(lengths[piece])
-            for piece, at, each in zip(pieces, shares, angles, strict=True)
+            self.air(int(piece), samples, values) * float(lengths[piece])
+            for piece, samples, values in zip(pieces, shares, angles, strict=True)
         ]
         return Engagement(
             frozen(pieces, np.intp),
@@ -454,11 +476,13 @@ class Cutting:
             frozen(np.concatenate(weights or [np.zeros(0)]), np.float64),
         )
 
-    def _low_of(self, number: int, level: float) -> _Low:
-        """What a cutter that ran before, or of number -1 the own one, has run at one height."""
+    def _low_pieces(self, number: int, level: float) -> _LowPieces:
+        """The pieces as low as `level` [mm] of an earlier cutter, or of this one for number -1."""
         key = (number, level)
         if key not in self._low:
-            self._low[key] = _Low(self.course if number < 0 else self.cleared[number][0], level)
+            self._low[key] = _LowPieces(
+                self.course if number < 0 else self.cleared[number][0], level
+            )
         return self._low[key]
 
     def angle(self, piece: int, share: float) -> float:
@@ -470,13 +494,15 @@ class Cutting:
         here = taken(course, [piece])
         there = here.at(np.array([share]))
         place, way = complex(there[0]), complex(here.tangents(there)[0])
-        swept: list[tuple[Pieces, float]] = [(self._before(piece, share, place, level), radius)]
+        swept: list[tuple[Pieces, float]] = [
+            (self._earlier_pieces(piece, share, place, level), radius)
+        ]
         for number, (other, size) in enumerate(self.cleared):
-            close = self._low_of(number, level).near(place, radius + size)
+            close = self._low_pieces(number, level).near(place, radius + size)
             swept.append((taken(other, close), size))
         edges = [
             crossings(self.boundary, place, radius, 0.0),
-            *(crossings(each, place, radius, size) for each, size in swept if len(each)),
+            *(crossings(pieces, place, radius, size) for pieces, size in swept if len(pieces)),
         ]
         # Angles from the direction of travel, of the leading half.
         ahead = np.angle(np.exp(1j * (np.concatenate(edges) - np.angle(way))))
@@ -485,39 +511,39 @@ class Cutting:
         middles = 0.5 * (ends[1:] + ends[:-1])
         points = place + radius * way * np.exp(1j * middles)
         material = inside(self.boundary, points)
-        for each, size in swept:
+        for pieces, size in swept:
             # The latest pieces first, a few and then more: they leave few points for the others.
-            stop, count = len(each), FIRST
+            stop, count = len(pieces), FIRST
             while stop > 0 and np.any(material):
-                some = taken(each, np.arange(max(0, stop - count), stop))
+                some = taken(pieces, np.arange(max(0, stop - count), stop))
                 gone = distances(points[material], some) < size - ROUNDING * radius
                 material[material] = ~gone
                 stop, count = stop - count, 2 * count
-        found = float(np.sum((ends[1:] - ends[:-1])[material]))
-        return found if found > NOTHING else 0.0
+        engaged = float(np.sum((ends[1:] - ends[:-1])[material]))
+        return engaged if engaged > NOTHING else 0.0
 
-    def _before(self, piece: int, share: float, place: complex, level: float) -> Pieces:
-        """What the cutter has run before, as low as here, and near enough to matter."""
+    def _earlier_pieces(self, piece: int, share: float, place: complex, level: float) -> Pieces:
+        """The pieces that this cutter has run before, as low as here and near enough to matter."""
         course = self.course
-        close = self._low_of(-1, level).near(place, 2.0 * self.radius, piece)
+        close = self._low_pieces(-1, level).near(place, 2.0 * self.radius, piece)
         if share <= 0.0:
             return taken(course, close)
-        found = taken(course, np.append(close, piece))  # its own way, down a ramp too
-        last = np.ones(len(found))
+        passed = taken(course, np.append(close, piece))  # its own way, down a ramp too
+        last = np.ones(len(passed))
         last[-1] = share
-        return found.between(np.zeros(len(found)), last)
+        return passed.between(np.zeros(len(passed)), last)
 
-    def refined(
+    def refine_peak(
         self, piece: int, shares: FloatArray, best: int, largest: float
     ) -> tuple[float, float]:
         """Share and angle of the maximum between the samples beside the largest one."""
         low = float(shares[max(best - 1, 0)])
         high = float(shares[min(best + 1, len(shares) - 1)])
-        found = (largest, float(shares[best]))
+        peak = (largest, float(shares[best]))
         inner = [low + GOLDEN * (high - low), high - GOLDEN * (high - low)]
         values = [self.angle(piece, share) for share in inner]
         for _ in range(REFINED):
-            found = max(found, *zip(values, inner, strict=True))
+            peak = max(peak, *zip(values, inner, strict=True))
             if values[0] >= values[1]:
                 high = inner[1]
                 inner = [low + GOLDEN * (high - low), inner[0]]
@@ -526,18 +552,18 @@ class Cutting:
                 low = inner[0]
                 inner = [inner[1], high - GOLDEN * (high - low)]
                 values = [values[1], self.angle(piece, inner[1])]
-        return found[1], found[0]
+        return peak[1], peak[0]
 
     def air(self, piece: int, shares: FloatArray, angles: FloatArray) -> float:
         """Share of the piece on which the engagement is 0."""
-        found = 0.0
+        free_share = 0.0
         ends = np.concatenate(([0.0], shares[1:-1], [1.0]))  # what is inset is like its sample
         for place in range(len(shares) - 1):
             low, high = float(ends[place]), float(ends[place + 1])
             free = angles[place] == 0.0, angles[place + 1] == 0.0
             if all(free):
-                found += high - low
-            elif any(free):
+                free_share += high - low
+            elif any(free):  # the border between air and material lies between the samples
                 begin, end = low, high
                 for _ in range(BISECTED):
                     middle = 0.5 * (begin + end)
@@ -545,5 +571,5 @@ class Cutting:
                         begin = middle
                     else:
                         end = middle
-                found += begin - low if free[0] else high - begin
-        return found
+                free_share += begin - low if free[0] else high - begin
+        return free_share

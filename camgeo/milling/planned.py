@@ -22,23 +22,23 @@ from camgeo.milling.bench import (
     SAME,
     Bench,
     as_wide,
-    bore_of,
     clear_area,
     clear_around,
     coarse,
     drill_all,
-    engraved,
+    engraving_cut,
+    exact_boundary,
     finish_along,
     flank_curve,
+    groove_slot,
     is_open,
-    letters_of,
-    no_engraver,
+    letter_walls,
     rough_around,
     rough_outside,
-    slot_between,
+    unfit_for_engraving,
 )
 from camgeo.milling.cut import AreaCut, ContourCut, Cut
-from camgeo.milling.judged import left_out
+from camgeo.milling.judged import unmade_names
 from camgeo.milling.milling import (
     CLAMPS,
     COMPUTED,
@@ -60,21 +60,21 @@ from camgeo.part.part import Part, Wall
 from camgeo.part.spec import text_name
 
 Step = Cut | Finding
-"""A cut, or something to be told."""
+"""A cut, or a finding on the sequence."""
 
 
 def planned_steps(bench: Bench) -> Iterator[Step]:
-    """The cuts in their order, and what is told of them.
+    """The cuts in their order, and the findings on them.
 
     Raises
     ------
     GeometryError
-        With the key of the scene, if no tool can do what is to be done.
+        With the key of the scene, if no tool fits a cut.
     """
-    done = bench.milling.done
-    walls = {name: each for name, each in bench.walls.items() if name not in done}
-    if bench.milling.turned:  # the first side reaches the others, or nothing does
-        walls = {name: each for name, each in walls.items() if is_open(bench.part, each)}
+    finished = bench.milling.finished_walls
+    walls = {name: wall for name, wall in bench.walls.items() if name not in finished}
+    if bench.milling.turned:  # other walls are reached from the first side, or from neither
+        walls = {name: wall for name, wall in walls.items() if is_open(bench.part, wall)}
     yield from _face(bench)
     for wall in bench.bosses:
         if wall.boundary.name in walls:
@@ -92,7 +92,7 @@ def planned_steps(bench: Bench) -> Iterator[Step]:
 
 
 def _face(bench: Bench) -> Iterator[Step]:
-    """Down to the upper face of the part, where the blank is higher."""
+    """Facing down to the upper face of the part, if the blank is higher."""
     top = bench.milling.stock.top
     if not top:
         return
@@ -105,7 +105,7 @@ def _face(bench: Bench) -> Iterator[Step]:
 
 
 def _boss(bench: Bench, wall: Wall) -> Iterator[Step]:
-    """What stands on the disc: cleared around down to its face, then finished."""
+    """A boss on the disc: everything around it is cleared down to the disc, then it is finished."""
     tool = bench.choose(wall.boundary.name, bench.unfit(wall, top=wall.z1))
     allowance = bench.allowance(tool, wall)
     yield clear_around(bench, wall, tool, wall.z1, allowance)
@@ -114,29 +114,38 @@ def _boss(bench: Bench, wall: Wall) -> Iterator[Step]:
 
 
 def _holes(bench: Bench, walls: Collection[str]) -> Iterator[Step]:
-    """Holes beside the bore by a drill of their diameter, marks by an end mill of their width; they
-    are left out where there is none.
+    """Holes beside the bore, by a drill of their diameter, and marks, by an end mill of their
+    width; those without such a tool are left out.
     """
+    # Holes of one size and mouth are drilled in one operation.
     through: dict[tuple[float, float], dict[str, complex]] = {}
-    for wall in (each for each in bench.holes if each.boundary.name in walls):
-        boundary = bore_of(wall)
+    for wall in (hole for hole in bench.holes if hole.boundary.name in walls):
+        boundary = exact_boundary(wall)
         if bench.pierces(wall):
             size = boundary.round_radius, bench.mouth(wall)
             through.setdefault(size, {})[boundary.name] = complex(boundary.exact.centres[0])
             continue
         width = 2.0 * float(np.max(boundary.exact.radii))
         tool = next(
-            (each for each in bench.milling.tools if not no_engraver(bench, each, (wall,))), None
+            (
+                candidate
+                for candidate in bench.milling.tools
+                if not unfit_for_engraving(bench, candidate, (wall,))
+            ),
+            None,
         )
         if tool is not None:
-            yield engraved(bench, (wall,), tool, wall.z1)
+            yield engraving_cut(bench, (wall,), tool, wall.z1)
             continue
         text = f"{boundary.name}: left out, no flat end mill of {width:g} mm fits it"
         yield Finding(f"{boundary.name}-left-out", "ok", text)
     for (radius, top), holes in through.items():
         bottom = bench.bottom(bench.walls[next(iter(holes))])
         names = ", ".join(holes)
-        drill = next((each for each in bench.milling.tools if _drills(each, 2.0 * radius)), None)
+        drill = next(
+            (candidate for candidate in bench.milling.tools if _drills(candidate, 2.0 * radius)),
+            None,
+        )
         if drill is not None and not bench.too_short(drill, bottom, top):
             yield drill_all(f"drill {names}", drill, top, bottom, holes)
             continue
@@ -145,25 +154,33 @@ def _holes(bench: Bench, walls: Collection[str]) -> Iterator[Step]:
 
 
 def _texts(bench: Bench, walls: Collection[str]) -> Iterator[Step]:
-    """Texts by the first end mill that fits into their strokes; they are left out without one."""
+    """Engraving of each text by the first end mill that fits into its strokes; a text without one
+    is left out.
+    """
     for text in sorted(set(map(text_name, walls)) - {""}):
-        letters = letters_of(bench, text)
+        letters = letter_walls(bench, text)
         reasons = {
-            each: no_engraver(bench, each, letters)
-            or ("" if each.stepover and each.stepdown else "it states no stepover or no stepdown")
-            for each in bench.milling.tools
+            candidate: unfit_for_engraving(bench, candidate, letters)
+            or (
+                ""
+                if candidate.stepover and candidate.stepdown
+                else "it states no stepover or no stepdown"
+            )
+            for candidate in bench.milling.tools
         }
-        tool = next((each for each, reason in reasons.items() if not reason), None)
+        tool = next((candidate for candidate, reason in reasons.items() if not reason), None)
         if tool is not None:
-            yield engraved(bench, letters, tool, letters[0].z1)
+            yield engraving_cut(bench, letters, tool, letters[0].z1)
             continue
-        why = "; ".join(f"tool {each.number}: {reason}" for each, reason in reasons.items())
+        why = "; ".join(
+            f"tool {candidate.number}: {reason}" for candidate, reason in reasons.items()
+        )
         yield Finding(f"{text.replace(' ', '-')}-left-out", "ok", f"{text}: left out, {why}")
 
 
 def _bore(bench: Bench, wall: Wall) -> Iterator[Step]:
-    """Opened from inside; left out where the blank has it, or a round cutter cannot make it."""
-    bore, stock = bore_of(wall), bench.milling.stock
+    """The bore: drilled or opened from inside; left out if the blank has it or it is not round."""
+    bore, stock = exact_boundary(wall), bench.milling.stock
     if not bore.is_round:
         text = "bore: left out, it is not round; it is to be cut otherwise"
         yield Finding("bore-left-out", "ok", text)
@@ -174,13 +191,16 @@ def _bore(bench: Bench, wall: Wall) -> Iterator[Step]:
         text = f"bore: the blank has it, {diameter:g} mm; it is not milled"
         yield Finding("bore-left-out", "ok", f"{text}; {keyway}" if keyway else text)
         return
-    drill = next((each for each in bench.milling.tools if _drills(each, diameter)), None)
+    drill = next(
+        (candidate for candidate in bench.milling.tools if _drills(candidate, diameter)), None
+    )
     if drill is not None and not bench.too_short(drill, bench.bottom(wall)):
         middle = complex(bore.exact.centres[0])
         yield drill_all("bore", drill, 0.0, bench.bottom(wall), {"bore": middle})
         return
     tool = bench.choose("bore", bench.unfit(wall))
     allowance = bench.allowance(tool, wall)
+    # A lead may go half way from the path of the cutter to the middle.
     room = 0.5 * (bore.round_radius - tool.radius)
     if core(diameter - 2.0 * allowance, tool.diameter) > there:
         bottom = bench.bottom(wall)
@@ -191,7 +211,9 @@ def _bore(bench: Bench, wall: Wall) -> Iterator[Step]:
 
 
 def core(bore: float, diameter: float) -> float:
-    """Diameter [mm] of what one round of a cutter of `diameter` inside `bore` [mm] leaves; or 0."""
+    """Diameter [mm] of the core that one round of a cutter of `diameter` [mm] leaves inside `bore`
+    [mm]; 0 if it leaves none.
+    """
     return max(0.0, bore - 2.0 * diameter)
 
 
@@ -200,7 +222,7 @@ def _drills(tool: Tool, diameter: float) -> bool:
 
 
 def _groove(bench: Bench, inner: Wall, outer: Wall) -> Iterator[Step]:
-    """One round of a cutter as wide, or roughed inside and finished along each flank."""
+    """The groove: one round of a cutter as wide, or roughing and a finish along each flank."""
     curve = flank_curve(outer)
     half = curve.distance
     paths = [
@@ -210,7 +232,9 @@ def _groove(bench: Bench, inner: Wall, outer: Wall) -> Iterator[Step]:
     bottom, top = bench.bottom(outer), outer.z1
 
     def unfit(tool: Tool) -> str:
-        """Where a flank is trimmed, the roller sweeps more than rounds along the flanks clear."""
+        """Why a cutter does not fit the groove; where a flank is trimmed, the roller passes over
+        more than rounds along the flanks clear.
+        """
         if as_wide(tool, half):
             return "" if tool.stepdown else "it states no stepdown"
         if tool.radius > half or tool.diameter < half:
@@ -231,7 +255,7 @@ def _groove(bench: Bench, inner: Wall, outer: Wall) -> Iterator[Step]:
 
     tool = bench.choose("groove", unfit)
     if as_wide(tool, half):
-        yield slot_between(bench, inner, outer, tool, top)
+        yield groove_slot(bench, inner, outer, tool, top)
         return
     side = half - tool.radius
     walls = [(wall, min(bench.allowance(tool, wall), 0.5 * side)) for wall in (outer, inner)]
@@ -242,8 +266,8 @@ def _groove(bench: Bench, inner: Wall, outer: Wall) -> Iterator[Step]:
 
 
 def _rim(bench: Bench, wall: Wall) -> Iterator[Step]:
-    """The rim is that of the blank, unless the blank is known to be larger."""
-    stock, rim = bench.milling.stock, bore_of(wall)
+    """The rim: not milled unless the blank is known to be larger."""
+    stock, rim = bench.milling.stock, exact_boundary(wall)
     diameter = 2.0 * rim.round_radius
     same = stock.diameter is not None and stock.diameter == diameter and not stock.centre
     if stock.outline is None or same:
@@ -276,7 +300,7 @@ beyond any machine. On it chords within the fineness of a simulation, 1e-3 mm, a
 turn, so that verdicts never rest on coarser ones."""
 
 
-def guarded(bench: Bench, cuts: list[Cut], heights: Heights) -> list[Cut]:
+def guard_cuts(bench: Bench, cuts: list[Cut], heights: Heights) -> list[Cut]:
     """The cuts with the clamps to be cleared, the stops at which they move, and tabs.
 
     Raises
@@ -288,10 +312,11 @@ def guarded(bench: Bench, cuts: list[Cut], heights: Heights) -> list[Cut]:
     holding = bench.milling.holding
     _clears_the_blank(bench, heights)
     if holding is None:
-        freed = [each for each in cuts if _is_through(bench, each)]
+        freed = [cut for cut in cuts if _is_through(bench, cut)]
         if freed:
             raise GeometryError(
-                f"is missing: {freed[0].name} goes through, and what it cuts free drops", "holding"
+                f"is missing: {freed[0].name} cuts through, and nothing holds what it cuts free",
+                "holding",
             )
         return list(cuts)
     names = [cut.name for cut in cuts]
@@ -299,7 +324,7 @@ def guarded(bench: Bench, cuts: list[Cut], heights: Heights) -> list[Cut]:
         for key in ("since", "until"):
             name = getattr(clamp, key)
             if name and name not in names:
-                known = ", ".join(f'"{each}"' for each in names)
+                known = ", ".join(f'"{known_name}"' for known_name in names)
                 raise GeometryError(
                     f"there is no such operation; there are {known}",
                     f"holding.{clamp.what}.{key}",
@@ -310,30 +335,31 @@ def guarded(bench: Bench, cuts: list[Cut], heights: Heights) -> list[Cut]:
                 f"must be above the {clamp.obstacle.name}, {clamp.height:g} mm high",
                 "output.gcode.clearance_height", f"{heights.clearance:g}",
             )  # fmt: skip
-    found = []
+    guarded_cuts = []
     for k, cut in enumerate(cuts):
-        there = [each for each in holding.clamps if _is_there(each, k, names)]
-        stops = [cut.stop, *_moved(holding.clamps, cut.name)]
-        made = replace(
+        there = [clamp for clamp in holding.clamps if _is_there(clamp, k, names)]
+        stops = [cut.stop, *_clamp_instructions(holding.clamps, cut.name)]
+        guarded_cut = replace(
             cut,
-            obstacles=tuple(each.obstacle for each in there),
+            obstacles=tuple(clamp.obstacle for clamp in there),
             stop="; ".join(text for text in stops if text),
         )
-        for obstacle in made.obstacles:
-            _clears(made, obstacle)
-        if isinstance(made, AreaCut | ContourCut) and _frees(bench, made):
+        for obstacle in guarded_cut.obstacles:
+            _clears(guarded_cut, obstacle)
+        if isinstance(guarded_cut, AreaCut | ContourCut) and _frees(bench, guarded_cut):
             if holding.kind in (CLAMPS, SCREWS):
-                _holds(bench, made, there)
-            if holding.tabs is not None and isinstance(made, ContourCut):
-                # Above the lower face; the cut may end below it.
-                height = holding.tabs.height + bench.lower_face - made.bottom
-                made = replace(made, tabs=replace(holding.tabs, height=height))
-        found.append(made)
-    return found
+                _holds(bench, guarded_cut, there)
+            if holding.tabs is not None and isinstance(guarded_cut, ContourCut):
+                # Stated above the lower face of the part; in a cut above its last depth, which may
+                # lie below that face.
+                height = holding.tabs.height + bench.lower_face - guarded_cut.bottom
+                guarded_cut = replace(guarded_cut, tabs=replace(holding.tabs, height=height))
+        guarded_cuts.append(guarded_cut)
+    return guarded_cuts
 
 
 def require_room(bench: Bench) -> None:
-    """That the blank contains the part, and the part what is left of it to hold it.
+    """Check that the blank contains the part, and that tabs or a skin are thinner than the part.
 
     Raises
     ------
@@ -353,9 +379,13 @@ def require_room(bench: Bench) -> None:
                 f"{height:g}",
             )
     if (bore := milling.stock.bore) is not None:
-        around = [each for each in bench.part.boundaries if each.hole and each.nearest() > 0.0]
+        around = [
+            boundary
+            for boundary in bench.part.boundaries
+            if boundary.hole and boundary.nearest() > 0.0
+        ]
         what = "the bore of the part" if around else "the width of the part"
-        free = 2.0 * min(each.nearest() for each in around or [bench.part.outermost])
+        free = 2.0 * min(boundary.nearest() for boundary in around or [bench.part.outermost])
         if bore > free * (1.0 + SAME):
             raise GeometryError(f"must be at most {what}, {free:g} mm", "stock.bore", f"{bore:g}")
     if milling.stock.outline is None:
@@ -373,7 +403,7 @@ def require_room(bench: Bench) -> None:
 
 
 def require_size(bench: Bench) -> None:
-    """That nothing is larger than what programs are made and simulated for.
+    """Check that part, blank and tools are no larger than programs are made and simulated for.
 
     Raises
     ------
@@ -390,13 +420,13 @@ def require_size(bench: Bench) -> None:
                 raise ToolError(
                     f"must be at most {2.0 * LARGEST:g} mm for a milling program", tool, field
                 )
-    around = [each for each in bench.part.boundaries if not each.hole]
+    around = [boundary for boundary in bench.part.boundaries if not boundary.hole]
     blank = milling.stock.outline
     for what, key, boundaries in (
         ("part", "output.gcode", around),
         ("blank", "stock", [] if blank is None else [blank]),
     ):
-        reach = max((each.farthest()[0] for each in boundaries), default=0.0)
+        reach = max((boundary.farthest()[0] for boundary in boundaries), default=0.0)
         if reach > LARGEST:
             raise GeometryError(
                 f"the {what} reaches {reach:.3g} mm from the cam axis; milling programs are made"
@@ -405,8 +435,8 @@ def require_size(bench: Bench) -> None:
             )
 
 
-def told_of_holding(bench: Bench, cuts: Iterable[Cut]) -> Iterator[Finding]:
-    """What the holding leaves to be done, or to be watched."""
+def holding_findings(bench: Bench, cuts: Iterable[Cut]) -> Iterator[Finding]:
+    """Findings on what the holding leaves to be done by hand, or to be watched."""
     holding = bench.milling.holding
     if holding is None:
         return
@@ -453,14 +483,14 @@ def _clears_the_blank(bench: Bench, heights: Heights) -> None:
 
 
 def _is_through(bench: Bench, cut: Cut) -> bool:
-    """Whether it reaches the lower face of the part, or the skin on it."""
+    """Whether a cut reaches the lower face of the part, or the skin that is left on it."""
     holding = bench.milling.holding
     skin = 0.0 if holding is None else holding.skin or 0.0
     return cut.bottom <= bench.lower_face + skin
 
 
 def _frees(bench: Bench, cut: Cut) -> bool:
-    """Whether it cuts part and waste apart; what it clears away inside a bore is chips."""
+    """Whether a cut separates part and waste; inside a bore it leaves chips only."""
     if not _is_through(bench, cut):
         return False
     if isinstance(cut, AreaCut):
@@ -472,14 +502,17 @@ def _is_there(clamp: Clamp, index: int, names: list[str]) -> bool:
     """Whether a clamp is set during the operation number `index`."""
     since = names.index(clamp.since) if clamp.since else 0
     until = names.index(clamp.until) if clamp.until else len(names)
+    # A clamp that is set after it has been taken away is there at the beginning and at the end.
     return since <= index < until if since < until else index >= since or index < until
 
 
-def _moved(clamps: tuple[Clamp, ...], name: str) -> Iterator[str]:
-    """What the operator does before the operation `name`: sets first, then takes away."""
+def _clamp_instructions(clamps: tuple[Clamp, ...], name: str) -> Iterator[str]:
+    """Instructions for the operator before the operation `name`: clamps to set come first, so that
+    the work is held all the time.
+    """
     for key, verb in (("since", "set"), ("until", "take away")):
         yield from (
-            f"{verb} the {each.obstacle.name}" for each in clamps if getattr(each, key) == name
+            f"{verb} the {clamp.obstacle.name}" for clamp in clamps if getattr(clamp, key) == name
         )
 
 
@@ -496,7 +529,7 @@ def _clears(cut: Cut, obstacle: Obstacle) -> None:
     if touches:
         raise GeometryError(
             f"{cut.name} with tool {cut.tool.number} runs into the {obstacle.name}; move it, or"
-            " take it away before",
+            " take it away before that operation",
             "holding",
         )
 
@@ -520,13 +553,13 @@ def _holds(bench: Bench, cut: AreaCut | ContourCut, there: Iterable[Clamp]) -> N
     for clamp in there:
         foot = coarse(clamp.obstacle.outline)
         inside = all(
-            shapely.intersects(each, foot) != wall.hole
-            for each, wall in zip(part, walls, strict=True)
+            shapely.intersects(area, foot) != wall.hole
+            for area, wall in zip(part, walls, strict=True)
         )
         if inside:
             return
     raise GeometryError(
-        f"{cut.name} cuts the part free while nothing that is set stands on it", "holding"
+        f"{cut.name} cuts the part free while no clamp or screw stands on it", "holding"
     )
 
 
@@ -539,13 +572,13 @@ SEQUENCE: Final = "sequence"
 
 
 @dataclass(frozen=True, slots=True)
-class Sequence:
+class CutSequence:
     """The cuts of a part.
 
     Attributes
     ----------
     cuts : in their order.
-    findings : what is told of them, beside the notes that each has of its own.
+    findings : on the sequence; each cut has notes of its own besides.
     is_cut_free : whether nothing of the blank hangs on the part when they are done.
     """
 
@@ -554,9 +587,9 @@ class Sequence:
     is_cut_free: bool
 
 
-def sequence_of(
+def plan_sequence(
     part: Part, milling: MillingSpec, heights: Heights, compensation: str = COMPUTED
-) -> Sequence:
+) -> CutSequence:
     """The cuts of a part from its blank.
 
     Parameters
@@ -585,7 +618,7 @@ def sequence_of(
         cuts = stated_cuts(bench)
         # A second side may make what the first does not.
         left = [] if milling.second else [
-            name for name in left_out(part, cuts) if name not in milling.done
+            name for name in unmade_names(part, cuts) if name not in milling.finished_walls
         ]  # fmt: skip
         if left:
             named = dict.fromkeys(text_name(name) or name for name in left)
@@ -607,12 +640,12 @@ def sequence_of(
         findings.insert(0, Finding(SEQUENCE, "ok", f"planned: {listed}"))
     if milling.turned:  # the machine runs the mirror image, see `camgeo.milling.milling`
         cuts = [replace(cut, climb=not cut.climb) for cut in cuts]
-    cuts = guarded(bench, cuts, heights)
-    findings += told_of_holding(bench, cuts)
+    cuts = guard_cuts(bench, cuts, heights)
+    findings += holding_findings(bench, cuts)
     if milling.earlier:
         sentence = (
             "the tool is stated by earlier keys of [output.gcode], which are still read; [[tool]]"
             " states more"
         )
         findings.append(Finding("earlier-keys", "warning", sentence))
-    return Sequence(tuple(cuts), tuple(findings), _is_cut_free(bench, cuts))
+    return CutSequence(tuple(cuts), tuple(findings), _is_cut_free(bench, cuts))

@@ -22,28 +22,29 @@ NOTHING: Final = shapely.Polygon()
 
 
 def polygon(contours: Iterable[Contour], fineness: float) -> Area:
-    """What lies within an odd number of `contours`."""
-    found: Area = NOTHING
+    """The area within an odd number of `contours`, arcs as chords within `fineness` [mm]."""
+    area: Area = NOTHING
     for contour in contours:
         ring = contour.points(fineness)
         if len(ring) > 2:
             ring_area = shapely.Polygon(np.column_stack((ring.real, ring.imag)))
-            found = shapely.symmetric_difference(found, shapely.make_valid(ring_area))
-    return found
+            area = shapely.symmetric_difference(area, shapely.make_valid(ring_area))
+    return area
 
 
 def grown(area: Area, distance: float) -> Area:
-    """`area` with all that is nearer than `distance` [mm], or without its rim if that is negative.
+    """`area` grown by `distance` [mm] on all sides, or shrunk if that is negative.
 
-    Round corners are chords within a hundredth of it.
+    Round corners are chords within a hundredth of the distance.
     """
+    # 6 chords a quarter: 1 - cos(pi / 24) is 0.0086.
     return shapely.buffer(area, distance, quad_segs=6)
 
 
 def parts(area: Area) -> list[Area]:
     """The polygons of an area, without lines and points."""
     return [
-        each
-        for each in shapely.get_parts(shapely.make_valid(area)).tolist()
-        if each.geom_type == "Polygon" and each.area > 0.0
+        part
+        for part in shapely.get_parts(shapely.make_valid(area)).tolist()
+        if part.geom_type == "Polygon" and part.area > 0.0
     ] if not area.is_empty else []  # fmt: skip

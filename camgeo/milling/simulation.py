@@ -22,7 +22,7 @@ import shapely
 
 from camgeo.check.finding import Finding, Severity
 from camgeo.geometry.contour.contour import Contour
-from camgeo.milling.moves import Course, Feed, Move, Point, Rapid, Stop, alike, course_of
+from camgeo.milling.moves import Course, Feed, Move, Point, Rapid, Stop, alike, feed_course
 from camgeo.milling.polygons import NOTHING, Area, grown, parts, polygon
 from camgeo.numeric.arrays import ComplexArray, FloatArray, taken
 
@@ -30,11 +30,12 @@ FINENESS: Final = 1e-3
 """Deviation of chords [mm] unless stated."""
 
 ALLOWED: Final = 0.02
-"""[mm] by which part and path may overlap or miss each other unless stated: far above what the
-polygons are off, and not seen on a part."""
+"""Length [mm] by which part and path may overlap or miss each other unless stated: far above the
+deviation of the polygons, and not visible on a part."""
 
 STEP: Final = 5e-3
-"""Of the radii that a point has on slopes [mm]: they are rounded, against the program."""
+"""Step [mm] to which the radii of a point or a rounded corner are rounded on sloping moves: always
+to the disadvantage of the program."""
 
 LEVEL: Final = 1e-6
 """Heights [mm] that differ by less are one, unless stated."""
@@ -75,17 +76,17 @@ class Stage:
 
     @property
     def volume(self) -> float:
-        """Of the material [mm^3]."""
+        """Volume of the material [mm^3]."""
         return sum((slab.z1 - slab.z0) * float(slab.material.area) for slab in self.slabs)
 
 
 LOOSE_CORE: Final = "loose-core"
-"""Name of findings on waste that is cut free in one piece."""
+"""Code of findings on waste that is cut free in one piece."""
 
 
 @dataclass(frozen=True, slots=True)
 class Flaw:
-    """Something that a machinist would not accept.
+    """A fault of a program, or something for the machinist to watch.
 
     Attributes
     ----------
@@ -108,7 +109,7 @@ class Flaw:
 
     @property
     def sentence(self) -> str:
-        """In words, with its operation and its place."""
+        """The flaw in words, with its operation and its place."""
         x, y, z = self.place
         return f"{self.operation}: {self.text} at X {x:.4g}, Y {y:.4g}, Z {z:.4g} mm"
 
@@ -119,7 +120,9 @@ class Flaw:
 
     @property
     def finding(self) -> Finding:
-        """What a machinist must not run, "broken", or is to watch, "warning"."""
+        """The finding: "broken" for a program that must not be run, "warning" for what the
+        machinist is to watch.
+        """
         name = LOOSE_CORE if self.name == "loose" and self.watched else self.name
         severity: Severity = "warning" if self.watched else "broken"
         return Finding(name, severity, self.sentence, self.value, self.limit, self.unit)
@@ -132,14 +135,15 @@ def _without(material: Area, area: Area) -> Area:
 
 
 def areas(slabs: Iterable[Slab]) -> list[Area]:
-    """The material of each."""
+    """The material of each slab."""
     return [slab.material for slab in slabs]
 
 
-def each_once(answer: Callable[..., Any], *several: Iterable[Any]) -> list[Any]:
-    """The `answer` to each of `several`, or to those of one place in all of them, once for those
-    that are the same objects.
+def map_distinct(answer: Callable[..., Any], *several: Iterable[Any]) -> list[Any]:
+    """`map` over one or several sequences of equal length; equal combinations of the same objects
+    are computed once.
     """
+    # Objects are compared by identity: comparing or hashing large polygons would take longer.
     rows = list(zip(*several, strict=True))
     keys = [tuple(map(id, row)) for row in rows]
     known = {key: answer(*row) for key, row in dict(zip(keys, rows, strict=True)).items()}
@@ -151,11 +155,12 @@ def each_once(answer: Callable[..., Any], *several: Iterable[Any]) -> list[Any]:
 
 
 SLICES: Final = 4
-"""Slabs of a point or of rounded corners at their lowest."""
+"""Number of slabs into which the height of a cutter's point or rounded corner is divided where it
+runs lowest."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Run:
+class ToolRun:
     """What one tool does: an operation.
 
     Attributes
@@ -181,20 +186,22 @@ class Run:
     obstacles: tuple[Body, ...] = ()
     start: Point | None = None
 
-    def radius_at(self, height: FloatArray) -> FloatArray:
-        """(n,) radius [mm] at heights (n,) above the tip, that of the tip below it."""
+    def cutter_radii(self, height: FloatArray) -> FloatArray:
+        """(n,) radius of the cutter [mm] at heights (n,) [mm] above its tip; below it, that of the
+        tip.
+        """
         if self.point <= 0.0:
             return np.full(len(height), self.radius)
-        up = np.clip(height, 0.0, self.point)
-        if self.rounded:
-            return self.radius - self.point + np.sqrt(up * (2.0 * self.point - up))
-        return self.radius * up / self.point
+        rise = np.clip(height, 0.0, self.point)
+        if self.rounded:  # the quarter circle of a corner of the radius `point`
+            return self.radius - self.point + np.sqrt(rise * (2.0 * self.point - rise))
+        return self.radius * rise / self.point
 
     def slices(self, tip: float, top: float) -> list[float]:
         """Z [mm] from a tip up to a `top` between which the radius changes by equal steps or so."""
         share = np.arange(1, SLICES + 1) / SLICES
         if self.rounded:
-            share = 1.0 - np.cos(0.5 * np.pi * share)
+            share = 1.0 - np.cos(0.5 * np.pi * share)  # equal angles of the quarter circle
         high = self.point if self.rounded else min(self.point, max(top - tip, 0.0))
         return (tip + high * share).tolist() if high > 0.0 else []
 
@@ -212,25 +219,27 @@ class Chamfer:
         top are those of that side.
     """
 
-    run: Run
+    run: ToolRun
     course: Course
     top: float
     turned: float | None = None
 
     def height(self, z: float) -> float:
-        """A height of the side from which it was taken off, seen from this one; and back [mm]."""
+        """The height `z` [mm] in the coordinates of the side from which the chamfer was cut, and
+        back again: a reflection is its own inverse.
+        """
         return z if self.turned is None else self.turned - z
 
     @property
     def heights(self) -> list[float]:
-        """Between which the section of the part changes by equal steps or so [mm]."""
-        own = self.run.slices(float(np.min(self.course.lowest)), self.top)
-        return [self.height(z) for z in own]
+        """Heights [mm] between which the section of the part changes by about equal steps."""
+        side_heights = self.run.slices(float(np.min(self.course.lowest)), self.top)
+        return [self.height(z) for z in side_heights]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Before:
-    """What another side has left, seen from this one.
+class Leftover:
+    """The material that another side has left, in the coordinates of this one.
 
     Attributes
     ----------
@@ -278,7 +287,7 @@ class Setup:
     lowest: float | None = None
     joined: float | None = None
     hanging: float | None = None
-    before: Before | None = None
+    leftover: Leftover | None = None
     final: bool = True
     unfinished: tuple[Contour, ...] = ()
     known: bool = True
@@ -304,23 +313,23 @@ class Simulation:
     flaws: tuple[Flaw, ...]
     part: tuple[Area, ...]
 
-    def turned_over(self, setup: Setup, runs: Iterable[Run], lowest: float) -> Before:
-        """What is left of the piece with the part in it, seen from the other side of a part whose
-        lower face is at Z `lowest` [mm].
+    def turned_over(self, setup: Setup, runs: Iterable[ToolRun], lowest: float) -> Leftover:
+        """The piece with the part in it as it lies for the other side; the lower face of the part
+        is at Z `lowest` [mm].
         """
         slabs = self.stages[-1].slabs if self.stages else ()
-        return Before(
+        return Leftover(
             tuple(
-                Slab(lowest - each.z1, lowest - each.z0, each.material)
-                for each in reversed(_with_the_part(slabs, self.part))
+                Slab(lowest - slab.z1, lowest - slab.z0, slab.material)
+                for slab in reversed(_with_the_part(slabs, self.part))
             ),
-            tuple((lowest - z1, lowest - z0) for z0, z1 in corners_of(setup, runs)),
+            tuple((lowest - z1, lowest - z0) for z0, z1 in corner_heights(setup, runs)),
         )
 
 
 def simulate(
     setup: Setup,
-    runs: Sequence[Run],
+    runs: Sequence[ToolRun],
     *,
     fineness: float = FINENESS,
     allowed: float = ALLOWED,
@@ -340,74 +349,75 @@ def simulate(
         Slab(z0, z1, _material(setup, whole, 0.5 * (z0 + z1))) for z0, z1 in pairwise(heights)
     )
     part = tuple(_sections(setup, slabs, fineness))
-    bench = _Bench(setup, slabs, part, fineness, allowed, level)
+    bench = _Workpiece(setup, slabs, part, fineness, allowed, level)
     stages, flaws = [], []
     for run in runs:
         flaws += bench.run(run)
         stages.append(Stage(run.name, bench.slabs))
     flaws += _loose_pieces(stages, part, runs, setup, allowed)
     if stages and setup.final:
-        flaws += _rests(stages[-1], part, setup, allowed, corners_of(setup, runs))
+        flaws += _residue_flaws(stages[-1], part, setup, allowed, corner_heights(setup, runs))
     order = {run.name: place for place, run in enumerate(runs)}
-    flaws.sort(key=lambda each: order[each.operation])
+    flaws.sort(key=lambda flaw: order[flaw.operation])
     return Simulation(tuple(stages), tuple(flaws), part)
 
 
-def corners_of(setup: Setup, runs: Iterable[Run]) -> tuple[tuple[float, float], ...]:
-    """Heights [mm] between which rounded corners of cutters are, where those are lowest."""
+def corner_heights(setup: Setup, runs: Iterable[ToolRun]) -> tuple[tuple[float, float], ...]:
+    """Heights [mm], lower and upper, of the rounded corners of cutters where they run lowest."""
     rounded = (run for run in runs if run.rounded and run.point > 0.0)
-    own = (
+    corners = (
         (tip, tip + run.point)
         for run in rounded
-        for tip in _lowest(course_of(run.moves, run.start))
+        for tip in _lowest(feed_course(run.moves, run.start))
     )
-    return (*own, *(() if setup.before is None else setup.before.corners))
+    return (*corners, *(() if setup.leftover is None else setup.leftover.corners))
 
 
 def _material(setup: Setup, whole: Area, z: float) -> Area:
-    """What is there at first at the height `z` [mm]; `whole` is the section of the blank."""
-    if setup.before is None:
+    """The material at the height `z` [mm] at the beginning; `whole` is the section of the blank."""
+    if setup.leftover is None:
         return whole if setup.bottom < z < setup.top else NOTHING
-    return next((slab.material for slab in setup.before.slabs if slab.z0 < z < slab.z1), NOTHING)
+    return next((slab.material for slab in setup.leftover.slabs if slab.z0 < z < slab.z1), NOTHING)
 
 
-def _heights(setup: Setup, runs: Sequence[Run], level: float) -> list[float]:
+def _heights(setup: Setup, runs: Sequence[ToolRun], level: float) -> list[float]:
     """Ascending borders of the slabs [mm]."""
     highest = max([setup.top, *(body.z1 for body in setup.part)])
-    found = [
+    candidates = [
         *(setup.top, setup.bottom),
         *(z for body in setup.part for z in (body.z0, body.z1)),
         *(z for z in (setup.joined, setup.hanging) if z is not None),
         *(z for chamfer in setup.chamfers for z in chamfer.heights),
     ]
     lowest = setup.bottom
-    if setup.before is not None:
-        borders = [z for slab in setup.before.slabs for z in (slab.z0, slab.z1)]
+    if setup.leftover is not None:
+        borders = [z for slab in setup.leftover.slabs for z in (slab.z0, slab.z1)]
         lowest, highest = min([lowest, *borders]), max([highest, *borders])
-        found += borders
+        candidates += borders
     for run in runs:
-        course = course_of(run.moves, run.start)
+        course = feed_course(run.moves, run.start)
         flat = (course.from_z == course.to_z) & (course.lengths > 0.0)
         straight = course.lengths == 0.0  # plunges and drilled holes, of which each peck goes on
-        on = (
+        continues = (
             straight[1:]
             & (course.ends[1:] == course.ends[:-1])
             & (course.to_z[1:] < course.to_z[:-1])
         )
-        found += [
+        candidates += [
             *course.from_z[flat].tolist(),
-            *course.to_z[straight & ~np.append(on, False)].tolist(),
+            *course.to_z[straight & ~np.append(continues, False)].tolist(),
             *(z for tip in _lowest(course) for z in run.slices(tip, highest)),
         ]
     heights: list[float] = []
-    for z in sorted(z for z in found if lowest <= z <= highest):
+    # Borders outside blank and part are of no interest; those that differ by rounding are one.
+    for z in sorted(z for z in candidates if lowest <= z <= highest):
         if not heights or z - heights[-1] > level:
             heights.append(z)
     return heights
 
 
 def _lowest(course: Course) -> list[float]:
-    """Z of the tip at its lowest, if it moves at all [mm]."""
+    """Z [mm] at which the tip runs lowest, in a list of one; empty if the cutter does not move."""
     return [float(np.min(course.lowest))] if len(course) else []
 
 
@@ -416,7 +426,7 @@ def _sections(setup: Setup, slabs: Iterable[Slab], fineness: float) -> Iterator[
     known: dict[tuple[bool, ...], Area] = {}
     for z in (slab.middle for slab in slabs):
         key = tuple(body.z0 < z < body.z1 for body in setup.part)
-        if any(each.height(z) < each.top for each in setup.chamfers):
+        if any(chamfer.height(z) < chamfer.top for chamfer in setup.chamfers):
             yield _section(setup, z, fineness)
             continue
         if key not in known:
@@ -427,26 +437,35 @@ def _sections(setup: Setup, slabs: Iterable[Slab], fineness: float) -> Iterator[
 def _section(setup: Setup, z: float, fineness: float) -> Area:
     """The area of the part at one height."""
     bodies = [polygon(body.contours, fineness) for body in setup.part if body.z0 < z < body.z1]
-    found: Area = shapely.union_all(bodies) if bodies else NOTHING
-    for each in setup.chamfers:
-        if (own := each.height(z)) < each.top:
-            found = shapely.difference(found, _passed(each.run, each.course, own, fineness))
-    return found
+    section: Area = shapely.union_all(bodies) if bodies else NOTHING
+    for chamfer in setup.chamfers:
+        if (height := chamfer.height(z)) < chamfer.top:
+            section = shapely.difference(
+                section, _passed_area(chamfer.run, chamfer.course, height, fineness)
+            )
+    return section
 
 
-def _passed(run: Run, course: Course, z: float, fineness: float, *, most: bool = False) -> Area:
-    """What a cutter passes over at the height `z` [mm], at least; or at `most` where it slopes."""
+def _passed_area(
+    run: ToolRun, course: Course, z: float, fineness: float, *, most: bool = False
+) -> Area:
+    """The area that a cutter passes over at the height `z` [mm]: on sloping moves a lower bound, or
+    an upper one if `most` is true.
+    """
     if run.point <= 0.0:
-        return swept(course, run.radius, fineness)
-    radii = run.radius_at(z - (course.lowest if most else course.cleared))
+        return swept_area(course, run.radius, fineness)
+    radii = run.cutter_radii(z - (course.lowest if most else course.cleared))
+    # On sloping moves each piece would have a radius of its own: rounded, many share one sweep.
     sloping = (course.from_z != course.to_z) & (course.lengths > 0.0)
     radii[sloping] = STEP * (np.ceil if most else np.floor)(radii[sloping] / STEP)
-    found = [swept(taken(course, radii == each), each, fineness) for each in np.unique(radii)]
-    return shapely.union_all(found) if found else NOTHING
+    swept_areas = [
+        swept_area(taken(course, radii == radius), radius, fineness) for radius in np.unique(radii)
+    ]
+    return shapely.union_all(swept_areas) if swept_areas else NOTHING
 
 
-class _Bench:
-    """The material while it is cut."""
+class _Workpiece:
+    """The material while it is cut, and the part within it."""
 
     def __init__(
         self,
@@ -459,42 +478,47 @@ class _Bench:
     ) -> None:
         self.setup, self.slabs, self.part = setup, slabs, part
         self.fineness, self.allowed, self.level = fineness, allowed, level
-        self.kernels = each_once(lambda area: grown(area, -allowed), part)
+        # The part without its rim of the allowed depth: what touches that is a gouge.
+        self.kernels = map_distinct(lambda area: grown(area, -allowed), part)
         self.known: Known = {}
 
-    def run(self, run: Run) -> list[Flaw]:
+    def run(self, run: ToolRun) -> list[Flaw]:
         """The flaws of one operation, the worst of each kind."""
-        found: list[Flaw] = []
+        flaws: list[Flaw] = []
         chain: list[Move] = []
-        at, begin = run.start, run.start
+        position, begin = run.start, run.start
         for move in unlifted(run.moves):
-            down = at is not None and move.end[:2] == at[:2] and move.end[2] < at[2]
+            down = (
+                position is not None and move.end[:2] == position[:2] and move.end[2] < position[2]
+            )
             if isinstance(move, Rapid) or (down and not run.plunges):
-                found += self._cut(run, course_of(chain, begin))
-                chain, begin = [], at
-                if at is not None:
-                    found += self._enter(run, at, move)
+                flaws += self._cut(run, feed_course(chain, begin))
+                chain, begin = [], position
+                if position is not None:
+                    flaws += self._enter(run, position, move)
             if isinstance(move, Rapid):
                 begin = move.end
             else:
                 chain.append(move)
-            at = move.end
-        found += self._cut(run, course_of(chain, begin))
+            position = move.end
+        flaws += self._cut(run, feed_course(chain, begin))
         worst: dict[str, Flaw] = {}
-        for each in found:
-            if each.name not in worst or each.excess > worst[each.name].excess:
-                worst[each.name] = each
+        for flaw in flaws:
+            if flaw.name not in worst or flaw.excess > worst[flaw.name].excess:
+                worst[flaw.name] = flaw
         return list(worst.values())
 
-    def _enter(self, run: Run, at: Point, move: Move) -> Iterator[Flaw]:
-        """A traverse, or a plunge of a tool that must not: it may meet no material."""
-        course = _straight(at, move.end)
+    def _enter(self, run: ToolRun, position: Point, move: Move) -> Iterator[Flaw]:
+        """The flaws of a traverse, or of a plunge of a tool that cannot plunge: neither may meet
+        material.
+        """
+        course = _straight_course(position, move.end)
         yield from self._clear(run, course)
-        if move.end[2] > at[2]:
+        if move.end[2] > position[2]:
             return
         rapid = isinstance(move, Rapid)
         text = "a traverse goes {:.3g} mm deep into material" if rapid else (
-            "a plunge goes {:.3g} mm deep into material, which the tool must not"
+            "the tool plunges {:.3g} mm deep into material, although it must not plunge"
         )  # fmt: skip
         yield from self._meets(
             replace(run, radius=run.radius - self.allowed),
@@ -504,16 +528,19 @@ class _Bench:
             text.format,
         )
 
-    def _cut(self, run: Run, course: Course) -> Iterator[Flaw]:
-        """Take away what a chain of feed moves sweeps; what is wrong with it."""
+    def _cut(self, run: ToolRun, course: Course) -> Iterator[Flaw]:
+        """Remove what a chain of feed moves sweeps from the material, and yield its flaws."""
         if not len(course):
             return
         yield from self._clear(run, course)
         reached, cleared = self._swept(run, course)
         yield from self._gouges(run, course, reached)
-        left = each_once(_without, areas(self.slabs), cleared)  # slabs of one section are cut once
+        left = map_distinct(
+            _without, areas(self.slabs), cleared
+        )  # slabs of one section are cut once
         self.slabs = tuple(
-            replace(slab, material=each) for slab, each in zip(self.slabs, left, strict=True)
+            replace(slab, material=material)
+            for slab, material in zip(self.slabs, left, strict=True)
         )
         if run.shank is not None:
             radius, length = run.shank
@@ -526,10 +553,12 @@ class _Bench:
                 length,
             )
 
-    def _swept(self, run: Run, course: Course) -> tuple[list[Area], list[Area]]:
-        """What a cutter reaches in each slab at most, where there is part, and what it clears at
-        least, where there is material; nothing elsewhere.
+    def _swept(self, run: ToolRun, course: Course) -> tuple[list[Area], list[Area]]:
+        """The area in each slab that a cutter may reach, an upper bound that decides on gouges, and
+        the one that it clears, a lower bound; empty in slabs without part or without material.
         """
+        # A tip reaches a slab only if it goes clearly below its top, and clears it if it goes down
+        # to its bottom, to `level`: borders of slabs are heights of moves, to rounding.
         level = self.level
         tops = [
             -np.inf if kernel.is_empty else slab.z1 - 2.0 * level
@@ -538,43 +567,47 @@ class _Bench:
         bottoms = [-np.inf if slab.material.is_empty else slab.z0 + level for slab in self.slabs]
         if run.point <= 0.0:
             heights = sorted({*tops, *bottoms})
-            areas = swept_below(course, heights, run.radius, self.fineness, self.known)
-            at = dict(zip(heights, areas, strict=True))
-            return [at[z] for z in tops], [at[z] for z in bottoms]
+            areas = swept_areas_below(course, heights, run.radius, self.fineness, self.known)
+            area_by_height = dict(zip(heights, areas, strict=True))
+            return [area_by_height[z] for z in tops], [area_by_height[z] for z in bottoms]
         middles = [slab.middle for slab in self.slabs]
         reached = [
-            _passed(run, course.below(top), z, self.fineness, most=True)
+            _passed_area(run, course.below(top), z, self.fineness, most=True)
             for top, z in zip(tops, middles, strict=True)
         ]
         cleared = [
-            _passed(run, course.below(bottom), z, self.fineness)
+            _passed_area(run, course.below(bottom), z, self.fineness)
             for bottom, z in zip(bottoms, middles, strict=True)
         ]
         return reached, cleared
 
     def _meets(
         self,
-        run: Run,
+        run: ToolRun,
         course: Course,
         bodies: Sequence[Area],
         name: str,
         text: Callable[[float], str],
         above: float = 0.0,
     ) -> Iterator[Flaw]:
-        """Where a cutter that begins `above` the tip meets `bodies`, one for each slab."""
+        """Flaws where a cutter whose lower end is `above` [mm] the tip meets `bodies`, one area for
+        each slab; `text` makes the sentence from the depth [mm].
+        """
         for slab, body in zip(self.slabs, bodies, strict=True):
             if body.is_empty:
                 continue
             low = course.below(slab.z1 - above - 2.0 * self.level)
-            reached = _passed(run, low, slab.middle - above, self.fineness, most=True)
+            reached = _passed_area(run, low, slab.middle - above, self.fineness, most=True)
             touched = shapely.intersection(reached, body)
             if parts(touched):
                 tip = float(np.min(low.lowest))
                 depth = slab.z1 - above - tip
-                yield Flaw(name, run.name, text(depth), depth, 0.0, _point(place_in(touched), tip))
+                yield Flaw(
+                    name, run.name, text(depth), depth, 0.0, _point(interior_point(touched), tip)
+                )
 
-    def _gouges(self, run: Run, course: Course, reached: Sequence[Area]) -> Iterator[Flaw]:
-        both = each_once(shapely.intersection, reached, self.kernels)
+    def _gouges(self, run: ToolRun, course: Course, reached: Sequence[Area]) -> Iterator[Flaw]:
+        both = map_distinct(shapely.intersection, reached, self.kernels)
         for number, (slab, touched) in enumerate(zip(self.slabs, both, strict=True)):
             if parts(touched):
                 low = course.below(slab.z1 - 2.0 * self.level)
@@ -586,36 +619,39 @@ class _Bench:
                 yield Flaw("gouge", run.name, text, depth, self.allowed, place)
 
     def _depth(self, number: int, touched: Area) -> tuple[float, complex]:
-        """How deep in the part the area `touched` of a slab lies [mm], and where: below the face
-        over it or behind the wall beside it, whichever is nearer.
+        """Depth [mm] of the area `touched` of a slab in the part, and the place of the deepest
+        point: below the face over it or behind the wall beside it, whichever is nearer.
         """
         edge = shapely.boundary(self.part[number])
         _, middle = farthest(touched, edge)
         places = np.vstack((shapely.get_coordinates(touched), (middle.real, middle.imag)))
         points = shapely.points(places)
         face = np.full(len(places), self.slabs[number].z1)
-        under = np.ones(len(places), dtype=np.bool_)
+        # Upwards through the slabs, as long as the part goes on over a point, to the face over it.
+        covered = np.ones(len(places), dtype=np.bool_)
         for slab, part in zip(self.slabs[number + 1 :], self.part[number + 1 :], strict=True):
-            under &= shapely.intersects(part, points)
-            face[under] = slab.z1
+            covered &= shapely.intersects(part, points)
+            face[covered] = slab.z1
         depths = np.minimum(shapely.distance(points, edge), face - self.slabs[number].z0)
         deepest = int(np.argmax(depths))
         return float(depths[deepest]), complex(*places[deepest])
 
-    def _clear(self, run: Run, course: Course) -> Iterator[Flaw]:
-        """Obstacles touched, and depths that are too large."""
+    def _clear(self, run: ToolRun, course: Course) -> Iterator[Flaw]:
+        """Flaws of a course that touches obstacles or goes too deep."""
         cylinders = [("cutter", run.radius, 0.0)]
         cylinders += [("shank", *run.shank)] if run.shank is not None else []
         for body, (what, radius, above) in product(run.obstacles, cylinders):
             outline = polygon(body.contours, self.fineness)
             low = course.below(body.z1 - above - self.level)
-            touched = shapely.intersection(swept(low, radius, self.fineness), outline)
+            touched = shapely.intersection(swept_area(low, radius, self.fineness), outline)
             if parts(touched):
-                away = shapely.distance(swept(low, self.allowed, self.fineness), outline)
-                within = max(0.0, radius - self.allowed - float(away))
-                text = f"the {what} goes {within:.3g} mm into the {body.name}"
+                away = shapely.distance(swept_area(low, self.allowed, self.fineness), outline)
+                depth = max(0.0, radius - self.allowed - float(away))
+                text = f"the {what} goes {depth:.3g} mm into the {body.name}"
                 tip = float(np.min(low.lowest))
-                yield Flaw("obstacle", run.name, text, within, 0.0, _point(place_in(touched), tip))
+                yield Flaw(
+                    "obstacle", run.name, text, depth, 0.0, _point(interior_point(touched), tip)
+                )
         tip = float(np.min(course.lowest))
         point = 0.0 if run.rounded else run.point
         limit = None if self.setup.lowest is None else self.setup.lowest - point
@@ -630,33 +666,33 @@ def unlifted(moves: Iterable[Move | Stop]) -> list[Move]:
     """The moves without halts, and with the pecks of a drill as one: without traverses straight up
     from a cut and down again no deeper, after which it goes straight on.
     """
-    found: list[Move] = []
+    merged: list[Move] = []
     lifts: list[Rapid] = []
     for move in moves:
         if isinstance(move, Stop):
             continue
-        last = found[-1] if found else None
+        last = merged[-1] if merged else None
         if last is not None and not isinstance(last, Rapid) and move.end[:2] == last.end[:2]:
             if isinstance(move, Rapid) and move.end[2] >= last.end[2]:
                 lifts.append(move)
                 continue
             if isinstance(move, Feed) and move.end[2] < last.end[2]:
                 lifts = []
-                if len(found) > 1 and _falls(found[-2].end, last.end):
-                    found.pop()
-        found += lifts
+                if len(merged) > 1 and _falls(merged[-2].end, last.end):
+                    merged.pop()
+        merged += lifts
         lifts = []
-        found.append(move)
-    return [*found, *lifts]
+        merged.append(move)
+    return [*merged, *lifts]
 
 
 def _falls(start: Point, end: Point) -> bool:
     return start[:2] == end[:2] and start[2] > end[2]
 
 
-def _straight(start: Point, end: Point) -> Course:
+def _straight_course(start: Point, end: Point) -> Course:
     """A straight move, at feed or not."""
-    return course_of([Feed(end, 1.0)], start)
+    return feed_course([Feed(end, 1.0)], start)
 
 
 def _point(place: complex, z: float) -> Point:
@@ -668,19 +704,19 @@ def _point(place: complex, z: float) -> Point:
 
 
 TOUCHING = 1e-4
-"""Area [mm^2] that two pieces must share to hang together; rounding leaves less."""
+"""Area [mm^2] that two pieces must share to count as connected; rounding leaves less."""
 
 PART = "the part"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Piece:
+class MaterialPiece:
     """A connected part of the material: areas with the number of their slab."""
 
     areas: tuple[tuple[int, Area], ...]
 
     def volume(self, slabs: Sequence[Slab]) -> float:
-        """[mm^3]."""
+        """Volume of the piece [mm^3]."""
         return sum((slabs[k].z1 - slabs[k].z0) * float(area.area) for k, area in self.areas)
 
     def shared(self, others: Sequence[Area]) -> float:
@@ -688,11 +724,13 @@ class Piece:
         return sum(float(shapely.intersection(area, others[k]).area) for k, area in self.areas)
 
 
-def pieces(slabs: Sequence[Slab]) -> tuple[Piece, ...]:
+def connected_pieces(slabs: Sequence[Slab]) -> tuple[MaterialPiece, ...]:
     """The connected parts of the material."""
-    apart = each_once(parts, areas(slabs))
-    single = [[(k, each) for each in found] for k, found in enumerate(apart)]
-    offsets = np.concatenate(([0], np.cumsum([len(each) for each in single]))).astype(int)
+    by_slab = map_distinct(parts, areas(slabs))
+    single = [[(k, area) for area in slab_areas] for k, slab_areas in enumerate(by_slab)]
+    offsets = np.concatenate(([0], np.cumsum([len(numbered) for numbered in single]))).astype(int)
+    # Union-find over all areas, numbered through the slabs: areas of neighbouring slabs that
+    # overlap belong to one piece, which is named by the root of its areas.
     owner = list(range(int(offsets[-1])))
 
     def root(number: int) -> int:
@@ -700,14 +738,14 @@ def pieces(slabs: Sequence[Slab]) -> tuple[Piece, ...]:
             number = owner[number]
         return number
 
-    for k, shared in enumerate(each_once(overlap, apart[:-1], apart[1:])):
+    for k, shared in enumerate(map_distinct(overlap, by_slab[:-1], by_slab[1:])):
         for low, high in np.argwhere(shared > TOUCHING).tolist():
             owner[root(int(offsets[k] + low))] = root(int(offsets[k + 1] + high))
-    flat = [each for slab in single for each in slab]
+    flat = [numbered_area for slab in single for numbered_area in slab]
     groups: dict[int, list[tuple[int, Area]]] = {}
-    for number, each in enumerate(flat):
-        groups.setdefault(root(number), []).append(each)
-    return tuple(Piece(tuple(group)) for group in groups.values())
+    for number, numbered_area in enumerate(flat):
+        groups.setdefault(root(number), []).append(numbered_area)
+    return tuple(MaterialPiece(tuple(group)) for group in groups.values())
 
 
 def overlap(areas: Sequence[Area], others: Sequence[Area]) -> np.ndarray[Any, Any]:
@@ -716,14 +754,14 @@ def overlap(areas: Sequence[Area], others: Sequence[Area]) -> np.ndarray[Any, An
         return np.zeros((len(areas), len(others)))
     first = np.array(areas, dtype=object)[:, None]
     second = np.array(others, dtype=object)[None, :]
-    found: np.ndarray[Any, Any] = shapely.area(shapely.intersection(first, second))
-    return found
+    shared: np.ndarray[Any, Any] = shapely.area(shapely.intersection(first, second))
+    return shared
 
 
 def _with_the_part(slabs: Sequence[Slab], part: Sequence[Area]) -> tuple[Slab, ...]:
-    """The material without pieces that are apart from the part: they are taken away."""
+    """The material of the piece with the part; other pieces are removed by hand."""
     gone: dict[int, list[Area]] = {}
-    for piece in pieces(slabs):
+    for piece in connected_pieces(slabs):
         if piece.shared(part) <= TOUCHING:
             for k, area in piece.areas:
                 gone.setdefault(k, []).append(area)
@@ -738,70 +776,74 @@ def _with_the_part(slabs: Sequence[Slab], part: Sequence[Area]) -> tuple[Slab, .
 def _loose_pieces(
     stages: Sequence[Stage],
     part: Sequence[Area],
-    runs: Sequence[Run],
+    runs: Sequence[ToolRun],
     setup: Setup,
     allowed: float,
 ) -> Iterator[Flaw]:
-    """Pieces that neither what holds the blank all the time nor the clamps of a run hold, each once
-    where it comes loose; none if what holds it is not to be judged.
+    """Flaws of pieces that come loose, each once: neither the holding nor a clamp of the run holds
+    them. None if the holding is not to be checked.
 
-    What is nowhere thicker than `allowed` [mm] is no piece. Until the first clamp is set, a blank
-    that is still one piece is held in a way that is not stated: screws often stand in a bore that
-    is milled first.
+    Slivers nowhere thicker than `allowed` [mm] are ignored. Until the first clamp is set, a blank
+    that is still in one piece counts as held in a way that is not stated: screws often stand in a
+    bore that is milled first.
     """
     if setup.held is None:
         return
-    always = [polygon(each, FINENESS) for each in setup.held]
-    known: list[Piece] = []
+    always = [polygon(contours, FINENESS) for contours in setup.held]
+    known: list[MaterialPiece] = []
     clamped = bool(always) or setup.rim is not None
     rim = [] if setup.rim is None else [polygon(setup.rim, FINENESS)]
     for stage, run in zip(stages, runs, strict=True):
-        found = pieces(stage.slabs)
+        connected = connected_pieces(stage.slabs)
         held = [*always, *(polygon(body.contours, FINENESS) for body in run.obstacles)]
         clamped |= bool(run.obstacles)
-        if not clamped and len(found) == 1:
+        if not clamped and len(connected) == 1:
             continue
-        kept = [piece for piece in found if _meets(piece, held or rim)]
+        fixed = [piece for piece in connected if _meets(piece, held or rim)]
         if not held:  # what holds the rim is not stated; it holds what hangs on the part
-            kept = [piece for piece in kept if piece.shared(part) > TOUCHING] or kept
-        for piece in found:
-            told = piece in kept or any(_same(piece, each) for each in known)
-            if not told and not _is_dust(piece, allowed):
+            fixed = [piece for piece in fixed if piece.shared(part) > TOUCHING] or fixed
+        for piece in connected:
+            is_known = piece in fixed or any(_same(piece, earlier) for earlier in known)
+            if not is_known and not _is_dust(piece, allowed):
                 known.append(piece)
                 yield _loose(stage, piece, part, setup)
 
 
-def _meets(piece: Piece, held: Sequence[Area]) -> bool:
+def _meets(piece: MaterialPiece, held: Sequence[Area]) -> bool:
     return any(
-        float(shapely.intersection(area, each).area) > TOUCHING
+        float(shapely.intersection(area, holder).area) > TOUCHING
         for _, area in piece.areas
-        for each in held
+        for holder in held
     )
 
 
-def _is_dust(piece: Piece, allowed: float) -> bool:
-    """Whether a piece is nowhere thicker than paths may be off: chips, which may not be there."""
+def _is_dust(piece: MaterialPiece, allowed: float) -> bool:
+    """Whether a piece is nowhere thicker than the deviation allowed for paths, so that it may not
+    exist.
+    """
     return all(grown(area, -0.5 * allowed).is_empty for _, area in piece.areas)
 
 
-def _same(piece: Piece, other: Piece) -> bool:
-    """Whether a piece is what is left of one that came loose before."""
-    before = dict(other.areas)
+def _same(piece: MaterialPiece, other: MaterialPiece) -> bool:
+    """Whether a piece is a remainder of another one, which came loose earlier."""
+    earlier_areas = dict(other.areas)
     return all(
-        k in before and float(shapely.intersection(area, before[k]).area) > TOUCHING
+        k in earlier_areas and float(shapely.intersection(area, earlier_areas[k]).area) > TOUCHING
         for k, area in piece.areas[:1]
     )
 
 
-def _loose(stage: Stage, piece: Piece, part: Sequence[Area], setup: Setup) -> Flaw:
-    """A piece that comes loose: what it is, how large and heavy, and where."""
-    k, area = max(piece.areas, key=lambda each: each[1].area)
+def _loose(stage: Stage, piece: MaterialPiece, part: Sequence[Area], setup: Setup) -> Flaw:
+    """The flaw of a piece that comes loose: what it is, its size, its mass and its place."""
+    k, area = max(piece.areas, key=lambda numbered: numbered[1].area)
     left, low, right, high = area.bounds
-    place, value, unit = place_in(area), piece.volume(stage.slabs), "mm^3"
+    place, value, unit = interior_point(area), piece.volume(stage.slabs), "mm^3"
     what = _name(piece, place, part)
     size = f"{what} of {right - left:.3g} x {high - low:.3g} mm, {value:.3g} mm^3"
     if setup.density is not None:
         size += f", {1e3 * setup.density * value:.3g} kg"
+    # A blank of unknown outline is simulated as a square about the cam axis, half a side being the
+    # distance of a corner over sqrt(2): of a piece that reaches its edge the size is not known.
     edge = float(np.max(np.abs(setup.blank[0].vertices)))
     if not setup.known and max(map(abs, area.bounds)) > edge / np.sqrt(2.0) - LEVEL:
         size, value, unit = f"{what}, in a blank of unstated size", 1.0, "pieces"
@@ -813,18 +855,20 @@ def _loose(stage: Stage, piece: Piece, part: Sequence[Area], setup: Setup) -> Fl
     return Flaw("loose", stage.operation, text, value, 0.0, where, unit, watched=watched)
 
 
-def _name(piece: Piece, place: complex, part: Sequence[Area]) -> str:
+def _name(piece: MaterialPiece, place: complex, part: Sequence[Area]) -> str:
     """What a piece is: the part, a core within it, or waste beside it."""
-    if piece.shared(part) > 0.5 * sum(each.area for each in part):
+    if piece.shared(part) > 0.5 * sum(area.area for area in part):
         return PART
-    rings = [ring for each in part for ring in parts(each)]
+    rings = [ring for area in part for ring in parts(area)]
     point = shapely.Point(place.real, place.imag)
     inside = any(shapely.intersects(shapely.Polygon(ring.exterior), point) for ring in rings)
     return "a core" if inside or not rings else "waste"
 
 
 def _may_stay(slab: Slab, setup: Setup) -> bool:
-    """Whether waste may hold on to the part there: up to a height, or from one on beside it."""
+    """Whether waste may stay on the part in a slab: up to the height of tabs or a skin, or, on a
+    second side, from the height at which the first one has left them.
+    """
     low, high = setup.joined, setup.hanging
     if low is not None and slab.z1 <= low + LEVEL:
         return True
@@ -832,62 +876,66 @@ def _may_stay(slab: Slab, setup: Setup) -> bool:
     return high is not None and high - LEVEL <= slab.z0 and slab.z1 <= top + LEVEL
 
 
-def _left_on(
+def _residues(
     material: Area, target: Area, near: Iterable[Area], allowed: float
 ) -> Iterator[tuple[Area, float]]:
-    """What is left beside the section `target` of the part, with its thickness [mm]; or only over
-    or under the sections `near` by, with 0.
+    """Material left beside the section `target` of the part, each with its thickness [mm]; 0 for
+    material that lies only on a face, over or under one of the sections `near` by.
     """
-    beside = shapely.difference(material, grown(target, allowed))
-    thick = parts(grown(grown(beside, -0.5 * allowed), 0.5 * allowed))
+    excess = shapely.difference(material, grown(target, allowed))
+    # Shrunk and grown again (a morphological opening): slivers thinner than allowed vanish.
+    thick = parts(grown(grown(excess, -0.5 * allowed), 0.5 * allowed))
     close = grown(target, 2.0 * allowed)
     faces = shapely.difference(shapely.union_all(list(near)), target)
-    for each in thick:
-        if not target.is_empty and shapely.intersects(each, close):
-            yield each, farthest(each, target)[0]
-        elif float(shapely.intersection(each, faces).area) > TOUCHING:
-            yield each, 0.0
+    for residue in thick:
+        if not target.is_empty and shapely.intersects(residue, close):
+            yield residue, farthest(residue, target)[0]
+        elif float(shapely.intersection(residue, faces).area) > TOUCHING:
+            yield residue, 0.0
 
 
-def _rests(
+def _residue_flaws(
     stage: Stage,
     part: Sequence[Area],
     setup: Setup,
     allowed: float,
     corners: Sequence[tuple[float, float]],
 ) -> Iterator[Flaw]:
-    """Material that is left beside the part, or on one of its faces, thicker than `allowed` [mm];
-    where rounded corners of cutters are lowest, between heights `corners` [mm], it is told apart.
+    """Flaws of material that is left beside the part, or on one of its faces, thicker than
+    `allowed` [mm]; what the rounded corners of cutters leave between the heights `corners` [mm] is
+    a kind of its own. At most one flaw of each kind, the thickest.
     """
-    found: dict[int, Flaw] = {}  # the largest fault, of what is meant, and of what corners leave
+    worst: dict[int, Flaw] = {}  # the largest fault, of what is meant, and of what corners leave
     known: dict[tuple[int, ...], list[tuple[Area, float]]] = {}
-    unfinished = shapely.boundary([polygon([each], 0.5 * allowed) for each in setup.unfinished])
+    unfinished = shapely.boundary(
+        [polygon([contour], 0.5 * allowed) for contour in setup.unfinished]
+    )
     for k, (slab, target) in enumerate(zip(stage.slabs, part, strict=True)):
         if slab.material.is_empty or _may_stay(slab, setup):
             continue
-        near = {id(each): each for each in part[max(k - 1, 0) : k + 2]}
+        near = {id(section): section for section in part[max(k - 1, 0) : k + 2]}
         same = (id(slab.material), id(target), *sorted(near))
         if same not in known:
-            known[same] = list(_left_on(slab.material, target, near.values(), allowed))
-        for each, thickness in known[same]:
+            known[same] = list(_residues(slab.material, target, near.values(), allowed))
+        for residue, thickness in known[same]:
             size = thickness or slab.z1 - slab.z0
-            left, low, right, high = each.bounds
+            left, low, right, high = residue.bounds
             rounding = max((z1 - z0 for z0, z1 in corners if z0 < slab.middle < z1), default=0.0)
             by_corner = size <= rounding + allowed
-            meant = thickness and np.any(shapely.distance(unfinished, each) <= 2.0 * allowed)
+            meant = thickness and np.any(shapely.distance(unfinished, residue) <= 2.0 * allowed)
             text = (
                 f"material is left on the part, up to {size:.3g} mm thick, {right - left:.3g} mm"
                 f" along X, {high - low:.3g} mm along Y and {slab.z1 - slab.z0:.3g} mm high"
             )
             text += ", where the corners of a cutter are rounded" if by_corner else ""
-            place = place_in(each)
+            place = interior_point(residue)
             where = (place.real, place.imag, slab.z0)
             kind = 2 if by_corner else 1 if meant else 0
-            if kind not in found or size > found[kind].value:
-                found[kind] = Flaw(
+            if kind not in worst or size > worst[kind].value:
+                worst[kind] = Flaw(
                     "rest", stage.operation, text, size, allowed, where, watched=kind > 0
                 )
-    yield from (found[kind] for kind in sorted(found))
+    yield from (worst[kind] for kind in sorted(worst))
 
 
 # -- sweep ----------------------------------------------------------------------------------------
@@ -895,33 +943,35 @@ def _rests(
 
 
 FINEST: Final = 1e-5
-"""Of chords [mm], see `camgeo.milling.polygons`."""
+"""Least deviation of chords [mm] that has an effect, see `camgeo.milling.polygons`."""
 
 SHARE: Final = 0.005
-"""Of a distance, to which the farthest point of an area is sought."""
+"""Share of the distance of the farthest point of an area to which it is determined."""
 
 LONGEST: Final = 200
-"""Points of a line that is widened at once. A line of several turns is met by itself at every turn:
-in parts its area takes a quarter of the time."""
+"""Largest number of points of a line that is widened at once. A line of several turns overlaps
+itself at every turn: widened in parts it takes a quarter of the time."""
 
 
-def swept(course: Course, radius: float, fineness: float) -> Area:
+def swept_area(course: Course, radius: float, fineness: float) -> Area:
     """What a circle of `radius` [mm] passes over on `course`."""
     if not len(course) or radius <= 0.0:
         return NOTHING
-    chains = (part for chain in _chains(_once(course), fineness) for part in _in_parts(chain))
+    chains = (part for chain in _chains(_once(course), fineness) for part in _split_chain(chain))
     shapes = [_shape(part) for part in chains]
-    found = shapely.buffer(shapes, radius, quad_segs=_quarter(radius, fineness))
-    while len(found) > 1:  # neighbours first: half the time of all at once
-        found = np.append(shapely.union(found[:-1:2], found[1::2]), found[len(found) // 2 * 2 :])
-    return found[0]
+    merged = shapely.buffer(shapes, radius, quad_segs=_quarter(radius, fineness))
+    while len(merged) > 1:  # neighbours first: half the time of all at once
+        merged = np.append(
+            shapely.union(merged[:-1:2], merged[1::2]), merged[len(merged) // 2 * 2 :]
+        )
+    return merged[0]
 
 
 Known = dict[tuple[float, float, bytes], tuple[Area, Area]]
-"""What has been swept: areas and the same a little grown, by radius, fineness and pieces."""
+"""Swept areas, each with the same area slightly grown, by radius, fineness and pieces."""
 
 
-def swept_below(
+def swept_areas_below(
     course: Course, heights: Iterable[float], radius: float, fineness: float, known: Known
 ) -> list[Area]:
     """What a circle of `radius` [mm] passes over with its tip not above each of `heights` [mm],
@@ -935,53 +985,60 @@ def swept_below(
     same = alike(course)
     highest, lowest = course.highest, course.lowest
     level = course.from_z == course.to_z
-    done = np.zeros(len(course), dtype=np.bool_)
+    finished = np.zeros(len(course), dtype=np.bool_)
     area: Area = NOTHING
     wide: Area = NOTHING
-    found = []
+    areas_below = []
     for z in heights:
-        fresh = (lowest <= z) & ~done[same]
+        fresh = (lowest <= z) & ~finished[same]
         for which in (fresh & level, fresh & ~level):
             if not np.any(which):
                 continue
-            more, more_wide = _swept_once(taken(course, which).below(z), radius, fineness, known)
+            more, more_wide = _known_swept_area(
+                taken(course, which).below(z), radius, fineness, known
+            )
             if area.is_empty:
                 area, wide = more, more_wide
             elif not shapely.covers(wide, more):
                 area = shapely.union(area, more)
                 wide = _wide(area, fineness)
-        done[same[fresh & (highest <= z)]] = True
-        found.append(area)
-    return found
+        finished[same[fresh & (highest <= z)]] = True
+        areas_below.append(area)
+    return areas_below
 
 
-def _swept_once(course: Course, radius: float, fineness: float, known: Known) -> tuple[Area, Area]:
-    """What is swept, looked up in `known` or added to it, and the same a little grown."""
+def _known_swept_area(
+    course: Course, radius: float, fineness: float, known: Known
+) -> tuple[Area, Area]:
+    """The swept area, looked up in `known` or added to it, and the same area slightly grown."""
     columns = (course.starts, course.ends, course.sweeps, course.centres)
-    key = (radius, fineness, b"".join(each.tobytes() for each in columns))
+    key = (radius, fineness, b"".join(column.tobytes() for column in columns))
     if key not in known:
-        area = swept(course, radius, fineness)
+        area = swept_area(course, radius, fineness)
         known[key] = area, _wide(area, fineness)
     return known[key]
 
 
 def _wide(area: Area, fineness: float) -> Area:
-    """`area` with what chords may leave at its edge, prepared for questions."""
-    found = grown(area, 2.0 * fineness)
-    shapely.prepare(found)
-    return found
+    """`area` grown by what chords may miss at its edge, prepared for fast predicates."""
+    wide = grown(area, 2.0 * fineness)
+    shapely.prepare(wide)
+    return wide
 
 
-def place_in(area: Area) -> complex:
+def interior_point(area: Area) -> complex:
     """A point within the largest part of `area`."""
-    point = shapely.point_on_surface(max(parts(area), key=lambda each: each.area))
+    point = shapely.point_on_surface(max(parts(area), key=lambda part: part.area))
     return complex(point.x, point.y)
 
 
 def farthest(area: Area, edge: Area) -> tuple[float, complex]:
-    """How far from `edge` a point of `area` lies at most [mm], and that point: of all points, not
-    of its corners alone, to a hundredth.
+    """Largest distance [mm] of a point of `area` from `edge`, to `SHARE`, and that point; the point
+    may lie inside the area.
     """
+    # The farthest corner is a lower bound. A distance is exceeded if anything of the area is left
+    # outside of the edge grown by it: first slightly beyond the bound, where the search often ends,
+    # then doubled until nothing is left, then by bisection.
     corners = shapely.get_coordinates(area)
     away = shapely.distance(shapely.points(corners), edge)
     most = int(np.argmax(away))
@@ -991,14 +1048,15 @@ def farthest(area: Area, edge: Area) -> tuple[float, complex]:
         middle = (1.0 + step) * low if np.isinf(high) else 0.5 * (low + high)
         beyond = shapely.difference(area, grown(edge, middle))
         if parts(beyond):
-            low, place, step = middle, place_in(beyond), 1.0
+            low, place, step = middle, interior_point(beyond), 1.0
         else:
             high = middle
     return float(shapely.distance(shapely.Point(place.real, place.imag), edge)), place
 
 
 def _quarter(radius: float, fineness: float) -> int:
-    """Chords of a quarter of a circle within `fineness`."""
+    """Number of chords of a quarter of a circle of `radius` [mm] within `fineness` [mm]."""
+    # The sagitta of a chord over an angle 2 h is radius (1 - cos h).
     angle = 2.0 * np.arccos(max(0.0, 1.0 - max(fineness, FINEST) / radius))
     return max(4, int(np.ceil(0.5 * np.pi / angle)))
 
@@ -1020,14 +1078,14 @@ def _chains(course: Course, fineness: float) -> list[ComplexArray]:
     return [np.concatenate(([start], part)) for start, part in zip(starts, parts, strict=True)]
 
 
-def _in_parts(chain: ComplexArray) -> Iterator[ComplexArray]:
-    """Parts of a chain, each from the end of the one before."""
+def _split_chain(chain: ComplexArray) -> Iterator[ComplexArray]:
+    """Parts of a chain of points, at most `LONGEST` pieces each, that follow each other."""
     for first in range(0, max(len(chain) - 1, 1), LONGEST):
         yield chain[first : first + LONGEST + 1]
 
 
 def _shape(chain: ComplexArray) -> Any:
-    """A line through points, or the point that all of them are."""
+    """A line through the points, or a point if all of them are equal."""
     keep = np.concatenate(([True], np.diff(chain) != 0.0))
     points = np.column_stack((chain[keep].real, chain[keep].imag))
     return shapely.LineString(points) if len(points) > 1 else shapely.Point(points[0])

@@ -12,22 +12,22 @@ from camgeo.milling.bench import (
     SAME,
     Bench,
     as_wide,
-    bore_of,
     clear_area,
     clear_around,
     clear_outside,
-    depths_of,
     drill_all,
-    engraved,
+    engraving_cut,
+    exact_boundary,
     finish_along,
     flank_curve,
-    letters_of,
+    groove_slot,
+    letter_walls,
     loops_along,
-    no_engraver,
+    pass_depths,
     rough_around,
     rough_outside,
-    slot_between,
     tightest,
+    unfit_for_engraving,
 )
 from camgeo.milling.cut import AreaCut, ContourCut, Cut
 from camgeo.milling.milling import (
@@ -48,12 +48,12 @@ BELOW = 0.1
 """How far the point of a chamfer mill runs beside the wall, as a share of the chamfer's size."""
 
 HOLE_NAME, MARK_NAME = "bore", "mark"
-"""What is drilled and engraved if the scene names nothing else."""
+"""Names of the boundaries that are drilled and engraved if the operation names none."""
 
 FLANKS = ("inner flank", "outer flank")
 
 KIND_OF_TOOL = {Kind.DRILL: DRILL, Kind.CHAMFER: CHAMFER_MILL}
-"""What kinds of operations need; the others need an end mill."""
+"""Kinds of tools that kinds of operations need; the others need an end mill."""
 
 
 def stated_cuts(bench: Bench) -> list[Cut]:
@@ -65,7 +65,7 @@ def stated_cuts(bench: Bench) -> list[Cut]:
         With the key of the operation, if its tool cannot do it.
     """
     tools = {tool.number: tool for tool in bench.milling.tools}
-    found: list[Cut] = []
+    cuts: list[Cut] = []
     faced = False
     for k, spec in enumerate(bench.milling.operations):
         key = f"operation[{k + 1}]"
@@ -77,18 +77,18 @@ def stated_cuts(bench: Bench) -> list[Cut]:
                 f"{key}.tool",
                 f"{spec.tool}",
             )
-        cut = _Stated(bench, spec, tool, key, tuple(found), faced=faced).cut()
+        cut = _StatedOperation(bench, spec, tool, key, tuple(cuts), faced=faced).cut()
         name = spec.name or cut.name
-        if name in (each.name for each in found):
+        if name in (earlier.name for earlier in cuts):
             raise GeometryError("each operation needs its own name", f"{key}.name", name)
         note = "; ".join(text for text in (spec.note, cut.note) if text)
-        found.append(replace(cut, name=name, climb=spec.climb, stop=spec.stop, note=note))
+        cuts.append(replace(cut, name=name, climb=spec.climb, stop=spec.stop, note=note))
         faced = faced or spec.kind == Kind.FACE
-    return found
+    return cuts
 
 
-class _Stated:
-    """One operation to be made a cut."""
+class _StatedOperation:
+    """One stated operation, to be turned into a cut after the `previous_cuts`."""
 
     def __init__(
         self,
@@ -96,7 +96,7 @@ class _Stated:
         spec: OperationSpec,
         tool: Tool,
         key: str,
-        before: tuple[Cut, ...],
+        previous_cuts: tuple[Cut, ...],
         *,
         faced: bool,
     ) -> None:
@@ -104,7 +104,7 @@ class _Stated:
         self.spec = spec
         self.tool = tool
         self.key = key
-        self.before = before
+        self.previous_cuts = previous_cuts
         # Z of the upper face of the material.
         self.top = 0.0 if faced else bench.milling.stock.top
 
@@ -153,7 +153,8 @@ class _Stated:
     def _face(self) -> Cut:
         if not self.top or self.bench.milling.stock.outline is None:
             message = (
-                f"there is nothing to face: the blank ends at the {self.bench.milling.up} face"
+                "there is nothing to face: the blank ends at the"
+                f" {self.bench.milling.top_face} face"
             )
             if self.top:
                 message = "the outline of a blank that is to be faced must be known"
@@ -165,42 +166,44 @@ class _Stated:
         """The bore, or holes of one size through the part."""
         walls = self._holes(self.spec.boundary or HOLE_NAME)
         for wall in walls:
-            if self.tool.radius > bore_of(wall).round_radius * (1.0 + SAME):
+            if self.tool.radius > exact_boundary(wall).round_radius * (1.0 + SAME):
                 self._require(f"it is larger than the {wall.boundary.name}")
         bottom, top = self.bench.bottom(walls[0]), self._top(walls[0])
         self._require(self.bench.too_short(self.tool, bottom, top))
-        places = {wall.boundary.name: complex(bore_of(wall).exact.centres[0]) for wall in walls}
+        places = {
+            wall.boundary.name: complex(exact_boundary(wall).exact.centres[0]) for wall in walls
+        }
         return drill_all(f"drill {', '.join(places)}", self.tool, top, bottom, places)
 
     def _holes(self, name: str) -> list[Wall]:
-        """The hole of that name, or those with it and a number."""
+        """The walls of the hole of that name, or of all holes that have the name and a number."""
         numbered = [
             wall
-            for each, wall in self.bench.walls.items()
-            if each.rpartition(" ")[0] == name and wall in self.bench.holes
+            for wall_name, wall in self.bench.walls.items()
+            if wall_name.rpartition(" ")[0] == name and wall in self.bench.holes
         ]
-        found = numbered or [self._wall(name)]
-        if any(not wall.boundary.hole or not self.bench.pierces(wall) for wall in found):
-            raise GeometryError("it is no hole", f"{self.key}.boundary", f'"{name}"')
-        return found
+        holes = numbered or [self._wall(name)]
+        if any(not wall.boundary.hole or not self.bench.pierces(wall) for wall in holes):
+            raise GeometryError("is not a through hole", f"{self.key}.boundary", f'"{name}"')
+        return holes
 
     def _engrave(self) -> Cut:
         name = self.spec.boundary or MARK_NAME
-        letters = letters_of(self.bench, name)
+        letters = letter_walls(self.bench, name)
         walls = letters or (self._wall(name),)
         if not letters and (walls[0] not in self.bench.holes or self.bench.pierces(walls[0])):
-            raise GeometryError("is no mark and no text", f"{self.key}.boundary", f'"{name}"')
-        self._require(no_engraver(self.bench, self.tool, walls))
-        return engraved(self.bench, walls, self.tool, self._top(walls[0]))
+            raise GeometryError("is neither a mark nor a text", f"{self.key}.boundary", f'"{name}"')
+        self._require(unfit_for_engraving(self.bench, self.tool, walls))
+        return engraving_cut(self.bench, walls, self.tool, self._top(walls[0]))
 
     def _top(self, wall: Wall) -> float:
-        """Z of the upper face of the material over a wall: that of the wall, if what stands beside
-        it has been laid free before.
+        """Z [mm] of the upper face of the material over a wall: the upper end of the wall itself,
+        if the boss beside it has been cleared down to there before.
         """
-        bosses = {each.boundary.name for each in self.bench.bosses}
+        bosses = {boss.boundary.name for boss in self.bench.bosses}
         laid_free = any(
             bosses & set(cut.produced) and isinstance(cut, AreaCut) and cut.bottom <= wall.z1
-            for cut in self.before
+            for cut in self.previous_cuts
         )
         return wall.z1 if laid_free else self.top
 
@@ -220,7 +223,7 @@ class _Stated:
         if wall in bench.bosses:
             if self.spec.strategy not in ("", Roughing.SPIRAL):
                 raise GeometryError(
-                    "leaves what is around it; all of that is cleared",
+                    "does not suit a boss, around which everything is cleared",
                     f"{self.key}.strategy",
                     f'"{self.spec.strategy}"',
                 )
@@ -239,22 +242,23 @@ class _Stated:
         key, value = f"{self.key}.strategy", f'"{Roughing.SPIRAL}"'
         if not outermost or self.bench.milling.stock.outline is None:
             raise GeometryError(
-                "clears what is around the part in a blank whose outline is stated", key, value
+                "needs a wall around the part, and a blank whose outline is stated", key, value
             )
-        made = clear_outside(self.bench, wall, self.tool, self._top(wall), self.spec.allowance)
-        if made is None:
+        cut = clear_outside(self.bench, wall, self.tool, self._top(wall), self.spec.allowance)
+        if cut is None:
             raise GeometryError(
-                "rays from the cam axis meet the cutter's path or the blank's edge twice",
+                "is not possible: rays from the cam axis meet the cutter's path or the edge of the"
+                " blank more than once",
                 key,
                 value,
             )
-        return made
+        return cut
 
     def _loops(self, wall: Wall) -> Cut:
         bench, holding = self.bench, self.bench.milling.holding
         if holding is not None and holding.tabs is not None and bench.is_through(wall):
             raise GeometryError(
-                f'leaves no tabs: state "{Roughing.RAMP}", or another holding',
+                f'cannot leave tabs: state "{Roughing.RAMP}", or another holding',
                 f"{self.key}.strategy",
                 f'"{Roughing.TROCHOIDAL}"',
             )
@@ -271,47 +275,47 @@ class _Stated:
         room = self._room(wall, bottom)
         cleared = room is not None
         top = self._top(wall)
-        made = finish_along(
+        cut = finish_along(
             bench,
             wall,
             tool,
             top,
             room or 0.0,
             rest=self._rest(wall, bottom) if cleared else 0.0,
-            depths=(bottom,) if cleared else depths_of(tool, top, bottom),
+            depths=(bottom,) if cleared else pass_depths(tool, top, bottom),
             cleared=cleared,
             springs=self.spec.springs,
             compensation=self.compensation,
         )
         if self.compensation != COMPUTED and not (cleared and room):
             raise GeometryError(
-                'needs a wall that is roughed before, and room for leads; or "computed"',
-                *self._said_compensation,
+                'needs room for leads beside a wall that is roughed before; "computed" does not',
+                *self._compensation_source,
             )
         if not cleared:
-            return replace(made, strategy="slot")
+            return replace(cut, strategy="slot")
         if not self.spec.allowance:
-            return made
+            return cut
         centre = wall.boundary.offset(tool.radius + self.spec.allowance)
-        return replace(made, centre=centre, allowance=self.spec.allowance)
+        return replace(cut, centre=centre, allowance=self.spec.allowance)
 
     def _room(self, wall: Wall, bottom: float) -> float | None:
-        """For leads [mm]: how far beside the path earlier operations have cleared all down to
-        `bottom`; None if they have not.
+        """Room for leads [mm]: the distance beside the path to which earlier operations have
+        cleared everything down to `bottom`; None if they have not.
         """
         name, tool = wall.boundary.name, self.tool
-        deep = [cut for cut in self.before if cut.bottom <= bottom]
+        deep = [cut for cut in self.previous_cuts if cut.bottom <= bottom]
         areas = [cut for cut in deep if isinstance(cut, AreaCut) and name in cut.produced]
         if any(not cut.slot for cut in areas):
             if name == "bore":
-                return 0.5 * (bore_of(wall).round_radius - tool.radius)
+                return 0.5 * (exact_boundary(wall).round_radius - tool.radius)
             return self.bench.room_outside(tool, self.compensation)
         slots = {cut.right: cut for cut in deep if isinstance(cut, ContourCut)}
         if name not in slots:
-            return max((self._beside_loops(cut) for cut in areas), default=None) or None
-        if name in FLANKS:
+            return max((self._room_in_loops(cut) for cut in areas), default=None) or None
+        if name in FLANKS:  # cutters at least half as wide, along both flanks, clear the groove
             half = abs(flank_curve(wall).distance)
-            if all(each in slots and slots[each].tool.diameter >= half for each in FLANKS):
+            if all(flank in slots and slots[flank].tool.diameter >= half for flank in FLANKS):
                 return 0.5 * max(0.0, half - tool.radius)
         # The slot is as wide as its cutter, and begins at its allowance, or a slack beside it.
         wider = 2.0 * (slots[name].tool.radius - tool.radius)
@@ -319,11 +323,11 @@ class _Stated:
         return max(0.0, spare + wider) if wider >= 0.0 else None
 
     def _rest(self, wall: Wall, bottom: float) -> float:
-        """What earlier operations down to `bottom` have left beside the path [mm]."""
+        """Thickness [mm] of what earlier operations down to `bottom` have left beside the path."""
         name = wall.boundary.name
         left = [
             cut.allowance
-            for cut in self.before
+            for cut in self.previous_cuts
             if cut.bottom <= bottom
             and (
                 (isinstance(cut, AreaCut) and name in cut.produced)
@@ -332,20 +336,20 @@ class _Stated:
         ]
         return max(0.0, min(left, default=0.0) - self.spec.allowance)
 
-    def _beside_loops(self, cut: AreaCut) -> float:
-        """As `_room`; the loops begin slightly beside the allowance."""
+    def _room_in_loops(self, cut: AreaCut) -> float:
+        """Room for leads [mm] in a trochoidal slot; loops begin slightly beside the allowance."""
         wider = 2.0 * (cut.tool.radius - self.tool.radius)
         room = cut.allowance - self.spec.allowance + wider + NARROWEST * cut.tool.radius
         return room if wider >= 0.0 else 0.0
 
     @property
     def compensation(self) -> str:
-        """That of the operation, or of all."""
+        """The compensation of the operation, or else that of all finishes."""
         return self.spec.compensation or self.bench.compensation
 
     @property
-    def _said_compensation(self) -> tuple[str, str]:
-        """Key and value in the scene."""
+    def _compensation_source(self) -> tuple[str, str]:
+        """Key and value in the scene that state the compensation."""
         if self.spec.compensation is None:
             return "output.gcode.compensation", f'"{self.bench.compensation}"'
         return f"{self.key}.compensation", f'"{self.spec.compensation}"'
@@ -358,35 +362,44 @@ class _Stated:
             self._require(f"it is not as wide as the groove, {width:g} mm: rough and finish it")
         top = self._top(outer)
         self._require(self.bench.too_short(self.tool, self.bench.bottom(outer), top))
-        return slot_between(self.bench, inner, outer, self.tool, top)
+        return groove_slot(self.bench, inner, outer, self.tool, top)
 
     def _chamfer(self) -> Cut:
-        """The edge that lies up: a pointed cutter runs with its point beside and below the edge."""
-        wall, size, tool = self._wall(self.spec.boundary), self.spec.size, self.tool
+        """A chamfer along the upper edge: a pointed cutter runs with its point beside the wall and
+        below the chamfer.
+        """
+        wall, size, tool, face = (
+            self._wall(self.spec.boundary),
+            self.spec.size,
+            self.tool,
+            self.bench.milling.top_face,
+        )
         assert size is not None  # which the rules of the scene require
         if wall.z1 != 0.0:
             raise GeometryError(
-                f"its {self.bench.milling.up} edge is not on the {self.bench.milling.up} face",
-                f"{self.key}.boundary",
+                f"its {face} edge is not on the {face} face", f"{self.key}.boundary"
             )
         if self.top:
             raise GeometryError(
-                f"the {self.bench.milling.up} face is not there yet: it is to be faced before",
+                f"the {face} face is not there yet: an operation must face it before",
                 f"{self.key}.kind",
                 '"chamfer"',
             )
-        # Its flank touches the lower edge of the chamfer a tenth of the size above the point.
+        # The point runs `BELOW` of the size beside the wall, so that its flank, not the point, cuts
+        # the lower edge of the chamfer; the upper edge is then at the radius `reach` of the cone.
         reach = (1.0 + BELOW) * size
-        depth, beside = reach * tool.tip_length / tool.radius, BELOW * size
+        depth, offset = reach * tool.tip_length / tool.radius, BELOW * size
         if reach > tool.radius:
-            self._require(f"its radius, {tool.radius:g} mm, does not cover {size:g} mm")
+            self._require(
+                f"its radius, {tool.radius:g} mm, is too small for a chamfer of {size:g} mm"
+            )
         if wall.z0 >= -depth:
             self._require(f"its point, {depth:.4g} mm deep, reaches the floor at Z {wall.z0:g} mm")
         self._require(self.bench.too_short(tool, -depth))
-        centre = wall.boundary.offset(beside)
+        centre = wall.boundary.offset(offset)
         for name, other in self.bench.walls.items():
             if other.z1 == 0.0 and name != wall.boundary.name:
-                self._keeps_off(centre, other.boundary, reach)
+                self._require_distance(centre, other.boundary, reach)
         return ContourCut(
             name=f"chamfer {wall.boundary.name}",
             strategy="slot",
@@ -401,13 +414,15 @@ class _Stated:
             note=f"{size:g} mm wide on the face",
         )
 
-    def _keeps_off(self, centre: Boundary, other: Boundary, reach: float) -> None:
+    def _require_distance(self, centre: Boundary, other: Boundary, reach: float) -> None:
         """GeometryError with key "size", if the cone comes to the edge of another wall."""
-        tracks = [Track.around(each.arcs(COARSE, "fast").contour) for each in (centre, other)]
-        apart = least_distance(*tracks)
-        if apart < reach + 2.0 * COARSE:
+        tracks = [
+            Track.around(boundary.arcs(COARSE, "fast").contour) for boundary in (centre, other)
+        ]
+        distance = least_distance(*tracks)
+        if distance < reach + 2.0 * COARSE:
             raise GeometryError(
-                f"the chamfer comes to the {other.name}, {apart:.3g} mm from the point",
+                f"the cutter would reach the {other.name}, {distance:.3g} mm from its point",
                 f"{self.key}.size",
                 f"{self.spec.size:g}",
             )

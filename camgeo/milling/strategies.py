@@ -1,7 +1,7 @@
 """Milling strategies: each makes the moves of a cut. A new one is a function and a line in
 `STRATEGIES`.
 
-Each begins with a traverse at the clearance height above its first point; `moves_of` ends at that
+Each begins with a traverse at the clearance height above its first point; `cut_moves` ends at that
 height.
 """
 
@@ -18,22 +18,30 @@ import shapely
 from camgeo.errors import GeometryError, UndercutError
 from camgeo.geometry.contour.contour import Contour, Effort, Fit, least_distance
 from camgeo.milling.clear import MOST_TURNS, clear, moat
-from camgeo.milling.compensation import side_of
+from camgeo.milling.compensation import compensation_side
 from camgeo.milling.cut import AreaCut, ContourCut, Cut, LetterCut, LineCut, PointCut
 from camgeo.milling.milling import CONTROL, END_MILL, Heights, Tool, ToolError
 from camgeo.milling.moves import Move, too_long
 from camgeo.milling.polygons import Area, parts, polygon
-from camgeo.milling.track import Beside, Track, begun, chained, flattest, joined, started
+from camgeo.milling.track import (
+    LeadSpec,
+    Track,
+    begin_at_distance,
+    begin_in_piece,
+    chain_tracks,
+    flattest,
+    join_leads,
+)
 from camgeo.milling.walk import (
     SPENT,
-    Walk,
+    ToolpathBuilder,
     along,
     coarse,
     cut_of_kind,
     descend,
     descent,
-    limit_of,
-    ramp_of,
+    engagement_limit,
+    ramp_angle,
     require_clear,
 )
 from camgeo.numeric.arrays import ComplexArray
@@ -48,7 +56,7 @@ from camgeo.reading import PROGRAM_LINES
 # slack; each round runs all of it.
 
 
-def profile(walk: Walk, tolerance: float, effort: Effort) -> None:
+def profile(builder: ToolpathBuilder, tolerance: float, effort: Effort) -> None:
     """Along one boundary, outside material or inside a hole.
 
     Where the material beside the path is cleared: down next to it, onto it and once around at each
@@ -60,55 +68,55 @@ def profile(walk: Walk, tolerance: float, effort: Effort) -> None:
     GeometryError
         If the cutter is too large for the boundary, or there is no room for leads.
     """
-    cut = cut_of_kind(walk.cut, ContourCut, "runs along a path")
+    cut = cut_of_kind(builder.cut, ContourCut, "runs along a path")
     if not (cut.cleared and cut.room):
-        slot(walk, tolerance, effort)
+        slot(builder, tolerance, effort)
         return
-    path = fitted(cut, tolerance, effort)
-    side = side_of(cut)
-    beside = Beside(
-        free=walk.free,
+    path = fit_path(cut, tolerance, effort)
+    side = compensation_side(cut)
+    spec = LeadSpec(
+        free=builder.free,
         usual=cut.tool.radius,
         straight=bool(side),
         aside=cut.tool.radius if cut.compensation == CONTROL else 0.0,
-        avoid=walk.avoid(cut.bottom),
+        avoid=builder.avoid(cut.bottom),
         least=0.0 if cut.tool.plunges else cut.rest,
     )
     place = None if cut.tabs is None else farthest_along_x(path)
     try:
-        contour, lead = joined(path, cut.room, beside, place=place)
+        contour, lead = join_leads(path, cut.room, spec, place=place)
     except GeometryError as error:
         raise GeometryError(f"{cut.name}: {error.message}", error.key, error.value) from None
     track = Track.around(contour)
-    back = Track.line(lead.off.end, lead.into.start)
-    walk.above(lead.into.start)
+    back = Track.line(lead.exit.end, lead.entry.start)
+    builder.traverse(lead.entry.start)
     for number, z in enumerate(cut.depths):
         if number:
-            walk.follow(back)
-        walk.down(z)
-        _lead_in(walk, lead.into, side)
+            builder.follow(back)
+        builder.lower(z)
+        _run_entry(builder, lead.entry, side)
         for _ in range(1 + (cut.springs if z == cut.bottom else 0)):
-            walk.profile(track, lifted(cut, track, z, z))
-        _lead_off(walk, lead.off, side)
+            builder.follow_heights(track, round_heights(cut, track, z, z))
+        _run_exit(builder, lead.exit, side)
 
 
-def _lead_in(walk: Walk, into: Track, side: str) -> None:
+def _run_entry(builder: ToolpathBuilder, entry: Track, side: str) -> None:
     """Onto the path; its first piece switches compensation on, if there is a `side` for it."""
-    first = float(into.lengths[0]) if side else 0.0
+    first = float(entry.lengths[0]) if side else 0.0
     if side:
-        walk.follow(into.between(0.0, first), switch=side)
-    walk.follow(into.between(first, into.length))
+        builder.follow(entry.section(0.0, first), switch=side)
+    builder.follow(entry.section(first, entry.length))
 
 
-def _lead_off(walk: Walk, off: Track, side: str) -> None:
+def _run_exit(builder: ToolpathBuilder, exit_track: Track, side: str) -> None:
     """Off the path; its last piece switches compensation off."""
-    last = off.length - float(off.lengths[-1]) if side else off.length
-    walk.follow(off.between(0.0, last))
+    last = exit_track.length - float(exit_track.lengths[-1]) if side else exit_track.length
+    builder.follow(exit_track.section(0.0, last))
     if side:
-        walk.follow(off.between(last, off.length), switch="off")
+        builder.follow(exit_track.section(last, exit_track.length), switch="off")
 
 
-def slot(walk: Walk, tolerance: float, effort: Effort) -> None:
+def slot(builder: ToolpathBuilder, tolerance: float, effort: Effort) -> None:
     """Rounds in full material, or between two boundaries with a cutter as wide as the gap.
 
     Down to the material on the path itself, then along it, no steeper than the tool may, to each
@@ -120,27 +128,27 @@ def slot(walk: Walk, tolerance: float, effort: Effort) -> None:
         If the cutter is too large for the path, or the path so short that the descent would take
         more than `MOST_ROUNDS`.
     """
-    cut = cut_of_kind(walk.cut, ContourCut, "runs along a path")
-    contour = fitted(cut, tolerance, effort)
+    cut = cut_of_kind(builder.cut, ContourCut, "runs along a path")
+    contour = fit_path(cut, tolerance, effort)
     if cut.tabs is None:
-        contour = started(contour, next(flattest(contour)))
+        contour = begin_in_piece(contour, next(flattest(contour)))
     else:
-        contour = begun(contour, farthest_along_x(contour))
+        contour = begin_at_distance(contour, farthest_along_x(contour))
     track = Track.around(contour)
-    walk.above(track.start)
+    builder.traverse(track.start)
     both = bool(cut.left)
     if cut.tool.plunges:
         for z in cut.depths:
-            walk.down(z)
-            walk.profile(track, lifted(cut, track, z, z), both=both)
+            builder.lower(z)
+            builder.follow_heights(track, round_heights(cut, track, z, z), both=both)
     else:
-        walk.down(cut.top)
+        builder.lower(cut.top)
         for z in cut.depths:
-            for end in descent(cut, walk.z, z, track.length):
-                walk.profile(track, lifted(cut, track, walk.z, end), both=both)
-        walk.profile(track, lifted(cut, track, cut.bottom, cut.bottom), both=both)
+            for end in descent(cut, builder.z, z, track.length):
+                builder.follow_heights(track, round_heights(cut, track, builder.z, end), both=both)
+        builder.follow_heights(track, round_heights(cut, track, cut.bottom, cut.bottom), both=both)
     for _ in range(cut.springs):
-        walk.profile(track, lifted(cut, track, cut.bottom, cut.bottom), both=both)
+        builder.follow_heights(track, round_heights(cut, track, cut.bottom, cut.bottom), both=both)
 
 
 def farthest_along_x(contour: Contour) -> float:
@@ -148,16 +156,18 @@ def farthest_along_x(contour: Contour) -> float:
 
     Parallels have these points on one normal.
     """
+    # On an arc x is largest where the arm points along +x, if the arc gets there: `turned` is the
+    # angle from its start, in its own direction.
     arms = contour.vertices - contour.centres
     turned = np.mod(-np.angle(arms) * np.where(contour.sweeps < 0.0, -1.0, 1.0), 2.0 * np.pi)
     round_there = (contour.sweeps != 0.0) & (turned < np.abs(contour.sweeps))
     most = np.where(round_there, contour.centres.real + contour.radii, contour.vertices.real)
     index = int(np.argmax(most))
-    before = float(np.sum(contour.lengths[:index]))
-    return before + (float(turned[index] * contour.radii[index]) if round_there[index] else 0.0)
+    passed = float(np.sum(contour.lengths[:index]))
+    return passed + (float(turned[index] * contour.radii[index]) if round_there[index] else 0.0)
 
 
-def fitted(cut: ContourCut, tolerance: float, effort: Effort) -> Contour:
+def fit_path(cut: ContourCut, tolerance: float, effort: Effort) -> Contour:
     """The cutter's path as lines and arcs within `tolerance` [mm], in the direction of cutting.
 
     Within a larger slack of the cut it is fitted fast.
@@ -185,13 +195,15 @@ def fitted(cut: ContourCut, tolerance: float, effort: Effort) -> Contour:
 
 
 RISE = math.radians(30.0)
-"""Of the way up onto a tab, through the slot that the cutter has just made."""
+"""Angle [rad] of the way up onto a tab, through the slot that the cutter has just made."""
 
 STEEPEST = math.radians(45.0)
-"""Of the way down from a tab of a tool that may plunge."""
+"""Angle [rad] of the way down from a tab, for a tool that may plunge."""
 
 
-def lifted(cut: ContourCut, track: Track, start: float, end: float) -> list[tuple[float, float]]:
+def round_heights(
+    cut: ContourCut, track: Track, start: float, end: float
+) -> list[tuple[float, float]]:
     """(distance along the round, z) [mm] from `start` to `end` of a round, evenly but for tabs.
 
     Over each tab the cutter stays above its top, which is given above the last depth, over the
@@ -214,36 +226,38 @@ def lifted(cut: ContourCut, track: Track, start: float, end: float) -> list[tupl
         return [(0.0, start), (length, end)]
     wide = tabs.width + cut.tool.diameter
     drop = top - min(start, end)
-    down = 1.0 if cut.tool.plunges else math.tan(ramp_of(cut))
-    up, off = drop / math.tan(RISE), drop / down
+    down = 1.0 if cut.tool.plunges else math.tan(ramp_angle(cut))
+    rise, fall = drop / math.tan(RISE), drop / down
     space = length / tabs.count
-    taken = up + wide + off
-    if taken > space:
-        room = space - up - wide
+    needed = rise + wide + fall
+    if needed > space:
+        room = space - rise - wide
         least = math.atan2(drop, room)
         if not cut.tool.plunges and least < STEEPEST:
             raise ToolError(
-                f"ramps of {math.degrees(ramp_of(cut)):.3g} degrees down from {tabs.count} tabs do"
-                f" not fit between them on the {length:.4g} mm of {cut.name}: at least"
+                f"ramps of {math.degrees(ramp_angle(cut)):.3g} degrees down from {tabs.count} tabs"
+                f" do not fit between them on the {length:.4g} mm of {cut.name}: at least"
                 f" {math.degrees(least):.3g} degrees are needed, or fewer or lower tabs, or a tool"
                 " that plunges",
                 cut.tool,
                 "ramp_angle",
             )
-        most = math.floor(length / (up + wide + drop))
+        most = math.floor(length / (rise + wide + drop))
         raise GeometryError(
-            f"{tabs.count} tabs, each wider than stated by the cutter's diameter, and the ways onto"
-            f" them and down again do not fit on the {length:.4g} mm of {cut.name}; there is room"
-            f" for {most}",
+            f"{tabs.count} tabs, each wider than stated by the cutter's diameter, and the ramps"
+            f" onto them and down again do not fit on the {length:.4g} mm of {cut.name}; there is"
+            f" room for {most}",
             key="holding.count",
             value=f"{tabs.count}",
         )
     middles = space * (np.arange(tabs.count) + 0.5)
-    shape = np.array([-0.5 * wide - up, -0.5 * wide, 0.5 * wide, 0.5 * wide + off])
-    places = (middles[:, None] + shape + 0.5 * (up - off)).ravel()
-    over = start + ((end - start) / length) * places
+    # Four corners over each tab: begin of the rise, both ends of the top, end of the descent; the
+    # whole shape is shifted so that its middle, not that of the top, is in the middle of a space.
+    shape = np.array([-0.5 * wide - rise, -0.5 * wide, 0.5 * wide, 0.5 * wide + fall])
+    places = (middles[:, None] + shape + 0.5 * (rise - fall)).ravel()
+    plain = start + ((end - start) / length) * places
     on_top = np.tile([False, True, True, False], tabs.count)
-    heights = np.where(on_top, np.maximum(over, top), over)
+    heights = np.where(on_top, np.maximum(plain, top), plain)
     inner = list(zip(places.tolist(), heights.tolist(), strict=True))
     return [(0.0, start), *inner, (length, end)]
 
@@ -251,40 +265,40 @@ def lifted(cut: ContourCut, track: Track, start: float, end: float) -> list[tupl
 # -- drill -----------------------------------------------------------------------------------------
 
 
-def drill(walk: Walk, tolerance: float, effort: Effort) -> None:  # noqa: ARG001  all strategies are called alike
+def drill(builder: ToolpathBuilder, tolerance: float, effort: Effort) -> None:  # noqa: ARG001  all strategies are called alike
     """Each hole to its depths one after the other, out of it for chips after each.
 
     All of it at the feed of a drill, or the plunge feed of a cutter: no rapid enters a hole.
     """
-    cut = cut_of_kind(walk.cut, PointCut, "cuts at points")
+    cut = cut_of_kind(builder.cut, PointCut, "cuts at points")
     for place in cut.points:
-        walk.above(place)
+        builder.traverse(place)
         for z in cut.depths:
-            walk.down(z, feed=cut.sinking)
-            walk.out()
+            builder.lower(z, feed=cut.sinking)
+            builder.retract()
 
 
 # -- engrave --------------------------------------------------------------------------------------
 # A mark as wide as the cutter: to and fro along a line.
 
 
-def engrave(walk: Walk, tolerance: float, effort: Effort) -> None:  # noqa: ARG001  all strategies are called alike
+def engrave(builder: ToolpathBuilder, tolerance: float, effort: Effort) -> None:  # noqa: ARG001  all strategies are called alike
     """To each depth in turn by ramps along the line, straight down where the tool may plunge, and
     once along it there.
     """
-    cut = cut_of_kind(walk.cut, LineCut, "cuts along a line")
+    cut = cut_of_kind(builder.cut, LineCut, "cuts along a line")
     line = Track.line(cut.start, cut.end)
-    walk.above(cut.start)
-    walk.down(cut.top)
+    builder.traverse(cut.start)
+    builder.lower(cut.top)
     above = cut.top
     for z in cut.depths:
         if cut.tool.plunges:
-            walk.down(z)
+            builder.lower(z)
         else:
             for end in descent(cut, above, z, line.length):
-                walk.follow(line, end, both=True)
+                builder.follow(line, end, both=True)
                 line = line.reversed()
-        walk.follow(line, both=True)
+        builder.follow(line, both=True)
         line = line.reversed()
         above = z
 
@@ -301,15 +315,15 @@ def engrave(walk: Walk, tolerance: float, effort: Effort) -> None:  # noqa: ARG0
 FINE: Final = 1e-3
 """Tolerance [mm] of the outlines of strokes, of their chords, and of what paths are thinned by."""
 
-OFF: Final = 4.0 * FINE
-"""By how much cutters stay off letters [mm], so that their paths can be proved to cut none: once
-for each of these, and for the chords of round corners."""
+STANDOFF: Final = 4.0 * FINE
+"""Distance [mm] that cutters keep from letters, so that their paths can be proved to cut none:
+`FINE` for each of its three uses, and once for the chords of round corners."""
 
 CORNERS: Final = 24
 """Chords of a quarter of a round corner."""
 
 
-def letters(walk: Walk, tolerance: float, effort: Effort) -> None:  # noqa: ARG001  all strategies are called alike
+def letters(builder: ToolpathBuilder, tolerance: float, effort: Effort) -> None:  # noqa: ARG001  all strategies are called alike
     """Straight down to each depth in turn and once around, then on to the next round at the
     clearance height.
 
@@ -318,53 +332,54 @@ def letters(walk: Walk, tolerance: float, effort: Effort) -> None:  # noqa: ARG0
     GeometryError
         With key "toolpath", if a path comes too near to an outline.
     """
-    cut = cut_of_kind(walk.cut, LetterCut, "cuts letters")
-    walls = [each.arcs(FINE, "fast") for each in cut.walls]
+    cut = cut_of_kind(builder.cut, LetterCut, "cuts letters")
+    walls = [wall.arcs(FINE, "fast") for wall in cut.walls]
     for stroke in strokes(cut.walls):
-        around = [each for each in walls if _bounds(each, stroke)]
+        around = [wall for wall in walls if _bounds(wall, stroke)]
         for path in centres(stroke, cut):
             _require_clear(path, around, cut)
             track = Track.around(path)
-            walk.above(track.start)
-            walk.down(cut.top)
+            builder.traverse(track.start)
+            builder.lower(cut.top)
             for z in cut.depths:
-                walk.down(z)
-                walk.follow(track)
+                builder.lower(z)
+                builder.follow(track)
 
 
 def _bounds(wall: Fit, stroke: Area) -> bool:
     """Whether a wall bounds a stroke."""
     point = complex(wall.contour.vertices[0])
-    apart = shapely.distance(shapely.Point(point.real, point.imag), shapely.boundary(stroke))
-    return float(apart) <= 2.0 * FINE
+    distance = shapely.distance(shapely.Point(point.real, point.imag), shapely.boundary(stroke))
+    return float(distance) <= 2.0 * FINE
 
 
 def _require_clear(path: Contour, walls: list[Fit], cut: LetterCut) -> None:
     needed = cut.tool.radius + cut.allowance
     for wall in walls:
-        apart = least_distance(Track.around(path), Track.around(wall.contour)) - wall.deviation
-        if apart < needed:
+        distance = least_distance(Track.around(path), Track.around(wall.contour)) - wall.deviation
+        if distance < needed:
             raise GeometryError(
-                f"{cut.name} comes {needed - apart:.3g} mm too near to an outline", key="toolpath"
+                f"{cut.name} comes {needed - distance:.3g} mm too near to an outline",
+                key="toolpath",
             )
 
 
 def strokes(walls: Sequence[Boundary]) -> list[Area]:
     """A polygon for each connected stroke [mm]."""
-    return parts(polygon([each.arcs(FINE, "fast").contour for each in walls], FINE))
+    return parts(polygon([wall.arcs(FINE, "fast").contour for wall in walls], FINE))
 
 
 def unfit_for_letters(tool: Tool, walls: Sequence[Boundary]) -> str:
-    """Why a tool does not make the strokes of letters; empty if it does."""
+    """Why a tool cannot cut the strokes of letters; empty if it can."""
     if tool.kind != END_MILL or tool.corner_radius:
         return "letters are cut with a flat end mill"
     if not tool.plunges:
-        return "letters take a tool that plunges"
+        return "letters need a tool that may plunge"
     for stroke in strokes(walls):
-        place = unreached(stroke, tool.radius + OFF)
+        place = unreached(stroke, tool.radius + STANDOFF)
         if place is not None:
             x, y = place
-            return f"{tool.diameter:g} mm are wider than a stroke at X {x:.4g}, Y {y:.4g} mm"
+            return f"{tool.diameter:g} mm is wider than the stroke at X {x:.4g}, Y {y:.4g} mm"
     return ""
 
 
@@ -378,22 +393,23 @@ def centres(stroke: Area, cut: LetterCut) -> list[Contour]:
         With key "tool.stepover", if they are more than `MOST_TURNS`.
     """
     step = min(cut.stepover, cut.tool.radius)
-    first = cut.tool.radius + cut.allowance + OFF
+    first = cut.tool.radius + cut.allowance + STANDOFF
     shrunk = (
+        # Enough offsets to shrink any stroke to nothing: it is narrower than half its perimeter.
         shapely.buffer(stroke, -(first + number * step), quad_segs=CORNERS)
         for number in range(int(stroke.length / step) + 2)
     )
-    found: list[Contour] = []
-    for number, area in enumerate(takewhile(lambda each: not each.is_empty, shrunk)):
+    paths: list[Contour] = []
+    for number, area in enumerate(takewhile(lambda area: not area.is_empty, shrunk)):
         if number == MOST_TURNS:
             raise GeometryError(
-                f"makes more than {MOST_TURNS} rounds in a stroke of {cut.name}",
+                f"is too small: {cut.name} would need more than {MOST_TURNS} rounds in a stroke",
                 "tool.stepover",
                 f"{cut.stepover:g}",
             )
         thin = shapely.orient_polygons(shapely.simplify(area, FINE))
-        found += [_round(ring[:-1], climb=cut.climb) for ring in rings(thin)]
-    return found[::-1]
+        paths += [_round(ring[:-1], climb=cut.climb) for ring in rings(thin)]
+    return paths[::-1]
 
 
 def _round(ring: ComplexArray, *, climb: bool) -> Contour:
@@ -404,22 +420,23 @@ def _round(ring: ComplexArray, *, climb: bool) -> Contour:
 
 def rings(area: Area) -> tuple[ComplexArray, ...]:
     """All rings of `area`, outer and inner, as complex [mm]."""
-    found = []
-    for each in parts(area):
-        for ring in (each.exterior, *each.interiors):
+    outlines = []
+    for part in parts(area):
+        for ring in (part.exterior, *part.interiors):
             points = shapely.get_coordinates(ring)
-            found.append(points[:, 0] + 1j * points[:, 1])
-    return tuple(found)
+            outlines.append(points[:, 0] + 1j * points[:, 1])
+    return tuple(outlines)
 
 
-def reached(cut: LetterCut) -> list[Contour]:
-    """The outlines of what the cutter makes of the letters: their corners are round."""
-    found: list[Contour] = []
+def letter_outlines(cut: LetterCut) -> list[Contour]:
+    """The outlines that the cutter makes of the letters: their corners are round."""
+    # All places of the cutter's centre, then all that its circle covers from there: an opening.
+    outlines: list[Contour] = []
     for stroke in strokes(cut.walls):
-        within = shapely.buffer(stroke, -cut.tool.radius, quad_segs=CORNERS)
-        made = shapely.buffer(within, cut.tool.radius, quad_segs=CORNERS)
-        found += [Contour.polygon(ring[:-1]) for ring in rings(made)]
-    return found
+        centre_area = shapely.buffer(stroke, -cut.tool.radius, quad_segs=CORNERS)
+        cut_area = shapely.buffer(centre_area, cut.tool.radius, quad_segs=CORNERS)
+        outlines += [Contour.polygon(ring[:-1]) for ring in rings(cut_area)]
+    return outlines
 
 
 # -- trochoid -------------------------------------------------------------------------------------
@@ -439,25 +456,25 @@ HOLLOW: Final = 0.45
 """Radius of a loop as a share of that of the path, where it bends towards the loops, at most."""
 
 SHORTER: Final = 0.97
-"""Share by which a step is tried shorter until the loops are near enough."""
+"""Factor by which a step is shortened until the loops are near enough."""
 
 PLACES: Final = 721
-"""Of a loop at which its engagement is compared."""
+"""Places on a loop at which its engagement is computed."""
 
 ROUNDING: Final = 1e-4
-"""Angle [rad] by which it may be larger between these."""
+"""Angle [rad] by which the engagement may be larger between these places."""
 
 BISECTED: Final = 40
 """Steps of a bisection."""
 
 MOVES: Final = 4
-"""Of a loop at least: the way to it, two of its cutting part, and the way back."""
+"""Least number of moves of a loop: the way to it, two in its cutting part, and the way back."""
 
 SHORTEST: Final = 1e-3
-"""Of a step, as a share of the cutter's radius: a limit that asks for less cannot be kept."""
+"""Least step, as a share of the cutter's radius: a limit that requires less cannot be kept."""
 
 
-def trochoid(walk: Walk, tolerance: float, effort: Effort) -> None:  # noqa: ARG001  all strategies are called alike
+def trochoid(builder: ToolpathBuilder, tolerance: float, effort: Effort) -> None:  # noqa: ARG001  all strategies are called alike
     """A slot of at most the width `cut.slot` along the first wall, to each depth in turn without
     leaving it.
 
@@ -466,24 +483,24 @@ def trochoid(walk: Walk, tolerance: float, effort: Effort) -> None:  # noqa: ARG
     GeometryError
         If the cutter is too large for the wall or the slot, or no step keeps the engagement.
     """
-    cut = cut_of_kind(walk.cut, AreaCut, "clears an area")
+    cut = cut_of_kind(builder.cut, AreaCut, "clears an area")
     fine, wall = coarse(cut, tolerance), cut.walls[0]
     path = along(wall, cut, fine)
-    path = started(path, next(flattest(path)))
+    path = begin_in_piece(path, next(flattest(path)))
     path = path if wall.hole == cut.climb else path.reversed()
-    size = _loop(cut, path, walk.free, fine)
-    steps = list(_steps(cut, Track.around(path), walk.free, size, fine))
-    level = chained([track for track, _ in steps])
-    for each in cut.walls:
-        require_clear(level, each, cut, fine)
+    size = _loop(cut, path, builder.free, fine)
+    steps = list(_steps(cut, Track.around(path), builder.free, size, fine))
+    level = chain_tracks([track for track, _ in steps])
+    for boundary in cut.walls:
+        require_clear(level, boundary, cut, fine)
     # The round of the helix at its depth: its floor is still sloping.
-    helix = _circle(Track.around(path), 0.0, walk.free, size)
+    helix = _circle(Track.around(path), 0.0, builder.free, size)
     for above, z in pairwise((cut.top, *cut.depths)):
-        descend(walk, helix, above, z)
-        walk.follow(helix)
+        descend(builder, helix, above, z)
+        builder.follow(helix)
         for track, air in steps:
-            walk.follow(track, air=air)
-    walk.follow(helix.between(0.0, 0.5 * helix.length))
+            builder.follow(track, air=air)
+    builder.follow(helix.section(0.0, 0.5 * helix.length))
 
 
 def _loop(cut: AreaCut, path: Contour, free: int, fine: float) -> float:
@@ -513,7 +530,7 @@ def _hundredths(diameter: float) -> float:
 
 def _circle(path: Track, place: float, free: int, size: float) -> Track:
     """A full circle that touches the path at `place` [mm] along it, on its free side."""
-    (point,), (heading,) = path.at(np.array([place]))
+    (point,), (heading,) = path.points_and_tangents(np.array([place]))
     centre = complex(point + free * 1j * heading * size)
     return Track.arc(complex(point), centre, free * 2.0 * math.pi)
 
@@ -521,12 +538,13 @@ def _circle(path: Track, place: float, free: int, size: float) -> Track:
 def _steps(
     cut: AreaCut, path: Track, free: int, size: float, fine: float
 ) -> Iterator[tuple[Track, bool]]:
-    """Ways along the path, each followed by a circle in two parts, and whether each is in air.
+    """Tracks along the path, each followed by a circle in two parts, and whether each is in air.
 
-    A circle leaves the material slightly behind its half: its middle is `largest` ahead at most.
+    A circle leaves the material slightly after half of it, as its centre is at most `largest` [mm]
+    ahead of that of the circle before.
     """
-    length, limit = path.length, limit_of(cut, fine)
-    largest = min(cut.stepover, ahead(size, cut.tool.radius, limit))
+    length, limit = path.length, engagement_limit(cut, fine)
+    largest = min(cut.stepover, largest_advance(size, cut.tool.radius, limit))
     least = SHORTEST * cut.tool.radius
     if largest < least:
         raise GeometryError(
@@ -535,25 +553,28 @@ def _steps(
     if MOVES * len(cut.depths) * length > PROGRAM_LINES * largest:
         raise too_long()
     cutting = size * (math.pi + math.asin(min(0.5 * largest / size, 1.0)))
-    place, before = 0.0, _circle(path, 0.0, free, size)
+    place, previous = 0.0, _circle(path, 0.0, free, size)
     while place < length:
         step = min(largest, length - place)
         # Where the path bends away from the loops their middles are farther apart than the steps.
-        while step > least and _apart(before, _circle(path, place + step, free, size)) > largest:
+        while (
+            step > least
+            and _centre_distance(previous, _circle(path, place + step, free, size)) > largest
+        ):
             step *= SHORTER
         end = place + step if length - place - step > least else length
-        yield path.between(place, end), False
-        before = _circle(path, end, free, size)
-        yield before.between(0.0, cutting), False
-        yield before.between(cutting, before.length), True
+        yield path.section(place, end), False
+        previous = _circle(path, end, free, size)
+        yield previous.section(0.0, cutting), False
+        yield previous.section(cutting, previous.length), True
         place = end
 
 
-def _apart(one: Track, other: Track) -> float:
+def _centre_distance(one: Track, other: Track) -> float:
     return abs(complex(one.centres[0] - other.centres[0]))
 
 
-def ahead(size: float, radius: float, limit: float) -> float:
+def largest_advance(size: float, radius: float, limit: float) -> float:
     """How far a loop may be ahead of the one before it [mm] for an engagement of `limit` [rad].
 
     Parameters
@@ -564,28 +585,30 @@ def ahead(size: float, radius: float, limit: float) -> float:
     low, high = 0.0, 2.0 * (size + radius)
     for _ in range(BISECTED):
         middle = 0.5 * (low + high)
-        if engaged(size, radius, middle) <= limit - ROUNDING:
+        if loop_engagement(size, radius, middle) <= limit - ROUNDING:
             low = middle
         else:
             high = middle
     return low
 
 
-def engaged(size: float, radius: float, apart: float) -> float:
-    """Largest engagement [rad] on a loop whose middle is `apart` [mm] from that of the one before.
+def loop_engagement(size: float, radius: float, advance: float) -> float:
+    """Largest engagement [rad] on a loop whose middle is `advance` [mm] ahead of the previous one.
 
     The cutter is in material outside the disc that the loop before has swept: up to its crossings
     with the circle around that disc, which lie about the ray from the middle of the disc. Ahead of
     that ray's normal it is engaged the more, the more the ray leans forward.
     """
     around = np.linspace(-np.pi, 0.0, PLACES)
-    # Of the cutter's centre, seen from the middle of the loop before; the next is at `apart`.
-    arm = apart + size * np.exp(1j * around)
+    # The cutter's centre, seen from the middle of the loop before, from which the next one's middle
+    # is `advance` away. By the law of cosines the crossings are `half` off the ray to the centre.
+    arm = advance + size * np.exp(1j * around)
     far = np.abs(arm)
     reach = size + radius
     cosine = (reach * reach - far * far - radius * radius) / (2.0 * far * radius)
     half = np.arccos(np.clip(cosine, -1.0, 1.0))
     turned = np.abs(np.angle(1j * np.exp(1j * around) / arm))
+    # Only the leading half of the cutter cuts: both ends are limited to a right angle.
     angles = np.minimum(turned + half, 0.5 * np.pi) - np.maximum(turned - half, -0.5 * np.pi)
     return float(np.max(np.maximum(angles, 0.0)))
 
@@ -593,10 +616,9 @@ def engaged(size: float, radius: float, apart: float) -> float:
 # -- all ------------------------------------------------------------------------------------------
 
 
-Strategy = Callable[[Walk, float, Effort], None]
-"""Adds the moves of the cut of a walk, from the tolerance of its path [mm] and the effort of
-fitting.
-"""
+Strategy = Callable[[ToolpathBuilder, float, Effort], None]
+"""Adds the moves of a cut to its toolpath builder, from the tolerance of its path [mm] and the
+effort of fitting."""
 
 STRATEGIES: Final[dict[str, Strategy]] = {
     "profile": profile,
@@ -612,7 +634,7 @@ STRATEGIES: Final[dict[str, Strategy]] = {
 }
 
 
-def moves_of(cut: Cut, heights: Heights, tolerance: float, effort: Effort) -> list[Move]:
+def cut_moves(cut: Cut, heights: Heights, tolerance: float, effort: Effort) -> list[Move]:
     """The moves of a cut by its strategy, and up to the clearance height.
 
     Raises
@@ -627,12 +649,12 @@ def moves_of(cut: Cut, heights: Heights, tolerance: float, effort: Effort) -> li
             "toolpath",
             cut.strategy,
         )
-    walk = Walk(cut, heights)
+    builder = ToolpathBuilder(cut, heights)
     try:
-        STRATEGIES[cut.strategy](walk, tolerance, effort)
+        STRATEGIES[cut.strategy](builder, tolerance, effort)
     except GeometryError as error:
         if error.key == "tool" and not isinstance(error, ToolError):
             raise ToolError(f"{cut.name}: {error.message}", cut.tool) from error
         raise
-    walk.up()
-    return walk.moves
+    builder.lift()
+    return builder.moves

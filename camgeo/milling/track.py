@@ -107,7 +107,7 @@ class Track(PieceChain):
         parts = taken(pieces, index).between(first, last)
         return type(self)(np.append(parts.starts, self.vertices[-1]), parts.sweeps, parts.centres)
 
-    def at(self, distances: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+    def points_and_tangents(self, distances: FloatArray) -> tuple[ComplexArray, ComplexArray]:
         """(m,) points [mm] and unit tangents at `distances` (m,) [mm] from its start along it."""
         stops = np.concatenate(([0.0], np.cumsum(self.lengths)))
         index = np.clip(np.searchsorted(stops, distances, "right") - 1, 0, len(self) - 1)
@@ -117,17 +117,18 @@ class Track(PieceChain):
         points = pieces.at(np.clip(share, 0.0, 1.0))
         return points, pieces.tangents(points)
 
-    def between(self, start: float, end: float) -> Self:
+    def section(self, start: float, end: float) -> Self:
         """The part from `start` to `end` [mm] along it, 0 <= start < end <= length."""
         stops = np.concatenate(([0.0], np.cumsum(self.lengths)))
         slack = FLAT
+        # Joints strictly inside; the piece between two cuts is the one at their middle.
         inner = np.flatnonzero((stops > start + slack) & (stops < end - slack))
         cuts = np.concatenate(([start], stops[inner], [end]))
         index = np.clip(
             np.searchsorted(stops, 0.5 * (cuts[:-1] + cuts[1:]), "right") - 1, 0, len(self) - 1
         )
         share = np.diff(cuts) / self.lengths[index]
-        ends, _ = self.at(np.array([start, end]))
+        ends, _ = self.points_and_tangents(np.array([start, end]))
         if start <= slack:
             ends[0] = self.vertices[0]
         if end >= stops[-1] - slack:
@@ -136,20 +137,20 @@ class Track(PieceChain):
         return type(self)(vertices, self.sweeps[index] * share, self.centres[index])
 
 
-def track_of(pieces: Sequence[Arc]) -> Track:
+def track_along(pieces: Sequence[Arc]) -> Track:
     """Along pieces that each begin where the one before it ends."""
-    vertices = np.array([pieces[0].start, *(each.end for each in pieces)])
-    sweeps = np.array([each.sweep for each in pieces])
-    return Track(vertices, sweeps, np.array([each.centre for each in pieces]))
+    vertices = np.array([pieces[0].start, *(piece.end for piece in pieces)])
+    sweeps = np.array([piece.sweep for piece in pieces])
+    return Track(vertices, sweeps, np.array([piece.centre for piece in pieces]))
 
 
-def chained(tracks: Iterable[Track]) -> Track:
+def chain_tracks(tracks: Iterable[Track]) -> Track:
     """One after the other; each begins where the one before it ends, to rounding."""
     parts = list(tracks)
     return Track(
-        np.concatenate([parts[0].vertices[:1], *(each.vertices[1:] for each in parts)]),
-        np.concatenate([each.sweeps for each in parts]),
-        np.concatenate([each.centres for each in parts]),
+        np.concatenate([parts[0].vertices[:1], *(part.vertices[1:] for part in parts)]),
+        np.concatenate([part.sweeps for part in parts]),
+        np.concatenate([part.centres for part in parts]),
     )
 
 
@@ -161,25 +162,27 @@ def chained(tracks: Iterable[Track]) -> Track:
 
 
 SMALLEST_SHARE = 1.0 / 64.0
-"""A lead is halved down to this fraction of its room before it is given up."""
+"""Fraction of its room down to which a lead is halved before the place is given up."""
 
 SHORTEST = 0.02
 """A piece shorter than this share of the path is no place for leads: it rounds a corner."""
 
 NEAR = 1.0 / 32.0
-"""Share of a lead next to the path that its curvature decides on; the rest is measured."""
+"""Share of a lead next to the path that is known to be clear by its curvature; for the rest the
+distance is measured."""
 
 LEAST_TURN = math.radians(15.0)
-"""A lead turns by no less off a straight path, however narrow its room: its arc is then smaller."""
+"""Least turn of a lead off a straight path [rad]; in narrow room its arc is made smaller
+instead."""
 
 SMALLEST_TURN = 0.1 * LEAST_TURN
-"""No lead turns by less, off whatever path."""
+"""Least turn of a lead off any path [rad]."""
 
 CLOSE = 1e-6
-"""The end of a lead is as far off the path as the room is, or it is not, within this [mm]."""
+"""Tolerance [mm] of the distance between the end of a lead and the path."""
 
 STEPS = 32
-"""Into which the turns are divided among which that of a lead is looked for."""
+"""Parts into which an interval of turns is divided in the search for that of a lead."""
 
 LEAST_STEP = 1e-10
 """Turns [rad] that differ by less are equal: by far less than `CLOSE` at the end of any lead."""
@@ -201,8 +204,8 @@ MOST_PLACES = 24
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Beside:
-    """What leads keep to beside a path.
+class LeadSpec:
+    """Requirements on the leads of a path.
 
     Attributes
     ----------
@@ -234,13 +237,13 @@ class Lead:
     into, off : the first ends and the second begins where the path begins, both along it.
     """
 
-    into: Track
-    off: Track
+    entry: Track
+    exit: Track
 
 
-def started(contour: Contour, index: int) -> Contour:
-    """The same contour, starting in the middle of its piece `index`, an arc or a line."""
-    return _parted(contour.rolled(index), 0.5)
+def begin_in_piece(contour: Contour, index: int) -> Contour:
+    """The contour, starting in the middle of its piece `index`, an arc or a line."""
+    return _begin_in_first_piece(contour.rolled(index), 0.5)
 
 
 def flattest(contour: Contour) -> Iterator[int]:
@@ -253,24 +256,24 @@ def flattest(contour: Contour) -> Iterator[int]:
         long = lengths == np.max(lengths)
     radii = contour.radii
     bends = np.divide(1.0, radii, out=np.zeros_like(radii), where=radii > 0.0)
-    # Arcs of one rest differ by rounding.
+    # Curvatures are rounded: the arcs of one dwell differ by rounding and count as equal.
     order = sorted(np.flatnonzero(long), key=lambda k: (round(float(bends[k]), 6), -lengths[k]))
     yield from (int(k) for k in order[:MOST_PLACES])
 
 
-def begun(contour: Contour, distance: float) -> Contour:
-    """The same contour, starting `distance` [mm] along it from its first vertex."""
+def begin_at_distance(contour: Contour, distance: float) -> Contour:
+    """The contour, starting `distance` [mm] along it from its first vertex."""
     stops = np.cumsum(contour.lengths)
     index = min(int(np.searchsorted(stops, distance, "right")), len(contour) - 1)
     length = float(contour.lengths[index])
     share = 1.0 - (float(stops[index]) - distance) / length
     if share * length < LEAST_PART or (1.0 - share) * length < LEAST_PART:
         return contour.rolled(index + round(share))
-    return _parted(contour.rolled(index), share)
+    return _begin_in_first_piece(contour.rolled(index), share)
 
 
-def _parted(contour: Contour, share: float) -> Contour:
-    """The same contour, starting inside its first piece, at `share` of its length."""
+def _begin_in_first_piece(contour: Contour, share: float) -> Contour:
+    """The contour, starting inside its first piece, at `share` of that piece's length."""
     sweep, centre = contour.sweeps[0], contour.centres[0]
     start, end = contour.vertices[0], contour.ends[0]
     there = start + share * (end - start)
@@ -283,8 +286,8 @@ def _parted(contour: Contour, share: float) -> Contour:
     )
 
 
-def joined(
-    path: Contour, room: float, beside: Beside, *, place: float | None = None
+def join_leads(
+    path: Contour, room: float, spec: LeadSpec, *, place: float | None = None
 ) -> tuple[Contour, Lead]:
     """The path, begun at its flattest place where leads fit, and these leads.
 
@@ -301,19 +304,19 @@ def joined(
         they join the path; with key "output.gcode.compensation" if that asks for longer ones.
     """
     size = room
-    places = [started(path, index) for index in flattest(path)]
+    places = [begin_in_piece(path, index) for index in flattest(path)]
     if place is not None:
-        places = [begun(path, place)]
-    while size >= max(SMALLEST_SHARE * room, beside.least - CLOSE):
+        places = [begin_at_distance(path, place)]
+    while size >= max(SMALLEST_SHARE * room, spec.least - CLOSE):
         for there in places:
-            lead = lead_at(there, size, beside)
+            lead = fit_leads(there, size, spec)
             if lead is not None:
                 return there, lead
         size /= 2.0
-    if beside.aside:
+    if spec.aside:
         raise GeometryError(
             "there is no room next to the outline for leads with a line of"
-            f" {ASIDE * beside.aside:g} mm, in which the controller takes up the cutter's radius;"
+            f" {ASIDE * spec.aside:g} mm, in which the controller takes up the cutter's radius;"
             ' "wear" needs less',
             key="output.gcode.compensation",
             value='"control"',
@@ -324,27 +327,31 @@ def joined(
     )
 
 
-def lead_at(path: Contour, room: float, beside: Beside) -> Lead | None:
-    """Leads where the path begins, as of `joined`; None if they do not fit.
+def fit_leads(path: Contour, room: float, spec: LeadSpec) -> Lead | None:
+    """The leads that join the path at its first vertex; None if they do not fit.
+
+    Parameters
+    ----------
+    room : distance [mm] from the path at which the leads end.
 
     Their ends are as far off the path as the room is, within `CLOSE`; less only where the path
     itself is too tight for that, and never less than `beside.least`.
     """
     track = Track.around(path)
     along = track.headings[0]
-    off = _way(track, along, room, _bend(path, 0, beside.free), beside)
-    back = replace(beside, free=-beside.free)
-    into = _way(track, -along, room, _bend(path, -1, beside.free), back)
-    if off is None or into is None:
+    exit_track = _lead_track(track, along, room, _bend(path, 0, spec.free), spec)
+    back = replace(spec, free=-spec.free)
+    into = _lead_track(track, -along, room, _bend(path, -1, spec.free), back)
+    if exit_track is None or into is None:
         return None
-    lead = Lead(into.reversed(), off)
-    if not _keeps_off(lead, beside.avoid):
+    lead = Lead(into.reversed(), exit_track)
+    if not _keeps_distance(lead, spec.avoid):
         return None
     ways = [
         (way, min(NEAR * way.length, 0.5 * float(path.lengths[k])))
-        for way, k in ((off, 0), (into, -1))
+        for way, k in ((exit_track, 0), (into, -1))
     ]
-    fits = all(_is_clear(path, track, way, skip, beside.free) for way, skip in ways)
+    fits = all(_is_clear(path, track, way, skip, spec.free) for way, skip in ways)
     return lead if fits else None
 
 
@@ -354,50 +361,52 @@ def _bend(path: Contour, piece: int, free: int) -> float:
     return math.copysign(1.0, free * sweep) / float(path.radii[piece]) if sweep else 0.0
 
 
-def _way(path: Track, along: complex, room: float, bend: float, beside: Beside) -> Track | None:
+def _lead_track(
+    path: Track, along: complex, room: float, bend: float, spec: LeadSpec
+) -> Track | None:
     """The way from the beginning of the closed path, in the direction `along` and with the free
-    side of `beside` seen in it, that ends `room` [mm] off the path; None if there is none.
+    side of `spec` seen in it, that ends `room` [mm] off the path; None if there is none.
 
     `bend` is the curvature [1/mm] of the path there, positive towards the free side: then it goes
     up to half its radius off it, by as much of a turn as that takes.
     """
     if bend > 0.0:
         room = min(room, FARTHEST / bend)
-    lift = room - ASIDE * beside.aside if beside.aside else room * (0.5 if beside.straight else 1.0)
+    lift = room - ASIDE * spec.aside if spec.aside else room * (0.5 if spec.straight else 1.0)
     if lift <= 0.0:
         return None
     # An arc of radius r that turns by t is r (1 - cos t) off a straight path: a quarter turn in
     # wide room, a flatter and larger arc in a narrow one.
-    radius = max(lift, min(beside.usual, lift / (1.0 - math.cos(LEAST_TURN))))
+    radius = max(lift, min(spec.usual, lift / (1.0 - math.cos(LEAST_TURN))))
     if bend > 0.0:
         radius = min(radius, TIGHTEST / bend)
     # A line at the angle of a flat lead's end, which gets the rest of the room off it.
     flat = math.acos(max(1.0 - lift / radius, 0.0))
-    line = ASIDE * beside.aside if beside.aside else (room - lift) / math.sin(flat)
+    line = ASIDE * spec.aside if spec.aside else (room - lift) / math.sin(flat)
     # The end of the line is so far from the middle of the arc, and so much farther round it.
-    arm = complex(radius + beside.aside, line)
-    centre = path.start + beside.free * 1j * along * radius
-    start = _turn(radius, arm, room, bend)
+    arm = complex(radius + spec.aside, line)
+    centre = path.start + spec.free * 1j * along * radius
+    start = _estimated_turn(radius, arm, room, bend)
 
     def ends(turns: FloatArray) -> ComplexArray:
-        spoke = arm if beside.free > 0 else arm.conjugate()
-        found: ComplexArray = centre - beside.free * 1j * along * spoke * np.exp(
-            1j * beside.free * turns
+        spoke = arm if spec.free > 0 else arm.conjugate()
+        points: ComplexArray = centre - spec.free * 1j * along * spoke * np.exp(
+            1j * spec.free * turns
         )
-        return found
+        return points
 
-    turn = _turned(path, ends, room, start)
+    turn = _refined_turn(path, ends, room, start)
     away = float(distances(ends(np.array([turn])), path)[0])
-    if away > room + CLOSE or away < beside.least - CLOSE:
+    if away > room + CLOSE or away < spec.least - CLOSE:
         return None
-    arc = Track.arc(path.start, centre, beside.free * turn)
+    arc = Track.arc(path.start, centre, spec.free * turn)
     if not line:
         return arc
-    across = -beside.free * 1j * beside.aside
-    return chained((arc, Track.line(arc.end, arc.end + (line + across) * arc.headings[1])))
+    across = -spec.free * 1j * spec.aside
+    return chain_tracks((arc, Track.line(arc.end, arc.end + (line + across) * arc.headings[1])))
 
 
-def _turn(radius: float, arm: complex, room: float, bend: float) -> float:
+def _estimated_turn(radius: float, arm: complex, room: float, bend: float) -> float:
     """By how much an arc of `radius` [mm] turns [rad] until the end of `arm`, seen from its centre
     along its spoke, is `room` [mm] off a path that keeps the curvature `bend` [1/mm].
     """
@@ -412,7 +421,7 @@ def _turn(radius: float, arm: complex, room: float, bend: float) -> float:
     return min(max(math.acos(min(max(cosine, -1.0), 1.0)) - ahead, SMALLEST_TURN), most)
 
 
-def _turned(
+def _refined_turn(
     path: Track, ends: Callable[[FloatArray], ComplexArray], room: float, start: float
 ) -> float:
     """The turn [rad] next to `start` after which the end is `room` [mm] off the path as it is; if
@@ -421,6 +430,8 @@ def _turned(
     if abs(float(distances(ends(np.array([start])), path)[0]) - room) <= CLOSE:
         return start
     low, high = SMALLEST_TURN, math.pi
+    # Crossings of the distance `room` are bracketed on a grid; the one nearest to `start` is
+    # refined.
     while high - low > LEAST_STEP:
         turns = np.linspace(low, high, STEPS + 1)
         beyond = distances(ends(turns), path) > room
@@ -437,15 +448,15 @@ def _is_clear(path: Contour, track: Track, way: Track, near: float, free: int) -
 
     In the first part the curvatures decide: the lead bends away from the path.
     """
-    if least_distance(way.between(near, way.length), track) == 0.0:
+    if least_distance(way.section(near, way.length), track) == 0.0:
         return False
     # Counter-clockwise a path has its inside on the left.
     return (winding_number(path, way.end) != 0) == ((path.area > 0.0) == (free > 0))
 
 
-def _keeps_off(lead: Lead, avoid: Sequence[tuple[Track, float]]) -> bool:
+def _keeps_distance(lead: Lead, avoid: Sequence[tuple[Track, float]]) -> bool:
     return all(
-        least_distance(each, track) >= apart
-        for track, apart in avoid
-        for each in (lead.into, lead.off)
+        least_distance(way, track) >= distance
+        for track, distance in avoid
+        for way in (lead.entry, lead.exit)
     )

@@ -11,7 +11,7 @@ import numpy as np
 
 from camgeo.errors import GeometryError, UndercutError
 from camgeo.geometry.contour.contour import Contour, least_distance
-from camgeo.milling.cut import AreaCut, Cut, slack_of
+from camgeo.milling.cut import AreaCut, Cut, roughing_slack
 from camgeo.milling.milling import Heights, ToolError
 from camgeo.milling.moves import ArcFeed, Feed, Move, Rapid, too_long
 from camgeo.milling.track import Track
@@ -35,8 +35,8 @@ def cut_of_kind(cut: Cut, kind: type[CutKind], does: str) -> CutKind:
     return cut
 
 
-class Walk:
-    """The moves so far, and where the cutter is.
+class ToolpathBuilder:
+    """Builds the moves of one operation, and knows where the cutter is.
 
     Attributes
     ----------
@@ -53,7 +53,8 @@ class Walk:
         self.place = 0j
         self.z = heights.clearance
         self._blocked = [
-            (each, Track.around(each.outline.arcs(0.01, "fast").contour)) for each in cut.obstacles
+            (obstacle, Track.around(obstacle.outline.arcs(0.01, "fast").contour))
+            for obstacle in cut.obstacles
         ]
 
     @property
@@ -64,41 +65,45 @@ class Walk:
     def avoid(self, bottom: float) -> tuple[tuple[Track, float], ...]:
         """Outlines of what a cutter at `bottom` must clear, and by how much [mm]."""
         return tuple(
-            (track, self.cut.tool.radius) for each, track in self._blocked if bottom < each.top
+            (track, self.cut.tool.radius)
+            for obstacle, track in self._blocked
+            if bottom < obstacle.top
         )
 
-    def above(self, place: complex) -> None:
-        """Up, unless it is there, and over `place` at the clearance height."""
+    def traverse(self, place: complex) -> None:
+        """Rise to the clearance height, unless the cutter is there, and traverse to `place`."""
         if self.moves and self.z < self.heights.clearance:
-            self._to(Rapid, self.place, self.heights.clearance)
-        self._to(Rapid, place, self.heights.clearance)
+            self._rapid(Rapid, self.place, self.heights.clearance)
+        self._rapid(Rapid, place, self.heights.clearance)
 
-    def over(self, place: complex, around: Track | None = None) -> None:
-        """To `place` for the next depth: straight there through what this one has cleared, or above
-        it at the beginning, and where the way would cross the path `around` the part.
+    def link(self, place: complex, around: Track | None = None) -> None:
+        """Move to `place` [mm] for the next depth: straight through what this depth has cleared; by
+        a traverse at the beginning, and where the way would cross the path `around` the part.
         """
         link = Track.line(self.place, place)
         if self.moves and (around is None or least_distance(link, around) > 0.0):
             self.follow(link)
         else:
-            self.above(place)
+            self.traverse(place)
 
-    def down(self, z: float, feed: float | None = None) -> None:
-        """Straight down through air, or where the tool may plunge: fast only above the blank."""
+    def lower(self, z: float, feed: float | None = None) -> None:
+        """Move straight down to `z` [mm], through air or where the tool may plunge; rapidly only
+        down to the retract height.
+        """
         if self.z > self.heights.retract > z:
-            self._to(Rapid, self.place, self.heights.retract)
+            self._rapid(Rapid, self.place, self.heights.retract)
         if z < self.z - SAME:
             self._require_clear(Track.line(self.place, self.place), z)
             self.moves.append(Feed(_point(self.place, z), feed or self.cut.tool.plunge_feed))
             self.z = z
 
-    def out(self) -> None:
-        """Straight up to the retract height."""
-        self._to(Rapid, self.place, self.heights.retract)
+    def retract(self) -> None:
+        """Rise straight to the retract height."""
+        self._rapid(Rapid, self.place, self.heights.retract)
 
-    def up(self) -> None:
-        """Straight up to the clearance height."""
-        self._to(Rapid, self.place, self.heights.clearance)
+    def lift(self) -> None:
+        """Rise straight to the clearance height."""
+        self._rapid(Rapid, self.place, self.heights.clearance)
 
     def follow(
         self,
@@ -133,18 +138,18 @@ class Walk:
         whole = track.length
         if whole <= 0.0:
             return
-        done = 0.0
+        travelled = 0.0
         base = self.cut.tool.feed if feed is None else feed
         track = track.halved()
-        for at, sweep, centre, length in zip(
+        for point, sweep, centre, length in zip(
             track.ends.tolist(),
             track.sweeps.tolist(),
             track.centres.tolist(),
             track.lengths.tolist(),
             strict=True,
         ):
-            done += length
-            height = end if done >= whole - SAME else start + (end - start) * done / whole
+            travelled += length
+            height = end if travelled >= whole - SAME else start + (end - start) * travelled / whole
             rate = base
             if sweep and not air:
                 inside = both or (sweep > 0.0) == (self.free > 0)
@@ -153,15 +158,16 @@ class Walk:
                 )
             drop = self.z - height
             if drop > SAME:
+                # The feed along Z is the share drop / length in space of the feed along the path.
                 rate = min(rate, self.cut.tool.plunge_feed * math.hypot(length, drop) / drop)
             if sweep:
                 middle = (centre.real, centre.imag)
-                self.moves.append(ArcFeed(_point(at, height), middle, sweep > 0.0, rate))
+                self.moves.append(ArcFeed(_point(point, height), middle, sweep > 0.0, rate))
             else:
-                self.moves.append(Feed(_point(at, height), rate, switch))
-            self.place, self.z = at, height
+                self.moves.append(Feed(_point(point, height), rate, switch))
+            self.place, self.z = point, height
 
-    def profile(
+    def follow_heights(
         self, track: Track, stops: Sequence[tuple[float, float]], *, both: bool = False
     ) -> None:
         """Along `track`, whose heights `stops` give: (distance along it, z) [mm], ascending from 0
@@ -175,16 +181,19 @@ class Walk:
         places = np.where(np.abs(nearest - places) < SHORTEST, nearest, places)
         for (start, end), (_, z) in zip(pairwise(places.tolist()), stops[1:], strict=True):
             if end > start:
-                self.follow(track.between(start, end), z, both=both)
+                self.follow(track.section(start, end), z, both=both)
 
     def _require_clear(self, track: Track, bottom: float) -> None:
-        for each, outline in self._blocked:
-            if bottom < each.top and least_distance(track, outline) < self.cut.tool.radius - SAME:
+        for obstacle, outline in self._blocked:
+            if (
+                bottom < obstacle.top
+                and least_distance(track, outline) < self.cut.tool.radius - SAME
+            ):
                 raise GeometryError(
-                    f"the cutter of {self.cut.name} would touch the {each.name}", key="holding"
+                    f"the cutter of {self.cut.name} would touch the {obstacle.name}", key="holding"
                 )
 
-    def _to(self, kind: type[Rapid], place: complex, z: float) -> None:
+    def _rapid(self, kind: type[Rapid], place: complex, z: float) -> None:
         if not self.moves or abs(place - self.place) > SAME or abs(z - self.z) > SAME:
             self.moves.append(kind(_point(place, z)))
         self.place, self.z = place, z
@@ -213,10 +222,10 @@ EQUAL: Final = 1e-9
 
 def coarse(cut: AreaCut, tolerance: float) -> float:
     """Tolerance of roughing paths [mm], at least that of the program."""
-    return max(tolerance, slack_of(cut.allowance))
+    return max(tolerance, roughing_slack(cut.allowance))
 
 
-def limit_of(cut: AreaCut, tolerance: float) -> float:
+def engagement_limit(cut: AreaCut, tolerance: float) -> float:
     """Largest engagement to plan for [rad], so that it holds for arcs within `tolerance` [mm].
 
     Where the tool states none it is that on a straight wall at the stepover.
@@ -256,8 +265,8 @@ def along(wall: Boundary, cut: AreaCut, tolerance: float, farther: float = 0.0) 
         return wall.offset(distance).arcs(tolerance, "fast").contour
     except UndercutError as error:
         raise GeometryError(
-            f"the cutter is too large for the {wall.name}, which it has to clear {distance:g} mm"
-            f" off ({error.message})",
+            f"the cutter is too large for the {wall.name}, along which its centre has to run at a"
+            f" distance of {distance:g} mm ({error.message})",
             key="tool",
         ) from None
 
@@ -271,9 +280,9 @@ def require_clear(track: Track, wall: Boundary, cut: AreaCut, tolerance: float) 
         With key "toolpath", if it does not.
     """
     fit = wall.arcs(tolerance, "fast")
-    apart = least_distance(track, Track.around(fit.contour)) - fit.deviation
-    if apart < cut.tool.radius + cut.allowance - EQUAL:
-        short = cut.tool.radius + cut.allowance - apart
+    distance = least_distance(track, Track.around(fit.contour)) - fit.deviation
+    if distance < cut.tool.radius + cut.allowance - EQUAL:
+        short = cut.tool.radius + cut.allowance - distance
         raise GeometryError(f"{cut.name} comes {short:.3g} mm too near to the wall", "toolpath")
 
 
@@ -282,13 +291,13 @@ def require_clear(track: Track, wall: Boundary, cut: AreaCut, tolerance: float) 
 
 
 MOST_ROUNDS = 1000
-"""Of one descent along a path: more is a ramp far too flat for it."""
+"""Most rounds of one descent along a path; if more are needed, the ramp is far too flat."""
 
 RAMP = math.radians(3.0)
-"""Descent into material where the tool states none; its Z feed is limited all the same."""
+"""Angle [rad] of the descent into material if the tool states none."""
 
 
-def ramp_of(cut: Cut) -> float:
+def ramp_angle(cut: Cut) -> float:
     """Steepest descent of the cut's tool into material [rad]."""
     return RAMP if cut.tool.ramp_angle is None else cut.tool.ramp_angle
 
@@ -303,12 +312,12 @@ def descent(cut: Cut, top: float, bottom: float, length: float) -> list[float]:
     GeometryError
         If these are more than `MOST_ROUNDS`.
     """
-    rounds = math.ceil((top - bottom - SAME) / (length * math.tan(ramp_of(cut))))
+    rounds = math.ceil((top - bottom - SAME) / (length * math.tan(ramp_angle(cut))))
     if rounds > MOST_ROUNDS:
         least = math.degrees(math.atan((top - bottom) / (MOST_ROUNDS * length)))
         raise ToolError(
             f"the descent of {cut.name} takes more than {MOST_ROUNDS} rounds of {length:.3g} mm:"
-            f" the ramp of {math.degrees(ramp_of(cut)):g} degrees is too flat for it; at least"
+            f" the ramp of {math.degrees(ramp_angle(cut)):g} degrees is too flat for it; at least"
             f" {least:.3g} are needed",
             cut.tool,
             "ramp_angle",
@@ -317,10 +326,12 @@ def descent(cut: Cut, top: float, bottom: float, length: float) -> list[float]:
     return [*(top + step * k for k in range(1, rounds)), bottom][:rounds]
 
 
-def descend(walk: Walk, round_: Track, top: float, bottom: float) -> None:
-    """Down along a closed track from `top` to `bottom` [mm], first from above."""
-    if not walk.moves:
-        walk.above(round_.start)
-        walk.down(top)
-    for z in descent(walk.cut, top, bottom, round_.length):
-        walk.follow(round_, z)
+def descend(builder: ToolpathBuilder, round_: Track, top: float, bottom: float) -> None:
+    """Descend along a closed track from `top` to `bottom` [mm]; the first descent of an operation
+    begins with a traverse to above it.
+    """
+    if not builder.moves:
+        builder.traverse(round_.start)
+        builder.lower(top)
+    for z in descent(builder.cut, top, bottom, round_.length):
+        builder.follow(round_, z)

@@ -13,9 +13,9 @@ import numpy as np
 from camgeo.design.product import Product, product_sides
 from camgeo.errors import GeometryError
 from camgeo.geometry.contour.contour import Contour
-from camgeo.milling.judged import Side, runs_of, setup_of
+from camgeo.milling.judged import Side, simulation_setup, toolpath_runs
 from camgeo.milling.milling import mirrored_all
-from camgeo.milling.moves import Course, Operation, Rapid, Stop, Toolpath, alike, course_of
+from camgeo.milling.moves import Course, Operation, Rapid, Stop, Toolpath, alike, feed_course
 from camgeo.milling.plan import Cutting
 from camgeo.numeric.arrays import ComplexArray, taken
 from camgeo.pictures.model import (
@@ -133,7 +133,9 @@ def _shown(side: Product) -> Iterator[_Shown]:
     milled = side.milled
     toolpath, spec, scale = milled.toolpath(TOLERANCE), milled.spec, 1.0 / MM_PER[side.unit]
     assert spec is not None  # for there is a program
-    setup = setup_of(Side(milled.part, spec, milled.cuts, runs_of(toolpath)), TOLERANCE)
+    setup = simulation_setup(
+        Side(milled.part, spec, milled.cuts, toolpath_runs(toolpath)), TOLERANCE
+    )
 
     def seen(points: ComplexArray) -> ComplexArray:
         return mirrored_all(points, spec.turned) * scale
@@ -252,7 +254,7 @@ def plotted(
     found = []
     cleared: list[tuple[Course, float]] = []
     for operation in toolpath.operations:
-        course = course_of(operation.moves)
+        course = feed_course(operation.moves)
         radius = operation.tool.radius
         cutting = Cutting(course, radius, tuple(blank), top, tuple(cleared))
         traces = [*_feeds(cutting, fineness), *_rapids(operation)]

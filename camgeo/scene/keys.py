@@ -17,7 +17,7 @@ BARE: Final = re.compile(r"[A-Za-z0-9_-]+")
 STEP: Final = re.compile(
     r'(?:^|\.)(?:(?P<bare>[A-Za-z0-9_-]+)|(?P<quoted>"(?:\\.|[^"\\])*"))|\[(?P<position>\d{1,9})\]'
 )
-"""One step of a path as it is spelled."""
+"""One step of a spelled path: a bare or quoted name, with a point before it, or a [position]."""
 
 LONGEST_NAME: Final = 60
 """Characters shown of a key's name; a longer one would bury the message."""
@@ -50,7 +50,7 @@ def spelled(path: KeyPath) -> str:
     return text
 
 
-def path_of(key: str) -> KeyPath | None:
+def parse_path(key: str) -> KeyPath | None:
     """Return the path that is spelled `key`, () for an empty one; None if nothing is spelled so."""
     path: KeyPath = ()
     place = 0
@@ -78,7 +78,7 @@ def quoted(name: str) -> str:
     return json.dumps(name)
 
 
-def value_at(tree: Any, path: KeyPath) -> Any:
+def tree_value(tree: Any, path: KeyPath) -> Any:
     """Return the value at `path` in tables and arrays; None if there is none."""
     for step in path:
         if isinstance(tree, dict):
@@ -123,16 +123,16 @@ def key_lines(text: str) -> dict[KeyPath, int]:
             for depth in range(1, len(names) + 1):
                 lines.setdefault((*table, *names[:depth]), line)
             starts, place = _past_value(text, place + 1)
-            at, row = seen, line
+            position, row = seen, line
             for index, start in enumerate(starts):
-                row += text.count("\n", at, start)
-                at = start
+                row += text.count("\n", position, start)
+                position = start
                 lines[(*table, *names, index)] = row
         place = _skip(BLANK, text, place)
     return lines
 
 
-def line_of(path: KeyPath, lines: dict[KeyPath, int]) -> int | None:
+def nearest_line(path: KeyPath, lines: dict[KeyPath, int]) -> int | None:
     """Return the line of the key at `path`, else of the nearest thing around it, else None."""
     while path:
         if path in lines:
@@ -170,10 +170,12 @@ def _placed(names: KeyPath, counts: dict[KeyPath, int], known: int = 0) -> KeyPa
 
 
 def _past_value(text: str, place: int) -> tuple[list[int], int]:
-    """Places at which the elements of the array at `place` start, if it is one; its line end."""
+    """Offsets in `text` at which the elements of the array at `place` start, if it is one, and the
+    offset of the line end after the value.
+    """
     depth = 0
     starts: list[int] = []
-    expected = array = False
+    expected = array = False  # whether an element may start here; whether the value is an array
     while match := VALUE.match(text, place):
         piece = match[0]
         if piece == "\n" and depth == 0:

@@ -14,8 +14,8 @@ from camgeo.milling.milling import (
     EARLIER,
     END_MILL,
     FAULTS,
-    OWN_TABLES,
     SECOND_SIDE,
+    SECOND_SIDE_TABLES,
     TABS,
     Clamp,
     GcodeSpec,
@@ -30,9 +30,9 @@ from camgeo.milling.milling import (
 )
 from camgeo.numeric.checked import instance_from_table
 from camgeo.scene.formats.gcode import misfits, tables_are_whole
-from camgeo.scene.keys import KeyPath, path_of
+from camgeo.scene.keys import KeyPath, parse_path
 from camgeo.scene.schema import MILLING, Composed, milling_tables, schema
-from camgeo.scene.values import Broken, Inside, ValidValues, document, judged
+from camgeo.scene.values import Broken, SceneConverter, ValidValues, check_schema, document
 
 PROGRAM: Final = ("output", "gcode")
 """Key of the table with the options of the program."""
@@ -50,10 +50,10 @@ Built = TypeVar("Built")
 
 
 def broken_tables(values: ValidValues, *, whole: bool = False) -> Iterator[Broken]:
-    """All that is wrong between the keys of the tables, each with its place.
+    """Contradictions between keys of the tables on milling, each with its place.
 
-    Keys that are missing are faults of tables that must be `whole`: in a scene a program alone
-    needs them, see `camgeo.scene.formats.gcode`.
+    Missing keys are faults only of tables that must be `whole`: in a scene they are needed by a
+    program alone, see `camgeo.scene.formats.gcode`.
     """
     for name, faults in FAULTS.items():
         for place in _places(values, name):
@@ -61,13 +61,13 @@ def broken_tables(values: ValidValues, *, whole: bool = False) -> Iterator[Broke
             for key, message in faults(table) if table is not None else ():
                 if key in table or (whole and values.lacks(*place, key)):
                     yield (*place, key), message
-    yield from _tools_are_told_apart(values)
+    yield from _tools_are_distinct(values)
     yield from _machine_compensates(values)
     yield from _one_tool_fits(values)
 
 
 def _one_tool_fits(values: ValidValues) -> Iterator[Broken]:
-    """A single end mill for a planned sequence fits into groove and bore."""
+    """A single end mill, with which all is planned, must fit into groove and bore."""
     places = _places(values, "tool")
     if len(places) != 1 or values.has("operation") or values.has(*LIBRARY):
         return
@@ -78,16 +78,16 @@ def _one_tool_fits(values: ValidValues) -> Iterator[Broken]:
 
 
 def _machine_compensates(values: ValidValues) -> Iterator[Broken]:
-    """Operations ask for no compensation that the machine lacks, nor the second side for a work
-    offset; of a profile file the writer tells it.
+    """The machine must have the compensation that operations ask for, and the work offset of the
+    second side; for a profile that is a file the writer checks it.
     """
-    asked: set[KeyPath] = {
+    requests: set[KeyPath] = {
         (*place, "compensation") for name in OPERATIONS for place in _places(values, name)
     }
-    asked.add((SECOND_SIDE, "work_offset"))
-    given = [(key, f"{key[-1]}") for key in sorted(asked, key=str) if values.get(*key)]
+    requests.add((SECOND_SIDE, "work_offset"))
+    stated = [(key, f"{key[-1]}") for key in sorted(requests, key=str) if values.get(*key)]
     machine = values.get("output", "gcode", "machine") or GcodeSpec().machine
-    if not given or machine.endswith(".toml"):
+    if not stated or machine.endswith(".toml"):
         return
     from camgeo.milling.machine import load  # only scenes that ask for it need the profile
 
@@ -96,44 +96,48 @@ def _machine_compensates(values: ValidValues) -> Iterator[Broken]:
         "compensation": profile.compensations,
         "work_offset": tuple(profile.work_offsets),
     }
-    for key, name in given:
+    for key, name in stated:
         if values.get(*key) not in allowed[name]:
-            choices = ", ".join(f'"{each}"' for each in allowed[name])
+            choices = ", ".join(f'"{choice}"' for choice in allowed[name])
             yield key, f"must be one of {choices} for {profile.name}"
 
 
 def _places(values: ValidValues, name: str) -> list[KeyPath]:
-    """Where the tables of that name are, one with a dot within another table."""
+    """Paths of the tables of that name; a point in it leads to a table within another one."""
     path = tuple(name.split("."))
-    given = values.raw(*path)
-    if isinstance(given, list):
-        return [(*path, k) for k in range(len(given))]
-    return [] if given is None else [path]
+    tables = values.raw(*path)
+    if isinstance(tables, list):
+        return [(*path, k) for k in range(len(tables))]
+    return [] if tables is None else [path]
 
 
-def _tools_are_told_apart(values: ValidValues) -> Iterator[Broken]:
+def _tools_are_distinct(values: ValidValues) -> Iterator[Broken]:
     numbers = [values.get(*place, "number") for place in _places(values, "tool")]
     for k, number in enumerate(numbers):
         if number is not None and number in numbers[:k]:
             yield ("tool", k, "number"), "belongs to another tool; each needs its own"
     if None in numbers or not numbers or values.has(*LIBRARY):
         return
-    for place in (each for name in OPERATIONS for each in _places(values, name)):
+    for place in (
+        operation_place for name in OPERATIONS for operation_place in _places(values, name)
+    ):
         number = values.get(*place, "tool")
         if number is not None and number not in numbers:
-            known = ", ".join(str(each) for each in sorted(numbers))
+            known = ", ".join(str(known_number) for known_number in sorted(numbers))
             yield (*place, "tool"), f"there is no such tool; there are {known}"
 
 
 class MillingBuilder:
-    """Builds what a scene says on milling; the faults go to `inside`."""
+    """Builds what a scene says on milling; the faults go to `converter`."""
 
-    def __init__(self, inside: Inside) -> None:
-        self._inside = inside
-        self._values = inside.values
+    def __init__(self, converter: SceneConverter) -> None:
+        self._converter = converter
+        self._values = converter.values
 
     def spec(self, program: GcodeSpec | None) -> MillingSpec | None:
-        """All of it; None if the scene says nothing, or nothing valid, or not all of a table."""
+        """All that the scene states on milling; None if it states nothing, or if a table is not
+        valid or not complete.
+        """
         values = self._values
         earlier = _earlier_tool(program)
         named = any(values.has(name) for name in MILLING) or values.has(*LIBRARY)
@@ -143,18 +147,18 @@ class MillingBuilder:
             return None
         if any(tables_are_whole(values)):
             return None
-        before = len(self._inside.faults)
-        tools: list[Tool] = self.each("tool", tool_of)
+        fault_count = len(self._converter.faults)
+        tools: list[Tool] = self.build_list("tool", tool_from_table)
         if earlier is not None:
             tools.append(earlier)
         known = {tool.number for tool in tools}
         library = self._library()
         tools += [tool for tool in library or () if tool.number not in known]
         stock: Stock | None = self._one("stock", partial(instance_from_table, Stock))
-        holding: Holding | None = self._one("holding", holding_of)
+        holding: Holding | None = self._one("holding", holding_from_table)
         operations, from_below = (self._operations(name, tools, library) for name in OPERATIONS)
-        second: SecondSide | None = self._one(SECOND_SIDE, second_side_of)
-        if library is None or len(self._inside.faults) > before:
+        second: SecondSide | None = self._one(SECOND_SIDE, second_side_from_table)
+        if library is None or len(self._converter.faults) > fault_count:
             return None
         return MillingSpec(
             tools=tuple(tools),
@@ -169,56 +173,64 @@ class MillingBuilder:
     def _operations(
         self, name: str, tools: list[Tool], library: list[Tool] | None
     ) -> list[OperationSpec]:
-        """Those of one side; their tools must be known, unless there are faults in the library."""
-        made: list[OperationSpec] = self.each(name, operation_of)
+        """The operations of one side. Their tools must be known; where the library has faults,
+        which are reported, an unknown tool may be one of its own.
+        """
+        operations: list[OperationSpec] = self.build_list(name, operation_from_table)
         known = {tool.number for tool in tools}
-        for place, each in zip(_places(self._values, name), made, strict=False):
-            if library is not None and known and each.tool not in known:
+        for place, operation in zip(_places(self._values, name), operations, strict=False):
+            if library is not None and known and operation.tool not in known:
                 numbers = ", ".join(str(number) for number in sorted(known))
-                self._inside.fault((*place, "tool"), f"there is no such tool; there are {numbers}")
-        return made
+                self._converter.fault(
+                    (*place, "tool"), f"there is no such tool; there are {numbers}"
+                )
+        return operations
 
-    def each(self, name: str, make: Callable[[Mapping[str, Any]], Built]) -> list[Built]:
-        """What `make` builds of each table of a list, without those that it refuses."""
-        # The tables of a second side have the keys of those of the first.
+    def build_list(self, name: str, make: Callable[[Mapping[str, Any]], Built]) -> list[Built]:
+        """What `make` builds of each table of a list; a table that it rejects is left out, with a
+        fault.
+        """
+        # The tables of the second side have the same keys as those of the first one.
         node = milling_tables()[name.rpartition(".")[2]]["items"]
         places = _places(self._values, name)
-        made = [self._made(place, self._inside.table(place, node), make) for place in places]
-        return [each for each in made if each is not None]
+        built = [self._build(place, self._converter.table(place, node), make) for place in places]
+        return [instance for instance in built if instance is not None]
 
     def _one(self, name: str, make: Callable[[Mapping[str, Any]], Built]) -> Built | None:
         if not self._values.has(name):
             return None
-        return self._made((name,), self._inside.table((name,), milling_tables()[name]), make)
+        return self._build((name,), self._converter.table((name,), milling_tables()[name]), make)
 
-    def _made(
+    def _build(
         self, place: KeyPath, table: Mapping[str, Any], make: Callable[[Mapping[str, Any]], Built]
     ) -> Built | None:
-        """What `make` builds; None, with a fault, if a value is not valid beyond its schema."""
+        """What `make` builds; None, with a fault, if it raises GeometryError for a value that the
+        schema allows.
+        """
         try:
             return make(table)
         except GeometryError as error:
-            key = path_of(error.key) or ()
+            key = parse_path(error.key) or ()
             inner = place == (SECOND_SIDE,) != key[:1]  # a table within the table
-            self._inside.fault((*place, *(key if inner else key[1:])), error.message)
+            self._converter.fault((*place, *(key if inner else key[1:])), error.message)
             return None
 
     def _library(self) -> list[Tool] | None:
-        """The tools of the file that the scene names; None if there are faults in it, which are
-        those of the key.
+        """The tools of the file that the scene names; None if it has faults, each of which is
+        reported at the key that names it.
         """
         if self._values.get(*LIBRARY) is None:
             return []
-        data = self._inside.read(LIBRARY)
+        data = self._converter.read(LIBRARY)
         if data is None:
             return None
         try:
-            return tools_of(data)
+            return parse_tool_library(data)
         except SceneError as error:
             for fault in error.faults:
                 where = "" if fault.line is None else f"line {fault.line}: "
                 what = f"{fault.key}: " if fault.key else ""
-                self._inside.fault(LIBRARY, f"{where}{what}{fault.message}", fault.hint)
+                self._converter.fault(LIBRARY, f"{where}{what}{fault.message}", fault.hint)
             return None
 
 
@@ -245,7 +257,7 @@ def _library_schema() -> Composed:
     return Composed(root, (), ())
 
 
-def tools_of(data: bytes) -> list[Tool]:
+def parse_tool_library(data: bytes) -> list[Tool]:
     """The tools of a library, a TOML file with `[[tool]]` like those of a scene, and `[units]`.
 
     Raises
@@ -253,17 +265,17 @@ def tools_of(data: bytes) -> list[Tool]:
     SceneError
         With all its faults.
     """
-    found = document(data)
-    verdict = judged(found, _library_schema())
-    values = ValidValues(found, verdict.bad, verdict.meant)
-    faults: list[Fault] = [*found.faults, *verdict.faults]
-    faults += [found.fault(*each) for each in broken_tables(values, whole=True)]
-    inside = Inside(values)
+    parsed = document(data)
+    verdict = check_schema(parsed, _library_schema())
+    values = ValidValues(parsed, verdict.bad, verdict.meant)
+    faults: list[Fault] = [*parsed.faults, *verdict.faults]
+    faults += [parsed.fault(*broken) for broken in broken_tables(values, whole=True)]
+    converter = SceneConverter(values)
     tools: list[Tool] = []
     if not faults:
-        builder = MillingBuilder(inside)
-        tools = builder.each("tool", tool_of)
-        faults = inside.faults
+        builder = MillingBuilder(converter)
+        tools = builder.build_list("tool", tool_from_table)
+        faults = converter.faults
     if faults:
         raise SceneError(faults)
     return tools
@@ -272,88 +284,90 @@ def tools_of(data: bytes) -> list[Tool]:
 # Building ---------------------------------------------------------------------------------------
 
 
-def tool_of(table: Mapping[str, Any]) -> Tool:
+def tool_from_table(table: Mapping[str, Any]) -> Tool:
     """The tool of a converted table `[[tool]]`; raises GeometryError with the key in `tool`."""
-    given = dict(table)
-    cutting, load = given.pop("cutting_speed", None), given.pop("chip_load", None)
+    values = dict(table)
+    cutting, load = values.pop("cutting_speed", None), values.pop("chip_load", None)
     if cutting is not None:
-        # As a controller shows it, and as the feed of each edge is reckoned from.
-        given["spindle_speed"] = max(1.0, float(round(cutting / (math.pi * given["diameter"]))))
+        # In whole revolutions per minute, as controllers show it; the feed follows from this speed.
+        values["spindle_speed"] = max(1.0, float(round(cutting / (math.pi * values["diameter"]))))
     if load is not None:
-        given["feed"] = load * given["flutes"] * float(given["spindle_speed"])
-    if given.get("kind") == DRILL:
-        given["plunge_feed"] = given["feed"]
-    return instance_from_table(Tool, given)
+        values["feed"] = load * values["flutes"] * float(values["spindle_speed"])
+    if values.get("kind") == DRILL:  # it only moves along Z
+        values["plunge_feed"] = values["feed"]
+    return instance_from_table(Tool, values)
 
 
-def holding_of(table: Mapping[str, Any]) -> Holding:
+def holding_from_table(table: Mapping[str, Any]) -> Holding:
     """The holding of a converted table; raises GeometryError with the key in `holding`."""
-    given = dict(table)
-    clamps = [instance_from_table(Clamp, each) for each in given.pop("clamp", ())]
-    clamps += [_screw(each) for each in given.pop("screw", ())]
+    values = dict(table)
+    clamps = [instance_from_table(Clamp, clamp) for clamp in values.pop("clamp", ())]
+    clamps += [_screw(screw) for screw in values.pop("screw", ())]
     tabs = None
-    if given["kind"] == TABS:
+    if values["kind"] == TABS:
         tabs = instance_from_table(
-            Tabs, {key: given.pop(key) for key in ("count", "width", "height")}
+            Tabs, {key: values.pop(key) for key in ("count", "width", "height")}
         )
     return Holding(
-        kind=given["kind"],
-        through=given.get("through", 0.0),
+        kind=values["kind"],
+        through=values.get("through", 0.0),
         tabs=tabs,
-        skin=given.get("thickness"),
+        skin=values.get("thickness"),
         clamps=tuple(clamps),
     )
 
 
 def _screw(table: Mapping[str, Any]) -> Clamp:
-    given = dict(table)
-    width = given.pop("head_diameter")
-    return instance_from_table(Clamp, {**given, "length": width, "width": width, "round": True})
+    values = dict(table)
+    width = values.pop("head_diameter")
+    return instance_from_table(Clamp, {**values, "length": width, "width": width, "round": True})
 
 
-def operation_of(table: Mapping[str, Any]) -> OperationSpec:
+def operation_from_table(table: Mapping[str, Any]) -> OperationSpec:
     """The operation of a converted table; raises GeometryError with the key in `operation`."""
-    given = dict(table)
-    climb = given.pop("direction", "climb") == "climb"
-    return instance_from_table(OperationSpec, {**given, "climb": climb})
+    values = dict(table)
+    climb = values.pop("direction", "climb") == "climb"
+    return instance_from_table(OperationSpec, {**values, "climb": climb})
 
 
-def second_side_of(table: Mapping[str, Any]) -> SecondSide:
+def second_side_from_table(table: Mapping[str, Any]) -> SecondSide:
     """The setup of a converted table `[second_side]`; raises GeometryError with the key in it."""
-    given = {key: value for key, value in table.items() if key not in OWN_TABLES}
-    return SecondSide(**given, holding=holding_of(table["holding"]))
+    values = {key: value for key, value in table.items() if key not in SECOND_SIDE_TABLES}
+    return SecondSide(**values, holding=holding_from_table(table["holding"]))
 
 
 # Faults of planning -----------------------------------------------------------------------------
 
 
-def refused(values: ValidValues, error: GeometryError, file: str) -> SceneError:
-    """What planning a program raises, as the fault of its scene: file, key, value and line."""
+def planning_error(values: ValidValues, error: GeometryError, file: str) -> SceneError:
+    """An error of planning a program as a fault of its scene: with file, key, value and line."""
     fault = values.scene.fault(_blamed(values, error), error.message)
     fault = fault if fault.value else replace(fault, value=error.value)
     return SceneError([fault], file)
 
 
 def _blamed(values: ValidValues, error: GeometryError) -> KeyPath:
-    """The place in the scene that an error of planning is about."""
+    """The key of the scene that an error of planning is about; that of the program if none is."""
     if isinstance(error, ToolError):
-        return _place_of(values, error.number, error.field)
-    path = path_of(error.key) or PROGRAM
+        return _tool_place(values, error.number, error.field)
+    path = parse_path(error.key) or PROGRAM
     if path[0] == "toolpath":
         return PROGRAM
     return path if path[0] != "tool" or values.has("tool") else _tools_elsewhere(values)
 
 
 def is_missing(values: ValidValues, fault: Fault) -> bool:
-    """Whether a fault of planning is a key that the scene lacks, and not one that is wrong."""
-    path = path_of(fault.key)
+    """Whether a fault of planning is about a key that the scene lacks, not about a wrong value."""
+    path = parse_path(fault.key)
     if path in (None, (), PROGRAM):
         return False
     return path[:2] == FORMATS or values.lacks(*path)
 
 
-def _place_of(values: ValidValues, number: int, field: str) -> KeyPath:
-    """Of a field of a tool, or of the whole one: in the scene, in earlier keys, in a library."""
+def _tool_place(values: ValidValues, number: int, field: str) -> KeyPath:
+    """Key of a field of the tool `number`, or of the whole tool if `field` is empty: in the scene,
+    in earlier keys, or that of the library.
+    """
     for place in _places(values, "tool"):
         if values.get(*place, "number") == number:
             return (*place, field) if field else place

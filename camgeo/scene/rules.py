@@ -28,15 +28,15 @@ from camgeo.scene.values import (
     FAMILIES,
     SWEEP,
     Broken,
-    Noted,
+    RecordingValues,
     ValidValues,
     design_path,
     faults_of_list,
     faults_of_range,
-    keys_in,
-    rows_of,
-    tables_of,
+    present_tables,
     unchanged,
+    variable_keys,
+    variable_rows,
 )
 
 # -- family rules ---------------------------------------------------------------------------------
@@ -74,8 +74,8 @@ def _variable(
     elif ranged:
         yield from _range(values, place)
     else:
-        keys = len(keys_in(table))
-        for number, message in faults_of_list(rows_of(table["values"], keys), keys):
+        keys = len(variable_keys(table))
+        for number, message in faults_of_list(variable_rows(table["values"], keys), keys):
             yield (*place, "values", number), message
 
 
@@ -130,7 +130,9 @@ def contact_and_part_agree(values: ValidValues) -> Iterator[Broken]:
 
 
 def part_is_possible(values: ValidValues) -> Iterator[Broken]:
-    """Groove, mark and texts within the thickness, keyway within the bore, bore within the hub."""
+    """Groove, mark and texts are less deep than the disc is thick, and the features of bore, hub,
+    bolt circle and mark fit into each other.
+    """
     texts = values.get("part", ENGRAVING) or ()
     yield from _texts_have_a_place(values, len(texts))
     depths = [("part", ENGRAVING, number, "depth") for number in range(len(texts))]
@@ -158,7 +160,9 @@ def part_is_possible(values: ValidValues) -> Iterator[Broken]:
 def _compared(
     values: ValidValues, place: KeyPath, relation: Literal["less", "more"], *other: str
 ) -> Iterator[Broken]:
-    """The length at `place` is less or more than another one of the part, if both are known."""
+    """The length at `place` must be less or more than the one at `part` and `other`; nothing is
+    reported unless both are known.
+    """
     length, limit = values.get(*place), values.get("part", *other)
     if length is None or limit is None:
         return
@@ -167,7 +171,9 @@ def _compared(
 
 
 def _texts_have_a_place(values: ValidValues, count: int) -> Iterator[Broken]:
-    """A text along a circle beyond the cam axis; a straight one with one direction at most."""
+    """A text along a circle must stay off the cam axis; the direction of a straight one may be
+    stated by `turn` or by `tops`, not by both.
+    """
     for number in range(count):
         place = ("part", ENGRAVING, number)
         along = values.get(*place, "along")
@@ -183,7 +189,7 @@ def _texts_have_a_place(values: ValidValues, count: int) -> Iterator[Broken]:
 
 
 def chamfers_have_edges(values: ValidValues) -> Iterator[Broken]:
-    """Chamfers are along what there is, and of a part whose heights are stated."""
+    """Chamfers lie along edges that the part has, and need a part whose heights are stated."""
     place = ("part", "chamfers")
     if not values.has(*place):
         return
@@ -199,7 +205,7 @@ def chamfers_have_edges(values: ValidValues) -> Iterator[Broken]:
 
 
 def _keyway_is_stated_once(values: ValidValues, bore: float | None) -> Iterator[Broken]:
-    """By width and depth, or by a standard that has the bore."""
+    """A keyway is stated either by width and depth, or by a standard that covers the bore."""
     place = ("part", "keyway")
     if not values.has(*place):
         return
@@ -217,7 +223,7 @@ def _keyway_is_stated_once(values: ValidValues, bore: float | None) -> Iterator[
 
 
 def _pair_is_possible(values: ValidValues) -> Iterator[Broken]:
-    """Two discs of known thickness, and a spacer around the bore."""
+    """A pair in one piece has two discs of known thickness, and a spacer larger than the bore."""
     place = ("part", "pair")
     if not values.has(*place):
         return
@@ -229,22 +235,26 @@ def _pair_is_possible(values: ValidValues) -> Iterator[Broken]:
 
 
 def _set_screw_fits(values: ValidValues) -> Iterator[Broken]:
-    """Within the height of the hub, and narrower than the bore."""
+    """A set screw lies within the height of the hub, and is narrower than the bore."""
     place = ("part", "set_screw")
     if not values.has(*place):
         return
     for key in ("bore", "hub"):
         if values.lacks("part", key):
             yield place, f"needs [part] {key}"
-    size, at = (values.get(*place, key) for key in ("diameter", "height"))
+    size, screw_height = (values.get(*place, key) for key in ("diameter", "height"))
     high, bore = values.get("part", "hub", "height"), values.get("part", "bore")
-    most = min((each for each in (high, bore) if each is not None), default=None)
+    most = min((length for length in (high, bore) if length is not None), default=None)
     if size is None or most is None:
         return
     if not size < most:
         what = "bore" if most == bore else "height of the hub"
         yield (*place, "diameter"), f"must be less than the {what}, {most:g}"
-    elif high is not None and at is not None and not 0.5 * size < at < high - 0.5 * size:
+    elif (
+        high is not None
+        and screw_height is not None
+        and not 0.5 * size < screw_height < high - 0.5 * size
+    ):
         message = f"must be more than {0.5 * size:g}, less than {high - 0.5 * size:g}"
         yield (*place, "height"), f"{message}: the hole lies within the hub"
 
@@ -254,7 +264,9 @@ def _set_screw_fits(values: ValidValues) -> Iterator[Broken]:
 
 
 def print_suits_the_part(values: ValidValues) -> Iterator[Broken]:
-    """What is to be compensated is there."""
+    """The part has the features for which a print is compensated, and its lowest layer, disc or
+    hub, is higher than the elephant's foot.
+    """
     if values.has("print", "bore_clearance") and values.lacks("part", "bore"):
         yield ("print", "bore_clearance"), "needs [part] bore"
     key = ("print", "key_clearance")
@@ -273,12 +285,14 @@ def print_suits_the_part(values: ValidValues) -> Iterator[Broken]:
 # Rules between the keys of [state] and those of the machine and its effects.
 
 
-def a_found_speed_is_sought(values: ValidValues) -> Iterator[Broken]:
-    """The speed is found by an effect that the scene names, and by one alone."""
-    named = [each for each in FINDERS if not values.lacks(EFFECTS_KEY, each)]
+def a_computed_speed_has_one_source(values: ValidValues) -> Iterator[Broken]:
+    """A computed speed needs an effect that computes it, and no more than one."""
+    named = [effect for effect in FINDERS if not values.lacks(EFFECTS_KEY, effect)]
     if values.get("state", "speed") == "found" and not named:
         yield ("state", "speed"), f"needs [effects.{'] or [effects.'.join(FINDERS)}]"
-    yield from (((EFFECTS_KEY, each), f"contradicts [effects.{named[0]}]") for each in named[1:])
+    yield from (
+        ((EFFECTS_KEY, effect), f"contradicts [effects.{named[0]}]") for effect in named[1:]
+    )
 
 
 FLANKS: Final = {
@@ -286,11 +300,13 @@ FLANKS: Final = {
     "return": ("is a disc of a conjugate pair", ("return",)),
     "opposite": ("is a side of a yoke", ("yoke",)),
 }
-"""What a flank is, and the tables of the follower of which it needs one."""
+"""What each flank is, and the tables of the follower at least one of which it needs."""
 
 
 def a_flank_is_one_of_two(values: ValidValues) -> Iterator[Broken]:
-    """Only a follower that is held both ways has a choice of sides."""
+    """A flank may be chosen only where the follower is held both ways: by a conjugate pair, a yoke
+    or a groove.
+    """
     flank = values.get("state", "flank")
     if flank is None:
         return
@@ -313,15 +329,15 @@ TOLERANCE: Final = "tolerance"
 """The table of the scene that states tolerances."""
 
 RANGES: Final = ("plus_minus", "limits", "class")
-"""Keys of which a dimension has one."""
+"""Keys that state the range of a dimension, of which it has exactly one."""
 
 
 def tolerances_are_stated_once(values: ValidValues) -> Iterator[Broken]:
-    """Each dimension is there once and has one range."""
+    """Each dimension is toleranced once and by one range."""
     table = values.raw(TOLERANCE)
     if not isinstance(table, dict):
         return
-    if not any(each in table for each in ("dimension", "clearance", "form")):
+    if not any(key in table for key in ("dimension", "clearance", "form")):
         yield (TOLERANCE,), 'states no tolerance: it needs "dimension", "clearance" or "form"'
     seen: set[str] = set()
     for index in range(len(_tables(table, "dimension"))):
@@ -335,15 +351,15 @@ def tolerances_are_stated_once(values: ValidValues) -> Iterator[Broken]:
 
 
 def _tables(table: dict[str, list[dict[str, str]]], key: str) -> list[dict[str, str]]:
-    found = table.get(key)
-    return found if isinstance(found, list) else []
+    tables = table.get(key)
+    return tables if isinstance(tables, list) else []
 
 
 def _dimension(
     values: ValidValues, place: tuple[str | int, ...], seen: set[str]
 ) -> Iterator[Broken]:
     table = values.get(*place)
-    if sum(each in table for each in RANGES) != 1:
+    if sum(key in table for key in RANGES) != 1:
         yield place, 'must have one of "plus_minus", "limits" and "class"'
     limits = table.get("limits")
     if limits is not None and not limits[0] < limits[1]:
@@ -356,7 +372,9 @@ def _dimension(
 
 
 def _pinned(values: ValidValues, place: tuple[str | int, ...]) -> Iterator[Broken]:
-    """A clearance that is not the cam's states its diameter, and the load decides."""
+    """A clearance at a pin states the pin's diameter, and not the side to which it is taken up: the
+    load decides that.
+    """
     if not values.has(*place, "size"):
         yield place, 'needs "size", the nominal diameter of the pin'
     if values.has(*place, "shifted"):
@@ -368,7 +386,7 @@ def _pinned(values: ValidValues, place: tuple[str | int, ...]) -> Iterator[Broke
 
 
 SPAN_DIGITS: Final = 60
-"""Digits with which spans are added; a span that needs more is no realistic angle."""
+"""Digits of the exact sum of spans; a span that needs more is no realistic angle."""
 
 WIDEST_SWING: Final = 180.0
 """Largest rocker angle [degrees]; a rocker never swings through the cam axis."""
@@ -414,16 +432,16 @@ def broken_rules(values: ValidValues, earlier: ValidValues | None = None) -> lis
     if earlier is None or not values.flawless:
         return [values.scene.fault(*broken) for rule in RULES for broken in rule(values)]
     values.reads |= unchanged(earlier, values)
-    found: list[Fault] = []
+    faults: list[Fault] = []
     for rule in RULES:
         if rule not in values.reads:
-            noted = Noted(values.scene)
-            found += [values.scene.fault(*broken) for broken in rule(noted)]
-            values.reads[rule] = noted.noted
-    return found
+            recording = RecordingValues(values.scene)
+            faults += [values.scene.fault(*broken) for broken in rule(recording)]
+            values.reads[rule] = recording.recorded
+    return faults
 
 
-def spans_add_up(values: ValidValues) -> Iterator[Broken]:
+def spans_make_one_turn(values: ValidValues) -> Iterator[Broken]:
     """The spans add up to one turn, exactly as they are written."""
     spans: list[Decimal] = []
     for index in range(values.segments):
@@ -439,6 +457,7 @@ def spans_add_up(values: ValidValues) -> Iterator[Broken]:
         spans.append(span)
     if not spans:
         return
+    # Decimal sums are exact as long as they are not rounded; a rounded one is trapped.
     adding = Context(prec=SPAN_DIGITS, traps=[Inexact])
     total = Decimal(0)
     try:
@@ -454,6 +473,7 @@ def spans_add_up(values: ValidValues) -> Iterator[Broken]:
 
 def motion_returns(values: ValidValues) -> Iterator[Broken]:
     """The motion starts at 0 and ends there."""
+    # The last segment with a position decides: dwells after it keep that position.
     for index in reversed(range(values.segments)):
         place = ("motion", index, "to")
         if values.get("motion", index, "law") == "table":
@@ -467,14 +487,14 @@ def motion_returns(values: ValidValues) -> Iterator[Broken]:
 
 
 def positions_are_distinct_from_0(values: ValidValues) -> Iterator[Broken]:
-    """A position is 0, or no smaller than what laws can be scaled to."""
+    """A position is 0, or large enough for the velocities of its laws to be computed."""
     for place, end in _ends(values):
         if 0.0 < abs(end) < SMALLEST_POSITION:
             yield place, "must be 0, or at least 1e-30 in magnitude"
 
 
 def laws_have_their_parameters(values: ValidValues) -> Iterator[Broken]:
-    """A law takes the parameters given with it."""
+    """A move states only parameters that its law has."""
     for index in range(values.segments):
         place = ("motion", index)
         name = values.get(*place, "law")
@@ -482,25 +502,25 @@ def laws_have_their_parameters(values: ValidValues) -> Iterator[Broken]:
             continue
         if name != AUTO and values.has(*place, "optimise"):
             yield (*place, "optimise"), f'belongs to law "{AUTO}"'
-        taken = parameters_of(name)
+        parameters = law_parameters(name)
         for key in (*SHAPES, JERK):
-            if not values.has(*place, key) or key in taken:
+            if not values.has(*place, key) or key in parameters:
                 continue
-            own = [each for each in SHAPES if each in taken]
-            known = f"its parameters: {', '.join(own)}" if own else "it has no parameters"
+            allowed = [shape for shape in SHAPES if shape in parameters]
+            known = f"its parameters: {', '.join(allowed)}" if allowed else "it has no parameters"
             yield (*place, key), f'is not a parameter of "{name}"; {known}'
 
 
-def parameters_of(law: str) -> frozenset[str]:
-    """Keys of a move that shape its law, or its jerk at the end, if the law takes them."""
+def law_parameters(law: str) -> frozenset[str]:
+    """Keys of a move that the law takes: parameters that shape it, and its jerk at the end."""
     if law == AUTO:
         return frozenset(SHAPES)
-    taken = frozenset[str]().union(*find_family(law).parameters.values())
-    return taken & set(SHAPES) | ({JERK} if {"j0", "j1"} & taken else set())
+    parameters = frozenset[str]().union(*find_family(law).parameters.values())
+    return parameters & set(SHAPES) | ({JERK} if {"j0", "j1"} & parameters else set())
 
 
 def one_speed(values: ValidValues) -> Iterator[Broken]:
-    """The disc turns at constant speed or by a table."""
+    """The speed of the disc is stated by a number or by a table, not by both."""
     if values.has("cam", "speed") and values.has("cam", "speed_curve"):
         yield ("cam", "speed_curve"), "contradicts speed; give one of them"
 
@@ -531,7 +551,7 @@ def positions_have_one_unit(values: ValidValues) -> Iterator[Broken]:
 
 
 def a_return_disc_has_a_main_disc(values: ValidValues) -> Iterator[Broken]:
-    """A conjugate pair is two plate cams."""
+    """A conjugate pair is two plate cams; only a pair or a yoke has a closing error."""
     place = ("follower", "return")
     if not values.has(*place):
         free = values.lacks(*place) and values.lacks(*YOKE)
@@ -543,7 +563,7 @@ def a_return_disc_has_a_main_disc(values: ValidValues) -> Iterator[Broken]:
         yield place, 'belongs to contact "inner": both discs of a conjugate pair are plate cams'
 
 
-def a_yoke_stands_astride(values: ValidValues) -> Iterator[Broken]:
+def a_yoke_holds_one_plate_cam(values: ValidValues) -> Iterator[Broken]:
     """Both sides of a yoke lie in line with the cam axis, on one plate cam."""
     if not values.has(*YOKE):
         return
@@ -557,7 +577,7 @@ def a_yoke_stands_astride(values: ValidValues) -> Iterator[Broken]:
 
 
 def followers_keep_their_own_rules(values: ValidValues) -> Iterator[Broken]:
-    """The rules that the follower's kind declares for its keys."""
+    """The keys of the follower obey the rules that its kind declares."""
     kind = values.follower_kind
     if kind is None:
         return
@@ -569,7 +589,7 @@ def followers_keep_their_own_rules(values: ValidValues) -> Iterator[Broken]:
 
 
 def rollers_have_what_is_theirs(values: ValidValues) -> Iterator[Broken]:
-    """A ratio of radii needs a roller."""
+    """A limit of the ratio of radii needs a roller."""
     if values.flat and values.has("limits", "radius_ratio"):
         yield ("limits", "radius_ratio"), FOR_ROLLERS
 
@@ -582,7 +602,7 @@ def linkage_drives_the_follower(values: ValidValues) -> Iterator[Broken]:
     if linkage is None or follower is None or follower.unit in LINKAGES[linkage].members:
         return
     units = LINKAGES[linkage].members
-    fitting = " or ".join(f'"{each.name}"' for each in FOLLOWERS.values() if each.unit in units)
+    fitting = " or ".join(f'"{kind.name}"' for kind in FOLLOWERS.values() if kind.unit in units)
     yield ("follower", "kind"), f"a {linkage} {DRIVES[follower.unit]}: it needs kind = {fitting}"
 
 
@@ -596,13 +616,13 @@ def effects_suit_the_machine(values: ValidValues) -> Iterator[Broken]:
 
 def options_obey_their_rules(values: ValidValues) -> Iterator[Broken]:
     """The options of the formats named obey the declared rules."""
-    for form in schema_for(tables_of(values, *NAMING)).formats:
+    for form in schema_for(present_tables(values, *NAMING)).formats:
         for key, message in form.broken(values):
             yield ("output", form.name, key), message
 
 
 def milling_is_stated(values: ValidValues) -> Iterator[Broken]:
-    """The tables on milling have all that nobody may invent."""
+    """The tables on milling do not contradict themselves; only a program needs them complete."""
     if any(values.has(name) for name in MILLING):
         from camgeo.scene.milling import broken_tables  # few scenes mill
 
@@ -610,7 +630,9 @@ def milling_is_stated(values: ValidValues) -> Iterator[Broken]:
 
 
 def roller_is_possible(values: ValidValues) -> Iterator[Broken]:
-    """A roller or a knife edge, and a groove of suitable width for its roller."""
+    """Roller radius and side clearance are 0 or at least `SMALLEST_LENGTH`. A groove needs a
+    roller, and only a groove has a side clearance, which is less than the roller's diameter.
+    """
     groove = values.contact is not None and values.contact.closed_by_form
     radius = values.get("follower", "roller_radius")
     play = values.get("follower", "side_clearance")
@@ -647,10 +669,10 @@ def tolerance_is_possible(values: ValidValues) -> Iterator[Broken]:
     if not values.valid("units"):
         return
     if values.has(*place):
-        given = values.get(*place)
-        if given is None:
+        stated = values.get(*place)
+        if stated is None:
             return
-        tolerance = given * values.mm
+        tolerance = stated * values.mm
         if not SMALLEST_TOLERANCE <= tolerance <= LARGEST_TOLERANCE:
             message = "must be a length of 1e-7 mm to 1 mm"
             if values.unit != "mm":
@@ -696,7 +718,7 @@ def _ends(values: ValidValues) -> Iterator[tuple[KeyPath, float]]:
 
 
 RULES: Final[tuple[Rule, ...]] = (
-    spans_add_up,
+    spans_make_one_turn,
     motion_returns,
     positions_are_distinct_from_0,
     laws_have_their_parameters,
@@ -704,12 +726,12 @@ RULES: Final[tuple[Rule, ...]] = (
     swing_is_possible,
     positions_have_one_unit,
     a_return_disc_has_a_main_disc,
-    a_yoke_stands_astride,
+    a_yoke_holds_one_plate_cam,
     followers_keep_their_own_rules,
     rollers_have_what_is_theirs,
     linkage_drives_the_follower,
     effects_suit_the_machine,
-    a_found_speed_is_sought,
+    a_computed_speed_has_one_source,
     a_flank_is_one_of_two,
     options_obey_their_rules,
     milling_is_stated,

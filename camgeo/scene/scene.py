@@ -40,7 +40,7 @@ from camgeo.reading import SCENE, TABLE, read_limited
 from camgeo.record import brief, pickled
 from camgeo.scene.formats.drawing import DrawingSpec
 from camgeo.scene.formats.format import FORMATS, Format, Options, OutputSpec
-from camgeo.scene.keys import KeyPath, path_of, value_at
+from camgeo.scene.keys import KeyPath, parse_path, tree_value
 from camgeo.scene.rules import broken_rules
 from camgeo.scene.schema import (
     EFFECTS_KEY,
@@ -50,22 +50,22 @@ from camgeo.scene.schema import (
     SHAPES,
     Node,
     definition,
-    keys_of,
     resolved,
     schema_for,
+    table_keys,
 )
 from camgeo.scene.values import (
     Document,
-    Inside,
+    SceneConverter,
     Source,
     Tree,
     ValidValues,
-    data_of,
+    check_schema,
     document,
     document_of_tree,
-    edited,
-    far_end_of,
-    judged,
+    encode_scene,
+    linkage_far_end,
+    with_edits,
     without,
 )
 from camgeo.units import RPM, TURN, LengthUnit, LiftUnit
@@ -162,7 +162,7 @@ class Scene:
         SceneError
             With all its faults.
         """
-        _fill(self, enter(Document.of(values), Source.of("", folder)))
+        _fill(self, enter(Document.from_values(values), Source.from_file("", folder)))
 
     @classmethod
     def from_text(cls, data: bytes, file: str = "", folder: str | Path | None = None) -> Self:
@@ -172,17 +172,19 @@ class Scene:
         SceneError with all its faults.
         """
         try:
-            found = document(data)
+            parsed = document(data)
         except SceneError as error:
             raise SceneError(error.faults, file) from error
-        return cls.of(found, Source.of(file, folder, data.decode()))
+        return cls.from_document(parsed, Source.from_file(file, folder, data.decode()))
 
     @classmethod
-    def of(cls, found: Document, source: Source, earlier: Scene | None = None) -> Self:
+    def from_document(
+        cls, document: Document, source: Source, earlier: Scene | None = None
+    ) -> Self:
         """A scene from its document, perhaps an edit of an earlier scene."""
-        made = cls.__new__(cls)
-        _fill(made, enter(found, source, None if earlier is None else vars(earlier)))
-        return made
+        instance = cls.__new__(cls)
+        _fill(instance, enter(document, source, None if earlier is None else vars(earlier)))
+        return instance
 
     @cached_property
     def values(self) -> Mapping[str, Any]:
@@ -196,7 +198,7 @@ class Scene:
 
     @property
     def states_milling(self) -> bool:
-        """Whether it says anything on milling, perhaps not all that a program needs."""
+        """Whether the scene states anything on milling, even if not all that a program needs."""
         return self.milling is not None or any(map(self.stated.has, MILLING))
 
     def lacking(self, formats: Iterable[Format[Any]]) -> tuple[Fault, ...]:
@@ -212,13 +214,15 @@ class Scene:
 
     @cached_property
     def identity(self) -> str:
-        """SHA-256 of all that the scene states, hexadecimal, see `camgeo.scene.scene`."""
-        return identity_of(self._tree, self._digest)
+        """SHA-256 of all that the scene states, hexadecimal; equal for equal values in any
+        spelling.
+        """
+        return scene_identity(self._tree, self._digest)
 
     @cached_property
     def made(self) -> str:
         """SHA-256 of all that decides the bytes of files, hexadecimal, as it stands in them."""
-        return made_of(self._tree, self._digest)
+        return output_hash(self._tree, self._digest)
 
     def _digest(self, name: str) -> str:
         import hashlib  # its import costs as much as a small check
@@ -226,17 +230,17 @@ class Scene:
         return hashlib.sha256(self.source.contents[name]).hexdigest()
 
     @cached_property
-    def made_before(self) -> str:
+    def text_hash(self) -> str:
         """Hash of the text, in files of earlier versions instead of `made`; empty without text."""
-        found = self._of_text
-        return "" if found is None else hash_of(self.source.text.encode(), found)
+        parsed = self._text_document
+        return "" if parsed is None else scene_text_hash(self.source.text.encode(), parsed)
 
     @property
-    def _of_text(self) -> Document | None:
+    def _text_document(self) -> Document | None:
         """The document of the text; None if the values were edited, or came from no text."""
         text = self.source.text
-        found = document(text.encode()) if text else None
-        return None if found is None or found.exact != self._tree else found
+        parsed = document(text.encode()) if text else None
+        return None if parsed is None or parsed.exact != self._tree else parsed
 
     def with_values(self, edits: Mapping[str, Any]) -> Scene:
         """The scene with other values at some keys, None to remove a key.
@@ -250,22 +254,22 @@ class Scene:
         SceneError
             With all faults that the edit would cause.
         """
-        found = document_of_tree(edited(self._tree, edits), earlier=self.stated.scene)
-        return Scene.of(found, self.source, self)
+        changed = document_of_tree(with_edits(self._tree, edits), earlier=self.stated.scene)
+        return Scene.from_document(changed, self.source, self)
 
     def restate(self, error: CamgeoError) -> None:
-        """Put an error's lengths into the unit of the scene, and the number of a key as the scene
-        states it. Faults of a scene are in its unit, those of a call in mm, as its options are.
+        """Convert the lengths in an error to the unit of the scene, and show the number of a key as
+        the scene states it. A SceneError is in the unit of its scene already.
         """
         if not isinstance(error, SceneError):
             error.restate(self.unit)
         if isinstance(error, GeometryError) and error.value[:1].isdigit():
-            fault = self.stated.scene.fault(path_of(error.key) or (), "")
+            fault = self.stated.scene.fault(parse_path(error.key) or (), "")
             error.value = fault.value or error.value
 
     @contextmanager
     def restating(self) -> Iterator[None]:
-        """Restate the errors that are raised within."""
+        """Restate the errors that are raised in the body of the `with` statement."""
         try:
             yield
         except CamgeoError as error:
@@ -277,7 +281,7 @@ class Scene:
 
         Keys added by an edit follow those that were set before them in their table.
         """
-        if self._of_text is not None:
+        if self._text_document is not None:
             return self.source.text
         from camgeo.scene.toml import written_into
 
@@ -304,7 +308,7 @@ class Scene:
 
 
 def _read_only(tree: Any) -> Any:
-    """The same values in mappings and tuples that cannot be changed."""
+    """The values of a tree in mappings and tuples, which cannot be changed."""
     if isinstance(tree, dict):
         return MappingProxyType({key: _read_only(item) for key, item in tree.items()})
     if isinstance(tree, list):
@@ -323,11 +327,11 @@ def scene(
 ) -> Scene:
     """The scene from its pickled state; no file is read."""
     source = Source(file, None if folder is None else Path(folder), text).having(contents)
-    return Scene.of(document_of_tree(tree), source)
+    return Scene.from_document(document_of_tree(tree), source)
 
 
-# -- door -----------------------------------------------------------------------------------------
-# The door of a scene: its values are checked, and the engine's objects built from them.
+# -- entry ----------------------------------------------------------------------------------------
+# Entry of a scene: its values are checked, and the engine's objects are built from them.
 
 
 Built = TypeVar("Built")
@@ -339,7 +343,7 @@ WEIGHING: Final = "balance"
 """The effect whose table may state the density of the part."""
 
 Attributes = Mapping[str, Any]
-"""Of a `Scene`, by their names."""
+"""The attributes of a `Scene`, by their names."""
 
 
 def enter(document: Document, source: Source, earlier: Attributes | None = None) -> Attributes:
@@ -352,39 +356,41 @@ def enter(document: Document, source: Source, earlier: Attributes | None = None)
     SceneError
         With all its faults.
     """
-    verdict = judged(document, schema_for(document.plain))
+    verdict = check_schema(document, schema_for(document.plain))
     if (VERSION_KEY,) in verdict.bad and VERSION_KEY in document.exact:
-        # A scene of another version has other keys; this schema's messages would mislead.
-        found = [f for f in (*document.faults, *verdict.faults) if f.key == VERSION_KEY]
-        raise SceneError(found, source.file)
+        # A scene of another version has other keys; messages from this schema would mislead.
+        version_faults = [f for f in (*document.faults, *verdict.faults) if f.key == VERSION_KEY]
+        raise SceneError(version_faults, source.file)
     values = ValidValues(document, verdict.bad, verdict.meant)
     stated: ValidValues | None = earlier["stated"] if earlier else None
     faults = [*document.faults, *verdict.faults, *broken_rules(values, stated)]
-    inside = Inside(values, source.folder, source.contents)
-    builder = Builder(inside, earlier or {})
-    # The plan repeats some of these checks with messages of its own.
+    converter = SceneConverter(values, source.folder, source.contents)
+    builder = Builder(converter, earlier or {})
+    # The planner repeats some of these checks with messages of its own: each fault is reported
+    # once.
     moves = not any(fault.key.startswith("motion") for fault in faults)
     plan = builder.plan() if moves else None
     follower, linkage, speed_curve = builder.follower(), builder.linkage(), builder.speed_curve()
     mount = None if follower is None else builder.mount()
     returning = None if mount is None or follower is None else builder.returning(mount, follower)
     effects = builder.effects({fault.key for fault in faults})
-    output = builder.kept("output", Builder.output)
+    output = builder.reuse("output", Builder.output)
     faulted = {fault.key for fault in faults}
-    milling = builder.kept("milling", lambda own: own.milling(output, faulted))
+    milling = builder.reuse("milling", lambda own: own.milling(output, faulted))
     if plan is not None and follower is not None and linkage is not None:
         builder.join(plan, follower, linkage)
-    faults += inside.faults
+    faults += converter.faults
     if faults or plan is None or (follower is None and values.has("follower")):
+        # Faults without a line come last: no line number exceeds the size of a file in bytes.
         last = len(document.lines) + SCENE.size
         raise SceneError(sorted(faults, key=lambda fault: fault.line or last), source.file)
     rest = builder.rest(speed_curve, effects)
-    if inside.faults:
-        raise SceneError(inside.faults, source.file)
+    if converter.faults:
+        raise SceneError(converter.faults, source.file)
     return {
         "stated": values,
-        "source": source.having(inside.contents),
-        "files": tuple(sorted(inside.hashes.items())),
+        "source": source.having(converter.contents),
+        "files": tuple(sorted(converter.hashes.items())),
         "plan": plan,
         "follower": follower,
         "linkage": linkage,
@@ -398,23 +404,30 @@ def enter(document: Document, source: Source, earlier: Attributes | None = None)
 
 
 class Builder:
-    """Builds the objects of a scene from its valid values; the faults go to `inside`."""
+    """Builds the engine's objects from the valid values of a scene.
 
-    def __init__(self, inside: Inside, earlier: Attributes) -> None:
-        self.inside = inside
-        self.values = inside.values
+    Parameters
+    ----------
+    converter : converts the values and collects the faults.
+    earlier : attributes of the scene of which this one is an edit; empty for a new scene.
+    """
+
+    def __init__(self, converter: SceneConverter, earlier: Attributes) -> None:
+        self.converter = converter
+        self.values = converter.values
         self._earlier = earlier
-        self._mm = inside.values.mm
-        self._schema = schema_for(inside.values.scene.plain)
+        self._mm = converter.values.mm
+        self._schema = schema_for(converter.values.scene.plain)
 
     def _unchanged(self, *tables: str) -> bool:
-        """Whether this is an edit of a scene with the same tables, and the same units."""
+        """Whether the scene is an edit that left these tables and the units as they were."""
         if not self._earlier:
             return False
+        # Edits share unchanged tables as objects, so identity decides without comparing values.
         now, then = self.values.scene.exact, self._earlier["stated"].scene.exact
         return all(now.get(name) is then.get(name) for name in ("units", *tables))
 
-    def kept(self, name: str, make: Callable[[Builder], Built]) -> Built:
+    def reuse(self, name: str, make: Callable[[Builder], Built]) -> Built:
         """What `make` builds, or the attribute `name` of the earlier scene if nothing that this was
         built from has changed.
 
@@ -422,16 +435,18 @@ class Builder:
         """
         reads = self.values.reads
         if name in reads:
-            found: Built = self._earlier[name]
-            return found
+            attribute: Built = self._earlier[name]
+            return attribute
         if not (self._earlier and self.values.flawless):
             return make(self)
-        inside, noted = self.inside.noting()
-        made = make(Builder(inside, self._earlier))
-        self.inside.take(inside)
-        if not inside.contents:
-            reads[name] = noted.noted
-        return made
+        # Reads are recorded only if no value is wrong by itself: otherwise `valid` depends on
+        # values that are never read.
+        converter, recording = self.converter.recorder()
+        built = make(Builder(converter, self._earlier))
+        self.converter.take(converter)
+        if not converter.contents:  # what depends on files may change while the values do not
+            reads[name] = recording.recorded
+        return built
 
     def plan(self) -> MotionPlan | None:
         """The motion plan; None if the motion is not valid."""
@@ -442,11 +457,12 @@ class Builder:
         if self._unchanged("motion") and earlier["stated"].angular == values.angular:
             for index in range(values.segments):
                 if values.has("motion", index, "file"):
-                    self.inside.read(("motion", index, "file"))
+                    # The scene states hash and content of its files, also where the plan is reused.
+                    self.converter.read(("motion", index, "file"))
             plan: MotionPlan = earlier["plan"]
             return plan
-        requests = MotionRequests(self.inside)
-        if self.inside.faults:
+        requests = MotionRequests(self.converter)
+        if self.converter.faults:
             return None
         return self._engine(("motion",), lambda: plan_motion(requests.all, requests.unit))
 
@@ -455,7 +471,7 @@ class Builder:
         key = ("cam", "speed_curve")
         if self.values.get(*key) is None:
             return None
-        data = self.inside.read(key)
+        data = self.converter.read(key)
         if data is None:
             return None
         if self._unchanged("cam"):
@@ -494,7 +510,7 @@ class Builder:
         if self.values.get("follower", "yoke") is None:
             return None
 
-        return Yoke(**self.inside.table(("follower", "yoke"), definition("yoke")))
+        return Yoke(**self.converter.table(("follower", "yoke"), definition("yoke")))
 
     def linkage(self) -> Linkage | None:
         """The linkage; None if there is none, or it cannot work.
@@ -504,14 +520,16 @@ class Builder:
         if self.values.get("linkage") is None:
             return None
         kind = LINKAGES[self.values.get("linkage", "kind")]
-        given, unit = self._table("linkage"), self.values.lift_unit
+        table, unit = self._table("linkage"), self.values.lift_unit
         if unit not in kind.members:
             return None  # which is reported
         earlier = self._earlier
-        if self._unchanged("linkage") and far_end_of(earlier["stated"]) == far_end_of(self.values):
+        if self._unchanged("linkage") and linkage_far_end(earlier["stated"]) == linkage_far_end(
+            self.values
+        ):
             linkage: Linkage = earlier["linkage"]
             return linkage
-        return self._engine(("linkage",), lambda: kind.build(given, unit))
+        return self._engine(("linkage",), lambda: kind.build(table, unit))
 
     def _table(self, *place: str) -> Values:
         """The valid table at `place`."""
@@ -526,18 +544,20 @@ class Builder:
         arm_side = SIGNS[self.values.get("follower", "arm_side") or "ccw"]
         strokes = [segment.to for segment in plan.segments if not isinstance(segment, Dwell)]
         farthest = max(strokes, key=abs, default=0.0)
+        # The sense of the follower at the farthest end of the motion, position alone: the three
+        # derivatives of the jet are 0.
         jet = np.array([[farthest], [0.0], [0.0], [0.0]])
         swing = float(linkage.transform(jet)[0, 0])
         if swing * farthest * arm_side * SIGNS[stated] < 0.0:
-            found = "inward" if stated == "outward" else "outward"
-            self.inside.fault(
+            direction = "inward" if stated == "outward" else "outward"
+            self.converter.fault(
                 ("follower", "direction"),
-                f"contradicts the linkage, which moves the {follower.touching} {found}",
-                f'leave it out, write "{found}", or turn one of the linkage\'s choices',
+                f"contradicts the linkage, which moves the {follower.touching} {direction}",
+                f'leave it out, write "{direction}", or turn one of the linkage\'s choices',
             )
 
     def effects(self, faulted: Collection[str] = ()) -> dict[str, dict[str, Any]]:
-        """The tables of the effects that the scene names, in the units inside.
+        """The tables of the effects that the scene names, in internal units.
 
         No further faults are reported for those whose keys are among `faulted`.
         """
@@ -545,15 +565,16 @@ class Builder:
             return {}
         from camgeo.scene.effects import effect_tables  # few scenes name an effect
 
-        return effect_tables(self.inside, faulted)
+        return effect_tables(self.converter, faulted)
 
     def rest(self, speed_curve: SpeedCurve | None, effects: Attributes) -> dict[str, Any]:
-        """The other attributes of a scene, all of whose values are valid; None, with a fault, for
-        what has numbers too large or too small to be computed with.
+        """The remaining attributes of a scene all of whose values are valid; an attribute is None,
+        with a fault, if its numbers are too large or too small to compute with.
         """
         get = self.values.get
         speed = get("cam", "speed")
         if speed_curve is not None:
+            # The mean speed, from the duration of one turn; in rev/min like `cam.speed`.
             speed = TURN / speed_curve.spline.period / RPM
         return {
             "name": get("name"),
@@ -565,15 +586,15 @@ class Builder:
             "speed_curve": speed_curve,
             "contact": self.values.contact or Contact.INNER,
             "side_clearance": self._mm * (get("follower", "side_clearance") or 0.0),
-            "limits": self.kept("limits", Builder._limits),
-            "part": self.kept("part", lambda own: own.part(effects)),
+            "limits": self.reuse("limits", Builder._limits),
+            "part": self.reuse("part", lambda own: own.part(effects)),
             "model": get("state", "motion"),
             "contour": get("state", "contour"),
             "flank": get("state", "flank"),
             "train": get("state", "output") or "elastic",
             "state_speed": get("state", "speed"),
-            "printing": self.kept("printing", Builder._printing),
-            "drawing": self.kept("drawing", Builder._drawing),
+            "printing": self.reuse("printing", Builder._printing),
+            "drawing": self.reuse("drawing", Builder._drawing),
         }
 
     def _limits(self) -> Limits | None:
@@ -586,20 +607,20 @@ class Builder:
 
     def part(self, effects: Attributes) -> PartSpec | None:
         """The part; the `effects` are those that the scene names."""
-        self.values.raw(EFFECTS_KEY)  # notes that `effects` are read, see `kept`
+        self.values.raw(EFFECTS_KEY)  # records that `effects` are read, see `kept`
         if not self.values.has("part"):
             return None
         top, name = self._top("part"), self.values.get("name")
 
-        def made() -> PartSpec:
-            found = PartSpec.from_table(top, name)
+        def build() -> PartSpec:
+            spec = PartSpec.from_table(top, name)
             if WEIGHING not in effects:
-                return found
-            from camgeo.scene.effects import weighed  # few scenes name an effect
+                return spec
+            from camgeo.scene.effects import with_density  # few scenes name an effect
 
-            return weighed(found, effects[WEIGHING], self.inside)
+            return with_density(spec, effects[WEIGHING], self.converter)
 
-        return self._engine(("part",), made)
+        return self._engine(("part",), build)
 
     def _printing(self) -> PrintSpec | None:
         if self.values.get("print") is None:
@@ -611,15 +632,15 @@ class Builder:
 
     def output(self) -> OutputSpec:
         """What is written, and how; the defaults if anything in it is not valid."""
-        given = self._top("output")
+        tables = self._top("output")
         options: dict[str, Any] = {}
         for form in self._schema.formats:
-            table = given.pop(form.name, None)
+            table = tables.pop(form.name, None)
             if table is not None and None not in table.values():  # a file that cannot be read
                 place = ("output", form.name)
                 options[form.name] = self._engine(place, partial(form.parse, table))
-        ripple = given.pop("accuracy", {}).get("ripple", False)
-        return OutputSpec(options=Options(options), accuracy_ripple=ripple, **given)
+        ripple = tables.pop("accuracy", {}).get("ripple", False)
+        return OutputSpec(options=Options(options), accuracy_ripple=ripple, **tables)
 
     def milling(self, output: OutputSpec, faulted: Collection[str] = ()) -> MillingSpec | None:
         """What the scene says on milling; None if it says nothing, or nothing valid.
@@ -627,31 +648,33 @@ class Builder:
         No further faults are reported if one of its keys is among those `faulted`. `output` is that
         of the scene.
         """
-        self.values.raw(OUTPUT)  # notes that `output` is read, see `kept`
+        self.values.raw(OUTPUT)  # records that `output` is read, see `kept`
         named = any(self.values.has(name) for name in MILLING)
-        if not (named or "gcode" in output.options.given):
+        if not (named or "gcode" in output.options.by_format):
             return None
-        if any((path_of(key) or ("",))[0] in MILLING for key in faulted):
+        if any((parse_path(key) or ("",))[0] in MILLING for key in faulted):
             return None
         from camgeo.scene.milling import MillingBuilder  # few scenes mill
 
-        return MillingBuilder(self.inside).spec(output.options.given.get("gcode"))
+        return MillingBuilder(self.converter).spec(output.options.by_format.get("gcode"))
 
     def _top(self, name: str) -> dict[str, Any]:
-        """One of the scene's tables in the units inside; empty if it is missing or not valid."""
+        """One of the scene's tables in internal units; empty if it is missing or not valid."""
         if self.values.get(name) is None:
             return {}
-        return self.inside.table((name,), self._schema.root["properties"][name])
+        return self.converter.table((name,), self._schema.root["properties"][name])
 
     def _engine(self, table: KeyPath, make: Callable[[], Built]) -> Built | None:
-        """What `make` builds; None, with a fault of the table's key, if geometry forbids it."""
+        """The object that `make` builds; None, with a fault at the key of the `table`, if it raises
+        GeometryError.
+        """
         try:
             return make()
         except GeometryError as error:
-            path = path_of(error.key) or ()
-            if path[: len(table)] != table:
+            path = parse_path(error.key) or ()
+            if path[: len(table)] != table:  # the engine names keys relative to their table
                 path = table + path
-            self.inside.fault(path, error.message)
+            self.converter.fault(path, error.message)
             return None
 
 
@@ -679,9 +702,9 @@ class MotionRequests:
     unit : of positions in the scene.
     """
 
-    def __init__(self, inside: Inside) -> None:
-        values = inside.values
-        self.inside = inside
+    def __init__(self, converter: SceneConverter) -> None:
+        values = converter.values
+        self.converter = converter
         self.values = values
         self.all: list[Request] = []
         self._scale = math.radians(1.0) if values.angular else values.mm
@@ -700,14 +723,14 @@ class MotionRequests:
         if table["law"] == "table":
             return self._table(place, table, span)
         end = {key: self._scaled(table.get(key)) for key in ("velocity", "acceleration")}
-        to = self._scale * table["to"]
+        end_position = self._scale * table["to"]
         if table["law"] == "points":
-            return self._points(place, table, span, to, end)
+            return self._points(place, table, span, end_position, end)
         inflection = table.get(INFLECTION)
         balance = inflection.removeprefix(EQUAL) if isinstance(inflection, str) else ""
         return MoveRequest(
             span=span,
-            to=to,
+            to=end_position,
             law=table["law"],
             parameters={
                 key: float(table[key])
@@ -728,32 +751,32 @@ class MotionRequests:
         place: KeyPath,
         table: dict[str, Any],
         span: Decimal,
-        to: float,
+        end_position: float,
         end: dict[str, float | None],
     ) -> PointsRequest | None:
         shares: list[float] = []
         last = Decimal(0)
         for index in range(len(table["points"])):
-            at = self.values.exact(*place, "points", index, "at")
-            assert at is not None  # the scene is valid
-            if not last < at < span:
-                self.inside.fault(
+            angle = self.values.exact(*place, "points", index, "at")
+            assert angle is not None  # the scene is valid
+            if not last < angle < span:
+                self.converter.fault(
                     (*place, "points", index, "at"),
                     f"must ascend, inside the span of {span.normalize():f} degrees",
                 )
                 return None
-            shares.append(float(at / span))
-            last = at
-        given = {
+            shares.append(float(angle / span))
+            last = angle
+        boundaries = {
             index: (self._scaled(point.get("velocity")), self._scaled(point.get("acceleration")))
             for index, point in enumerate(table["points"])
         }
         return PointsRequest(
             span=span,
-            to=to,
+            to=end_position,
             shares=np.array(shares),
             positions=np.array([self._scale * point["to"] for point in table["points"]]),
-            boundaries={index: boundary for index, boundary in given.items() if boundary != FREE},
+            boundaries={index: boundary for index, boundary in boundaries.items() if boundary != FREE},
             **end,
         )
 
@@ -761,17 +784,19 @@ class MotionRequests:
         from camgeo.kinematics.tables import TwoColumns  # few scenes have one
 
         key = (*place, "file")
-        data = self.inside.read(key)
+        data = self.converter.read(key)
         if data is None:
             return None
         try:
             rows = TwoColumns.of_lifts(data, table["file"], float(span), periodic=span == FULL_TURN)
         except GeometryError as error:
-            self.inside.fault(key, error.message)
+            self.converter.fault(key, error.message)
             return None
         wanted = "deg" if self.values.angular else self.values.unit
         if rows.unit and rows.unit.lower() not in UNITS[wanted]:
-            self.inside.fault(key, f"gives the lift in {rows.unit}; the scene takes it in {wanted}")
+            self.converter.fault(
+                key, f"gives the lift in {rows.unit}; the scene takes it in {wanted}"
+            )
             return None
         return TableRequest(
             span=span,
@@ -801,7 +826,7 @@ def _weights(optimise: Any) -> dict[str, float]:
 
 
 FORM: Final = "camgeo scene 1"
-"""Version of the hashed form; another one would give other hashes of the same values."""
+"""Version of the canonical text that is hashed; a change of it changes all hashes."""
 
 REPORTED_ONLY: Final = (
     ("effects",),
@@ -820,15 +845,15 @@ byte with and without it, the hash in them does not depend on it either.
 """
 
 Digests = Callable[[str], str]
-"""Gives the SHA-256 of the file that a scene names so, hexadecimal."""
+"""Function from the name of a file, as in the scene, to the SHA-256 of its content, hexadecimal."""
 
 
-def identity_of(tree: Tree, digests: Digests) -> str:
+def scene_identity(tree: Tree, digests: Digests) -> str:
     """SHA-256 of all that a scene states, hexadecimal."""
     return _hash("all", tree, digests)
 
 
-def made_of(tree: Tree, digests: Digests) -> str:
+def output_hash(tree: Tree, digests: Digests) -> str:
     """SHA-256 of all that decides the bytes of the files made from it, hexadecimal."""
     for path in REPORTED_ONLY:
         tree = without(tree, path)
@@ -860,7 +885,7 @@ class _Canonical:
         """The value, at which the schema has `node`."""
         node = resolved(node)
         if isinstance(value, dict):
-            keys = keys_of(node, value)
+            keys = table_keys(node, value)
             filled = {**self._defaults(keys, value), **value}
             texts = {name: self.text(filled[name], keys.get(name, {})) for name in sorted(filled)}
             pairs = [f"{json.dumps(name)}:{text}" for name, text in texts.items()
@@ -877,45 +902,51 @@ class _Canonical:
         return json.dumps(value)
 
     def _is_silent(self, text: str, node: Node) -> bool:
-        """Whether a key that came after this form says what its absence says."""
+        """Whether a key that was added after `FORM` has its default, the meaning of its absence: it
+        is left out, so that the hashes of older scenes stay as they are.
+        """
         node = resolved(node)
         return "x-added" in node and text == self.text(node["default"], node)
 
     def _defaults(self, keys: Mapping[str, Node], table: Tree) -> Tree:
-        """The meaning of keys missing in the table, where it can be stated as a value."""
-        found = {name: self._default(resolved(keys[name]), table) for name in keys.keys() - table}
-        return {name: value for name, value in found.items() if value is not None}
+        """The defaults of keys that the table lacks, where the default is a value."""
+        values = {name: self._default(resolved(keys[name]), table) for name in keys.keys() - table}
+        return {name: value for name, value in values.items() if value is not None}
 
     def _default(self, node: Node, table: Tree) -> Any:
         if "x-default-mm" in node:  # no number of inches is the same to the last digit
-            inches = value_at(self._tree, ("units", "length")) == "inch"
+            inches = tree_value(self._tree, ("units", "length")) == "inch"
             return None if inches else node["x-default-mm"]
         if "x-default-by-law" in node:
             return node["x-default-by-law"].get(table.get("law"))
-        main = value_at(self._tree, path_of(node.get("x-default-key", "")) or ("",))
+        main = tree_value(self._tree, parse_path(node.get("x-default-key", "")) or ("",))
         return node.get("default") if main is None else main
 
 
 def _names_a_file(node: Node, value: str) -> bool:
-    """Tell whether the value at a resolved node is the name of a file in the scene's folder."""
+    """Whether the value at a resolved node is the name of a file in the scene's folder."""
     return ("x-file" in node or "x-path" in node) and value not in node.get("x-values", ())
 
 
 def _number(value: float | Decimal) -> str:
-    """Digits without zeros at either end, and an exponent; 40, 40.0 and 4e1 are all 4e1."""
+    """Significant digits without zeros at either end, and an exponent: 40, 40.0 and 4e1 are 4e1."""
     number = Decimal(repr(value)) if isinstance(value, float) else Decimal(value)
     sign, digits, exponent = number.as_tuple()
     text = "".join(map(str, digits)).lstrip("0")
-    kept = text.rstrip("0")
+    significant = text.rstrip("0")
     assert isinstance(exponent, int)  # a scene has finite numbers only
-    return f"{'-' if sign else ''}{kept or 0}e{exponent + len(text) - len(kept) if kept else 0}"
+    # Each trailing zero that is cut off raises the exponent by one; 0 has the exponent 0.
+    return (
+        f"{'-' if sign else ''}{significant or 0}"
+        f"e{exponent + len(text) - len(significant) if significant else 0}"
+    )
 
 
-def hashes_of(path: Path, known: Mapping[str, str]) -> Iterator[str]:
+def scene_file_hashes(path: Path, known: Mapping[str, str]) -> Iterator[str]:
     """The hashes by which files may name the scene file at `path`: of its text, and of its values.
 
-    None if it is not TOML; OSError, or ValueError, if it, or a file that it names, cannot be read
-    or is larger than allowed. Files whose SHA-256 is `known` are taken as they were then.
+    Nothing if it is not TOML; OSError, or ValueError, if it, or a file that it names, cannot be
+    read or is larger than allowed. Files whose SHA-256 is `known`, by name, are not read again.
     """
 
     def digest(name: str) -> str:
@@ -928,12 +959,12 @@ def hashes_of(path: Path, known: Mapping[str, str]) -> Iterator[str]:
         scene = document(data)
     except SceneError:
         return
-    yield hash_of(data, scene)
+    yield scene_text_hash(data, scene)
     if not scene.faults:
-        yield made_of(scene.exact, digest)
+        yield output_hash(scene.exact, digest)
 
 
-def hash_of(data: bytes, scene: Document) -> str:
+def scene_text_hash(data: bytes, scene: Document) -> str:
     """SHA-256 of the bytes of a scene file without its effects, hexadecimal.
 
     `scene` is the parsed file.
@@ -952,27 +983,29 @@ def without_effects(data: bytes, scene: Document) -> bytes:
         return data
     lines = data.splitlines(keepends=True)
     starts = sorted({line - 1 for line in scene.lines.values()})
-    own = {line - 1 for path, line in scene.lines.items() if path[0] == EFFECTS_KEY}
-    kept = [True] * len(lines)
+    effect_lines = {line - 1 for path, line in scene.lines.items() if path[0] == EFFECTS_KEY}
+    keeps = [True] * len(lines)
     for number, start in enumerate(starts):
-        if start not in own:
+        if start not in effect_lines:
             continue
         end = starts[number + 1] if number + 1 < len(starts) else len(lines)
         last = max((k for k in range(start, end) if not _idle(lines[k])), default=start)
-        after = last + 1
-        while after < end and not lines[after].strip():
-            after += 1
-        before = start
-        while before and lines[before - 1].lstrip().startswith(b"#"):
-            before -= 1
-        for k in range(before, after):
-            kept[k] = False
-    if own and lines and not kept[-1]:
+        block_end = last + 1
+        while block_end < end and not lines[block_end].strip():
+            block_end += 1
+        block_start = start
+        while block_start and lines[block_start - 1].lstrip().startswith(b"#"):
+            block_start -= 1
+        for k in range(block_start, block_end):
+            keeps[k] = False
+    # Where the effects ended the file, the empty lines that separated them from the rest go as
+    # well.
+    if effect_lines and lines and not keeps[-1]:
         k = len(lines) - 1
-        while k >= 0 and (not kept[k] or not lines[k].strip()):
-            kept[k] = False
+        while k >= 0 and (not keeps[k] or not lines[k].strip()):
+            keeps[k] = False
             k -= 1
-    return b"".join(line for line, keep in zip(lines, kept, strict=True) if keep)
+    return b"".join(line for line, keep in zip(lines, keeps, strict=True) if keep)
 
 
 def _idle(line: bytes) -> bool:
@@ -1023,7 +1056,7 @@ def parse_scene(text: str, file: str = "", folder: str | Path | None = None) -> 
     as `load_scene` does.
     """
     try:
-        data = data_of(text)
+        data = encode_scene(text)
     except SceneError as error:
         raise SceneError(error.faults, file) from error
     return Scene.from_text(data, file, folder)

@@ -87,14 +87,14 @@ def _with_kinds(frame: Mapping[str, Any]) -> Node:
     top = dict(frame["properties"])
     top["follower"] = _choice(top["follower"], FOLLOWERS.values())
     top["linkage"] = _choice(top["linkage"], LINKAGES.values())
-    own = {name: _table(kind.schema) for name, kind in LINKAGES.items()}
+    kind_tables = {name: _table(kind.schema) for name, kind in LINKAGES.items()}
     for name, kind in FOLLOWERS.items():
-        own[name] = {**_table(kind.schema), "x-siblings": _siblings(kind)}
-    return {**frame, "properties": top, "$defs": {**frame["$defs"], **own}}
+        kind_tables[name] = {**_table(kind.schema), "x-siblings": _siblings(kind)}
+    return {**frame, "properties": top, "$defs": {**frame["$defs"], **kind_tables}}
 
 
 def _choice(node: Mapping[str, Any], kinds: Iterable[FollowerKind] | Iterable[LinkageKind]) -> Node:
-    """A table whose other keys depend on its kind."""
+    """The node of a table whose keys depend on its key `kind`, by an if/then for each kind."""
     described = [(kind.name, kind.description) for kind in kinds]
     kind = {
         "description": " ".join(f'"{name}": {text}' for name, text in described),
@@ -129,31 +129,33 @@ def _with_laws(frame: Mapping[str, Any]) -> Node:
     """The schema `frame` with the names of all laws and the keys of their parameters."""
     move = frame["$defs"]["move"]
     keys = dict(move["properties"])
-    names = (AUTO, *(each for name in FAMILIES for each in (name, *FAMILIES[name].aliases)))
+    names = (AUTO, *(word for name in FAMILIES for word in (name, *FAMILIES[name].aliases)))
     also = (f'"{alias}" is another name of "{name}".' for alias, name in ALIASES.items())
     described = " ".join((keys["law"]["description"], *also))
     keys["law"] = {**keys["law"], "description": described, "enum": [*names, *BY_DATA]}
     place = list(keys).index(INFLECTION) + 1
-    own = {name: _option(name) for name in OPTIONS}
+    options = {name: _option(name) for name in OPTIONS}
     items = list(keys.items())
-    move = {**move, "properties": dict([*items[:place], *own.items(), *items[place:]])}
+    move = {**move, "properties": dict([*items[:place], *options.items(), *items[place:]])}
     return {**frame, "$defs": {**frame["$defs"], "move": move}}
 
 
 def _option(name: str) -> Node:
     """The node of a parameter that only some families have."""
-    found = {
+    options = {
         family.name: option
         for family in FAMILIES.values()
         for option in family.options
         if option.name == name
     }
-    first = next(iter(found.values()))
-    laws = " and ".join(f'"{law}" (default {each.default:g})' for law, each in found.items())
+    first = next(iter(options.values()))
+    laws = " and ".join(f'"{law}" (default {option.default:g})' for law, option in options.items())
     return {
         "description": f"{first.symbol}: {first.text}; for {laws}.",
         **first.schema,
-        "x-default-by-law": {law: each.default for law, each in found.items() if each.always},
+        "x-default-by-law": {
+            law: option.default for law, option in options.items() if option.always
+        },
     }
 
 
@@ -167,7 +169,7 @@ class Composed:
 
     @functools.cached_property
     def validator(self) -> Draft202012Validator:
-        """Of documents; CamgeoError if a declaration is at fault."""
+        """Validates documents; CamgeoError if a declaration is not a valid schema."""
         try:
             return Draft202012Validator(self.root)
         except ValueError as error:
@@ -180,7 +182,7 @@ NAMING: Final = (EFFECTS_KEY, OUTPUT, *MILLING)
 """The tables by which `schema_for` decides."""
 
 Named = tuple[tuple[str, Declared | None], ...]
-"""All known names, with the declarations of those that a scene names."""
+"""All known names, each with its declaration if the scene names it, else None."""
 
 
 def schema_for(values: Mapping[str, Any]) -> Composed:
@@ -239,14 +241,17 @@ def _composed(effects: Named[Effect], formats: Named[Format[Any]], *, mills: boo
 def _with_tables(effects: Tables, formats: Tables, milling: Tables) -> Node:
     """Return the schema with these tables; what it shares must not be changed."""
     top = schema()["properties"]
-    own = {**top[EFFECTS_KEY], "properties": {name: dict(table) for name, table in effects.items()}}
+    effects_table = {
+        **top[EFFECTS_KEY],
+        "properties": {name: dict(table) for name, table in effects.items()},
+    }
     keys = top[OUTPUT]["properties"]
     listed = {**keys["formats"], "items": {"enum": list(formats), "x-hints": NO_FORMATS}}
     listed["description"] = listed["description"].format(formats=", ".join(formats))
     tables = {name: _optional(table) for name, table in formats.items()}
     output = {**top[OUTPUT], "properties": {**keys, "formats": listed, **tables}}
-    own_tables = {EFFECTS_KEY: own, OUTPUT: output, **milling}
-    return {**schema(), "properties": {**top, **own_tables}}
+    added = {EFFECTS_KEY: effects_table, OUTPUT: output, **milling}
+    return {**schema(), "properties": {**top, **added}}
 
 
 def _optional(table: Mapping[str, Any]) -> Node:
@@ -265,7 +270,7 @@ def whole_schema(names: Iterable[str] = ()) -> Node:
 
     effects = [registry.find_effect(name) for name in names or registry.EFFECTS]
     formats = {name: find_format(name).schema for name in FORMATS}
-    named = {each.name: each.schema for each in effects}
+    named = {effect.name: effect.schema for effect in effects}
     root: Node = copy.deepcopy(_with_tables(named, formats, milling_tables()))
     for effect in effects:
         table = root["properties"]["effects"]["properties"][effect.name]
@@ -311,7 +316,7 @@ def definition(name: str) -> Node:
 
 def resolved(node: Node | bool) -> Node:
     """Return a property's node with its references followed."""
-    if isinstance(node, bool):
+    if isinstance(node, bool):  # JSON Schema's `true`: anything is allowed
         return {}
     while "$ref" in node:
         node = referred(node)
@@ -320,24 +325,24 @@ def resolved(node: Node | bool) -> Node:
 
 def referred(node: Node) -> Node:
     """The definition that a node refers to; keywords next to the reference take precedence."""
-    beside = {key: value for key, value in node.items() if key != "$ref"}
-    return {**definition(node["$ref"].rpartition("/")[2]), **beside}
+    overrides = {key: value for key, value in node.items() if key != "$ref"}
+    return {**definition(node["$ref"].rpartition("/")[2]), **overrides}
 
 
-def keys_of(node: Node | bool, table: Node) -> dict[str, Node]:
+def table_keys(node: Node | bool, table: Node) -> dict[str, Node]:
     """Return the keys of a table with their nodes; for a table with kinds, those of its kind."""
     node = resolved(node)
     keys = dict(node.get("properties", {}))
     for choice in (*node.get("allOf", ()), node):
         if "if" in choice:
             branch = "then" if _meets(choice["if"], table) else "else"
-            keys.update(keys_of(choice.get(branch, {}), table))
+            keys.update(table_keys(choice.get(branch, {}), table))
     return keys
 
 
 def _meets(condition: Node, table: Node) -> bool:
     """Whether a table has the keys, with the constants, of an ``if`` of the schema."""
-    constants = {key: each["const"] for key, each in condition.get("properties", {}).items()}
+    constants = {key: node["const"] for key, node in condition.get("properties", {}).items()}
     return all(key in table for key in condition["required"]) and all(
         table.get(key) == value for key, value in constants.items()
     )

@@ -26,7 +26,7 @@ SEVERAL: Final = re.compile(r"""([^=#"']*=[ \t]*\[)([^#\[\]{}"']+)(\][ \t\r]*(?:
 """A line with a key and a list of such values."""
 
 ELEMENT: Final = re.compile(r"([ \t]*)([^\s]+)([ \t]*)")
-"""One of them, with the space around it."""
+"""One element of such a list, with the space around it."""
 
 
 def written_into(text: str, tree: Tree) -> str:
@@ -36,13 +36,13 @@ def written_into(text: str, tree: Tree) -> str:
     it is written anew, without its comments.
     """
     try:
-        before = tomllib.loads(text, parse_float=Decimal)
-        replaced = _with_numbers(text, before, tree)
+        earlier = tomllib.loads(text, parse_float=Decimal)
+        replaced = _with_numbers(text, earlier, tree)
         if replaced is not None and _says(replaced, tree):
             return replaced
-        found = tomlkit.parse(text)
-        _change(found, before, tree)
-        written = tomlkit.dumps(found)
+        parsed = tomlkit.parse(text)
+        _change(parsed, earlier, tree)
+        written = tomlkit.dumps(parsed)
     except (TOMLKitError, LookupError, AttributeError, TypeError, ValueError):
         # tomlkit stumbles over some texts that are valid: tables in several places, dotted keys.
         return tomlkit.dumps(_item(tree))
@@ -58,11 +58,11 @@ def _with_numbers(text: str, before: Tree, after: Tree) -> str | None:
 
     None if more than numbers differs, or if one does not stand in one line with its key.
     """
-    found = list(_differing(before, after, ()))
-    if not all(_is_number(one) and _is_number(other) for _, one, other in found):
+    differences = list(_differing(before, after, ()))
+    if not all(_is_number(one) and _is_number(other) for _, one, other in differences):
         return None
     known, lines = key_lines(text), text.split("\n")
-    for path, _, value in found:
+    for path, _, value in differences:
         step = path[-1]
         place, shape = (path[:-1], SEVERAL) if isinstance(step, int) else (path, SINGLE)
         number = known.get(place, 0) - 1
@@ -71,18 +71,18 @@ def _with_numbers(text: str, before: Tree, after: Tree) -> str | None:
             return None
         new = _item(value).as_string()
         if isinstance(step, int):
-            each = match[2].split(",")
-            element = ELEMENT.fullmatch(each[step])
+            elements = match[2].split(",")
+            element = ELEMENT.fullmatch(elements[step])
             if element is None:
                 return None
-            each[step] = f"{element[1]}{new}{element[3]}"
-            new = ",".join(each)
+            elements[step] = f"{element[1]}{new}{element[3]}"
+            new = ",".join(elements)
         lines[number] = f"{match[1]}{new}{match[3]}"
     return "\n".join(lines)
 
 
 def _differing(one: Any, other: Any, path: KeyPath) -> Iterator[tuple[KeyPath, Any, Any]]:
-    """Where two trees differ, and both values there."""
+    """Paths at which two trees differ, with both values; another order of keys is a difference."""
     if isinstance(one, dict) and isinstance(other, dict) and list(one) == list(other):
         for key in one:
             yield from _differing(one[key], other[key], (*path, key))
@@ -105,15 +105,16 @@ def _says(text: str, tree: Tree) -> bool:
 
 
 def _same(one: Any, other: Any) -> bool:
-    """Whether two values are the same to a scene; 0 and -0 are not."""
+    """Whether two values mean the same in a scene; 0 and -0 differ, and NaN equals itself."""
     if isinstance(one, dict) and isinstance(other, dict):
         return one.keys() == other.keys() and all(_same(one[key], other[key]) for key in one)
     if isinstance(one, list) and isinstance(other, list):
         return len(one) == len(other) and all(map(_same, one, other))
     if isinstance(one, bool) or isinstance(other, bool):
         return one is other
-    if one != one or other != other:  # no number
+    if one != one or other != other:  # NaN
         return str(one) == str(other)
+    # Zeros are compared by their sign, the first character of their text.
     return bool(one == other) and (bool(one) or str(one)[:1] == str(other)[:1])
 
 
@@ -145,26 +146,34 @@ def _change_item(node: Any, key: str | int, before: Any, after: Any) -> None:
 
 
 def _change_list(node: Any, before: list[Any], after: list[Any]) -> None:
-    """The same for a list: equal items at either end stay, and those between are changed."""
+    """Change the list `node` from `before` to `after`: equal items at either end stay."""
     head = 0
     while head < min(len(before), len(after)) and _same(before[head], after[head]):
         head += 1
     tail = 0
     while tail < min(len(before), len(after)) - head and _same(before[-1 - tail], after[-1 - tail]):
         tail += 1
+    # Between head and tail items are first removed or inserted, then compared one by one: so an
+    # item that is only edited keeps its comments.
     old, new = before[head : len(before) - tail], after[head : len(after) - tail]
     place, more = head + _place(old, new), len(new) - len(old)
     for _ in range(-more):
         del node[place]
     for index in range(place, place + more):
         node.insert(index, _item(after[index], inline=isinstance(node, Array)))
-    kept = [*before[:place], *after[place : place + max(0, more)], *before[place + max(0, -more) :]]
-    for index, (one, other) in enumerate(zip(kept, after, strict=True)):
+    aligned = [
+        *before[:place],
+        *after[place : place + max(0, more)],
+        *before[place + max(0, -more) :],
+    ]
+    for index, (one, other) in enumerate(zip(aligned, after, strict=True)):
         _change_item(node, index, one, other)
 
 
 def _place(old: list[Any], new: list[Any]) -> int:
-    """Where the longer list has its extra items, chosen so that the fewest values differ."""
+    """Index of the extra items in the longer list, chosen so that the fewest values differ."""
+    # Extra items at k: the first k of the short list meet the first k of the long one, the others
+    # those shifted by `more`. front[k] + (back[-1] - back[k]) is the cost but for a constant.
     short, long = sorted((old, new), key=len)
     more = len(long) - len(short)
     fronts = list(itertools.accumulate(map(_differences, short, long), initial=0))
@@ -180,16 +189,19 @@ def _differences(one: Any, other: Any) -> int:
 
 
 def _item(value: Any, *, inline: bool = False) -> Any:
-    """A value for tomlkit, decimal numbers to the last digit; `inline` within a list."""
+    """A value as an item of tomlkit, decimal numbers to the last digit; `inline` for tables in
+    lists.
+    """
     if isinstance(value, Decimal):
         text = str(value)
         if not value.is_finite():
             text = str(float(value))  # inf, -inf, nan
         elif "." not in text and "E" not in text:
-            text = f"{text}.0"
+            text = f"{text}.0"  # else TOML would read an integer
         return Float(float(value), Trivia(), text)
     if isinstance(value, dict):
         table = tomlkit.inline_table() if inline else tomlkit.table()
+        # Single values before tables: what follows a table's header would belong to that table.
         for key, item in sorted(value.items(), key=lambda pair: isinstance(pair[1], dict)):
             table.append(key, _item(item, inline=inline))
         return table

@@ -33,16 +33,24 @@ from camgeo.kinematics.mechanism.declared.registry import FOLLOWERS, LINKAGES
 from camgeo.kinematics.mechanism.values import MEMBER_UNITS, FollowerKind, Member
 from camgeo.reading import SCENE, TABLE, check_toml
 from camgeo.record import Brief, allowed
-from camgeo.scene.keys import KeyPath, key_lines, line_of, path_of, quoted, spelled, value_at
+from camgeo.scene.keys import (
+    KeyPath,
+    key_lines,
+    nearest_line,
+    parse_path,
+    quoted,
+    spelled,
+    tree_value,
+)
 from camgeo.scene.schema import (
     Composed,
     Node,
     definition,
-    keys_of,
     referred,
     resolved,
     schema,
     schema_for,
+    table_keys,
 )
 from camgeo.units import MM_PER, RPM, LengthUnit, LiftUnit, in_unit, listed
 
@@ -58,9 +66,10 @@ class ValidValues:
 
     Attributes
     ----------
-    scene : with the values that are wrong too. Rules do not look there, see `Noted`.
+    scene : the document, with the values that are wrong too. Rules must not read it directly: such
+        reads would not be recorded, see `RecordingValues`.
     flawless : whether no value is wrong by itself.
-    reads : what each rule has read, if that was noted.
+    reads : the places that each rule, and each builder by its name, has read, where recorded.
     """
 
     def __init__(
@@ -68,6 +77,7 @@ class ValidValues:
     ) -> None:
         self.scene = scene
         self._bad = frozenset(bad)
+        # All ancestors of bad values, so that `valid` need not search for a fault below a table.
         self._around_bad = {path[:end] for path in bad for end in range(len(path) + 1)}
         self._meant = frozenset(meant)
         self.flawless = not (bad or meant)
@@ -83,7 +93,7 @@ class ValidValues:
 
     def has(self, *path: str | int) -> bool:
         """Whether the scene names the key, with a valid value or not."""
-        return self.scene.at(path) is not None
+        return self.scene.exact_value(path) is not None
 
     def lacks(self, *path: str | int) -> bool:
         """Whether the scene neither names the key nor has a misspelt one meant to be it."""
@@ -96,13 +106,13 @@ class ValidValues:
 
     def raw(self, *path: str | int) -> Any:
         """Value at `path`, valid or not; None if it is absent, or can be the value of no scene."""
-        return value_at(self.scene.plain, path)
+        return tree_value(self.scene.plain, path)
 
     def exact(self, *path: str | int) -> Decimal | None:
         """Number at `path` exactly as written; None if it is absent or not valid."""
         if self.get(*path) is None:
             return None
-        return Decimal(self.scene.at(path))
+        return Decimal(self.scene.exact_value(path))
 
     @property
     def unit(self) -> LengthUnit:
@@ -144,7 +154,7 @@ class ValidValues:
 
     @property
     def lift_unit(self) -> LiftUnit:
-        """Of the follower's own motion; without a follower, that of the linkage or the scene."""
+        """Unit of the follower's motion; without a follower, that of the linkage or the scene."""
         if self.follower_kind is not None:
             return self.follower_kind.unit
         if self.has("linkage"):
@@ -157,11 +167,11 @@ class ValidValues:
         """Whether positions of the motion are angles: of the follower, or of a linkage's end."""
         if self.lacks("linkage"):
             return self.lift_unit == "rad"
-        far_end = far_end_of(self)
+        far_end = linkage_far_end(self)
         return far_end is not None and MEMBER_UNITS[far_end] == "rad"
 
 
-def far_end_of(values: ValidValues) -> Member | None:
+def linkage_far_end(values: ValidValues) -> Member | None:
     """The member whose motion a linkage's far end makes; None without one, or if not known."""
     linkage, follower = values.get("linkage", "kind"), values.follower_kind
     if linkage is None or (follower is None and values.has("follower")):
@@ -169,39 +179,39 @@ def far_end_of(values: ValidValues) -> Member | None:
     return LINKAGES[linkage].members.get(values.lift_unit)
 
 
-def tables_of(values: ValidValues, *names: str) -> dict[str, Any]:
-    """Those of the scene's tables with these names that it has, valid or not."""
+def present_tables(values: ValidValues, *names: str) -> dict[str, Any]:
+    """The scene's tables of these names, as far as it states them, valid or not."""
     return {name: values.raw(name) for name in names if values.has(name)}
 
 
-class Noted(ValidValues):
-    """The values of a scene none of which is wrong by itself; notes what is read of them.
+class RecordingValues(ValidValues):
+    """Valid values of a scene that record which of them are read.
 
     Attributes
     ----------
-    noted : all that has been read.
+    recorded : the places read so far.
     """
 
     def __init__(self, scene: Document) -> None:
         super().__init__(scene)
-        self.noted = Reads()
+        self.recorded = Reads()
 
     def valid(self, *_: str | int) -> bool:
-        """See `ValidValues.valid`."""
+        """True for all paths: nothing in such a scene is wrong by itself."""
         return True
 
     def has(self, *path: str | int) -> bool:
-        """See `ValidValues.has`."""
-        self.noted.note_presence(path)
+        """Whether the scene names the key; records that it was asked."""
+        self.recorded.note_presence(path)
         return super().has(*path)
 
     def raw(self, *path: str | int) -> Any:
-        """See `ValidValues.raw`."""
-        self.noted.note(path)
+        """Value at `path`, or None; records that it was read."""
+        self.recorded.note(path)
         return super().raw(*path)
 
 
-# -- inside ---------------------------------------------------------------------------------------
+# -- converter ------------------------------------------------------------------------------------
 # The values of a scene in internal units, with the files that it names, and their faults.
 
 
@@ -239,8 +249,8 @@ NO_FOLDER: Final = (
 )
 
 
-class Inside:
-    """Converts the values of a scene, and reads its files; collects the faults of both.
+class SceneConverter:
+    """Converts the values of a scene to internal units and reads its files; collects all faults.
 
     Parameters
     ----------
@@ -268,25 +278,30 @@ class Inside:
         self._folder = folder
         self._known = known or {}
 
-    def noting(self) -> tuple[Inside, Noted]:
-        """Another one that notes what is read of the same values, none of which may be wrong."""
-        noted = Noted(self.values.scene)
-        return Inside(noted, self._folder, {**self._known, **self.contents}), noted
+    def recorder(self) -> tuple[SceneConverter, RecordingValues]:
+        """A converter of the same values, and the values themselves, which record what it reads; no
+        value of the scene may be wrong.
+        """
+        recording = RecordingValues(self.values.scene)
+        return SceneConverter(recording, self._folder, {**self._known, **self.contents}), recording
 
-    def take(self, other: Inside) -> None:
-        """All that the other one has found."""
+    def take(self, other: SceneConverter) -> None:
+        """Take over the faults, the contents of files and their hashes from another converter."""
         self.faults += [fault for fault in other.faults if fault not in self.faults]
         self.contents |= other.contents
         self.hashes |= other.hashes
 
     def fault(self, path: KeyPath, message: str, hint: str = "") -> None:
-        """Note a fault of the value at `path`, which need not exist, once."""
-        found = self.values.scene.fault(path, message, hint)
-        if found not in self.faults:
-            self.faults.append(found)
+        """Report a fault of the value at `path`, which need not exist; equal faults count once."""
+        reported = self.values.scene.fault(path, message, hint)
+        if reported not in self.faults:
+            self.faults.append(reported)
 
     def read(self, key: KeyPath) -> bytes | None:
-        """The data that the scene names at `key`, at most one byte too many; None with a fault."""
+        """The content of the file that the scene names at `key`; None, with a fault, if it cannot
+        be read. Of a file that is too large it has one byte more than allowed, for the parser to
+        refuse.
+        """
         if self.path(key) is None:
             return None
         import hashlib  # few scenes name a file
@@ -297,9 +312,9 @@ class Inside:
         return data
 
     def path(self, key: KeyPath) -> str | None:
-        """Path of the file that the scene names at `key`; None with a fault.
+        """Path of the file that the scene names at `key`; None, with a fault, if it cannot be read.
 
-        Its present content is kept too.
+        Its present content is kept in `contents`.
         """
         name: str = self.values.get(*key)
         if self._folder is None:
@@ -322,8 +337,8 @@ class Inside:
 
     def table(self, path: KeyPath, node: Mapping[str, Any]) -> dict[str, Any]:
         """The valid table at `path`, by its schema `node`; None where a file cannot be read."""
-        found: dict[str, Any] = self._value(path, self.values.get(*path), dict(node))
-        return found
+        converted: dict[str, Any] = self._value(path, self.values.get(*path), dict(node))
+        return converted
 
     def _value(self, path: KeyPath, value: Any, node: Node) -> Any:
         if isinstance(value, dict):
@@ -353,12 +368,13 @@ class Inside:
             return self.values.exact(*path)
         if reference in LENGTHS or "x-default-mm" in node:
             return float(value) * self.values.mm
+        # Keywords beside a reference take precedence over those of the definition.
         unit = {**schema()["$defs"].get(reference.rpartition("/")[2], {}), **node}.get("x-unit", "")
         return float(value) * (_scale(path, unit) if unit else 1.0)
 
 
 def _scale(path: KeyPath, unit: str) -> float:
-    """The factor from `unit` to the unit inside; CamgeoError if there is no such unit."""
+    """The factor from `unit` to the internal unit; CamgeoError if there is no such unit."""
     if unit in SCALES:
         return SCALES[unit]
     raise CamgeoError(
@@ -374,34 +390,34 @@ LONGEST: Final = 1024
 """Characters of a text that may be the name of a file; longer ones are none."""
 
 Stamp = tuple[int, int, int] | None
-"""What tells one state of a file from another: its number, time of change and size; None if there
-is no such file. A file that is replaced by another, as editors do on saving, has another number."""
+"""Identifies one state of a file: its inode number, time of last change [ns] and size [bytes]; None
+if there is no such file. A file that is replaced, as editors do on saving, has another inode."""
 
 
 def stamp(path: Path) -> Stamp:
     """The present state of one file."""
     try:
-        return stamp_of(path.stat())
+        return stamp_from_stat(path.stat())
     except (OSError, ValueError):
         return None
 
 
-def stamp_of(found: os.stat_result) -> Stamp:
-    """The state of a file of which the system says this."""
-    return found.st_ino, found.st_mtime_ns, found.st_size
+def stamp_from_stat(status: os.stat_result) -> Stamp:
+    """The state of a file, from what the system reports about it."""
+    return status.st_ino, status.st_mtime_ns, status.st_size
 
 
-def named(text: str, folder: Path) -> tuple[Path, ...] | None:
+def named_files(text: str, folder: Path) -> tuple[Path, ...] | None:
     """Files in `folder` that the scene in a text may name: any of its texts; None if it is no TOML.
 
     A scene may be broken for the moment, and a file may be missing: neither matters here.
     """
     try:
         check_toml(text)
-        found = tomllib.loads(text)
+        tree = tomllib.loads(text)
     except (FileError, ValueError, RecursionError):
         return None
-    return tuple(sorted({folder / each for each in _texts(found)}))
+    return tuple(sorted({folder / name for name in _texts(tree)}))
 
 
 def _texts(value: Any) -> Iterator[str]:
@@ -410,8 +426,8 @@ def _texts(value: Any) -> Iterator[str]:
         if 0 < len(value) <= LONGEST and value.isprintable() and _is_inside(value):
             yield value
     elif isinstance(value, dict | list):
-        for each in value.values() if isinstance(value, dict) else value:
-            yield from _texts(each)
+        for item in value.values() if isinstance(value, dict) else value:
+            yield from _texts(item)
 
 
 def _is_inside(name: str) -> bool:
@@ -449,9 +465,9 @@ class Taking:
         """An independent tree; SceneError if it is too deep or too large, or a name is not text."""
         self._count += 1
         if len(path) > DEEPEST:
-            raise refused("is nested too deeply for a scene")
+            raise scene_error("is nested too deeply for a scene")
         if self._count > MOST_VALUES:
-            raise refused("has too many values")
+            raise scene_error("has too many values")
         if isinstance(value, Mapping):
             return {self._name(key, path): self.take(value[key], (*path, key)) for key in value}
         if isinstance(value, list | tuple):
@@ -469,7 +485,7 @@ class Taking:
         raise SceneError([Fault(spelled(path), repr(key)[:60], message)])
 
 
-def edited(tree: Tree, edits: Mapping[str, Any]) -> Tree:
+def with_edits(tree: Tree, edits: Mapping[str, Any]) -> Tree:
     """The tree with other values at keys that are spelled as messages do; None removes a key.
 
     Missing tables are created; a new key follows the one that the previous edit set in
@@ -491,7 +507,7 @@ def edited(tree: Tree, edits: Mapping[str, Any]) -> Tree:
             if value is None:
                 removed.append(path)
             else:
-                tree = _with(tree, path, taking.take(value, path), last)
+                tree = _with_value(tree, path, taking.take(value, path), last)
                 last = path
         except _NoPlaceError as error:
             faults.append(Fault(str(key), "", str(error)))
@@ -508,44 +524,44 @@ class _NoPlaceError(Exception):
 
 def _path(tree: Tree, key: Any) -> KeyPath:
     """The path of `key`; a position may be written as a name too, motion.2.law."""
-    path = path_of(key) if isinstance(key, str) else None
+    path = parse_path(key) if isinstance(key, str) else None
     if not path:
         raise _NoPlaceError("is not a key; write it as messages do, e.g. motion[2].law")
     node: Any = tree
-    found: KeyPath = ()
+    prefix: KeyPath = ()
     for step in path:
         if isinstance(node, list):
             if isinstance(step, str) and step.isdecimal():
                 step = int(step) - 1
             if not isinstance(step, int) or not 0 <= step < len(node):
                 positions = f"its positions are 1 to {len(node)}"
-                raise _NoPlaceError(f"{spelled(found)} is a list: {positions}")
+                raise _NoPlaceError(f"{spelled(prefix)} is a list: {positions}")
             node = node[step]
         elif isinstance(node, dict | None):
             if isinstance(step, int):
-                raise _NoPlaceError(f"{spelled(found) or 'the scene'} is not a list")
+                raise _NoPlaceError(f"{spelled(prefix) or 'the scene'} is not a list")
             node = None if node is None else node.get(step)
         else:
-            raise _NoPlaceError(f"{spelled(found)} is not a table")
-        found = (*found, step)
-    return found
+            raise _NoPlaceError(f"{spelled(prefix)} is not a table")
+        prefix = (*prefix, step)
+    return prefix
 
 
-def _with(node: Any, path: KeyPath, value: Any, last: KeyPath) -> Any:
+def _with_value(node: Any, path: KeyPath, value: Any, last: KeyPath) -> Any:
     """The node with a value at `path`; a new key follows `last`, if that is in the same table."""
     if not path:
         return value
     step, rest = path[0], path[1:]
     below = last[1:] if last[:1] == path[:1] else ()
     if isinstance(step, int):
-        return [*node[:step], _with(node[step], rest, value, below), *node[step + 1 :]]
+        return [*node[:step], _with_value(node[step], rest, value, below), *node[step + 1 :]]
     table = node or {}
-    made = {**table, step: _with(table.get(step), rest, value, below)}
+    changed = {**table, step: _with_value(table.get(step), rest, value, below)}
     if step in table or len(last) != 1 or last[0] not in table:
-        return made
-    names = [name for name in made if name != step]
+        return changed
+    names = [name for name in changed if name != step]
     names.insert(names.index(last[0]) + 1, step)
-    return {name: made[name] for name in names}
+    return {name: changed[name] for name in names}
 
 
 def without(node: Any, path: KeyPath) -> Any:
@@ -564,7 +580,7 @@ def _order(path: KeyPath) -> list[tuple[int, str]]:
     return [(step, "") if isinstance(step, int) else (-1, step) for step in path]
 
 
-def refused(message: str, line: int | None = None) -> SceneError:
+def scene_error(message: str, line: int | None = None) -> SceneError:
     """An error of the scene as a whole."""
     return SceneError([Fault("", "", f"the scene {message}", line=line)])
 
@@ -577,7 +593,7 @@ ABSENT: Final = object()
 
 
 class Reads:
-    """Places in a scene at which something looked.
+    """Places in a scene that have been read.
 
     What depends on these values alone is the same for every scene that has the same there.
     """
@@ -587,40 +603,44 @@ class Reads:
         self._around: set[KeyPath] = set()
 
     def note(self, path: KeyPath) -> None:
-        """The value at `path`, with all that is in it, or that there is none."""
+        """Record that the value at `path` was read, or its absence, with all that is in it."""
         if path not in self._places:
             self._places.add(path)
             self.note_presence(path)
 
     def note_presence(self, path: KeyPath) -> None:
-        """Whether there is a value at `path`, whatever it is."""
+        """Record that it was asked whether there is a value at `path`, whatever it is."""
+        # A table around it that is added, removed or replaced may change the answer too.
         self._around.update(path[:end] for end in range(len(path) + 1))
 
     def touched(self, change: KeyPath) -> bool:
-        """Whether a change at that place concerns one of these: around it, at it or in it."""
+        """Whether a change at the path `change` concerns a recorded place: around it, at it or in
+        it.
+        """
         if change in self._around:
             return True
         return any(change[:end] in self._places for end in range(len(change) + 1))
 
 
 def unchanged(earlier: ValidValues, now: ValidValues) -> dict[Hashable, Reads]:
-    """What was read of an `earlier` scene and is the same `now`."""
+    """The reads of an `earlier` scene whose values are the same `now`, by rule or builder."""
     changed = list(changes(earlier.scene.exact, now.scene.exact))
     return {
-        name: each for name, each in earlier.reads.items() if not any(map(each.touched, changed))
+        name: reads for name, reads in earlier.reads.items() if not any(map(reads.touched, changed))
     }
 
 
 def changes(then: Any, now: Any, path: KeyPath = ()) -> Iterator[KeyPath]:
-    """The places at which two trees differ; what one of them shares with the other does not."""
+    """The places at which two trees differ; parts that both share as objects are not searched."""
     if then is now:
         return
     if isinstance(then, dict) and isinstance(now, dict):
         for key in {**then, **now}:
             yield from changes(then.get(key, ABSENT), now.get(key, ABSENT), (*path, key))
     elif isinstance(then, list) and isinstance(now, list) and len(then) == len(now):
-        for place, (before, after) in enumerate(zip(then, now, strict=True)):
-            yield from changes(before, after, (*path, place))
+        # Of lists of different lengths positions do not correspond: the list as a whole differs.
+        for place, (old, new) in enumerate(zip(then, now, strict=True)):
+            yield from changes(old, new, (*path, place))
     else:
         yield path
 
@@ -667,28 +687,28 @@ class Document(Brief):
         lengths in mm, the fault in the unit of the scene.
         """
         message = in_unit(message, self.unit)
-        return Fault(spelled(path), written(self.at(path)), message, hint, self.line(path))
+        return Fault(spelled(path), written(self.exact_value(path)), message, hint, self.line(path))
 
     @property
     def unit(self) -> LengthUnit:
         """The unit of length, mm if it is not valid."""
-        return "inch" if self.at(("units", "length")) == "inch" else "mm"
+        return "inch" if self.exact_value(("units", "length")) == "inch" else "mm"
 
     def line(self, path: KeyPath) -> int | None:
         """Line of `path`, else of what is around it."""
-        return line_of(path, self.lines)
+        return nearest_line(path, self.lines)
 
-    def at(self, path: KeyPath) -> Any:
+    def exact_value(self, path: KeyPath) -> Any:
         """The exact value at `path`, or None if there is none."""
-        return value_at(self.exact, path)
+        return tree_value(self.exact, path)
 
     @classmethod
-    def of(cls, values: Mapping[str, Any]) -> Document:
+    def from_values(cls, values: Mapping[str, Any]) -> Document:
         """Take values from Python, see `camgeo.scene.values.Taking`; raises SceneError as that
         does.
         """
         if not isinstance(values, Mapping):
-            raise refused(f"must be a mapping of its tables, and not {type(values).__name__}")
+            raise scene_error(f"must be a mapping of its tables, and not {type(values).__name__}")
         return document_of_tree(Taking().take(values))
 
 
@@ -710,7 +730,7 @@ class Source(Brief):
     contents: Mapping[str, bytes] = field(default_factory=lambda: MappingProxyType({}))
 
     @classmethod
-    def of(cls, file: str, folder: str | pathlib.Path | None, text: str = "") -> Self:
+    def from_file(cls, file: str, folder: str | pathlib.Path | None, text: str = "") -> Self:
         """The source of a scene in `folder`, or in the folder of its file."""
         if folder is None:
             return cls(file, pathlib.Path(file).resolve().parent if file else None, text)
@@ -721,12 +741,12 @@ class Source(Brief):
         return replace(self, contents=MappingProxyType(dict(contents)))
 
 
-def data_of(text: str) -> bytes:
+def encode_scene(text: str) -> bytes:
     """The bytes of a scene's text; raises SceneError if it is none."""
     try:
         return text.encode()
     except UnicodeEncodeError as error:
-        raise refused("is not text that UTF-8 can encode") from error
+        raise scene_error("is not text that UTF-8 can encode") from error
 
 
 def document(data: bytes) -> Document:
@@ -735,25 +755,25 @@ def document(data: bytes) -> Document:
     try:
         check_toml(text)
     except FileError as error:
-        raise refused(str(error)) from None
+        raise scene_error(str(error)) from None
     try:
         exact = tomllib.loads(text, parse_float=Decimal)
-        found = document_of_tree(exact, key_lines(text.replace("\r\n", "\n")))
+        parsed = document_of_tree(exact, key_lines(text.replace("\r\n", "\n")))
     except tomllib.TOMLDecodeError as error:
         place = TOML_PLACE.search(str(error))
         message = TOML_PLACE.sub("", str(error))
         line = int(place["line"]) if place and place["line"] else None
         if place and line is None:
             message += " before the end of the file"
-        raise refused(f"is not valid TOML: {message}", line) from error
+        raise scene_error(f"is not valid TOML: {message}", line) from error
     except RecursionError as error:
-        raise refused("is nested too deeply for a scene") from error
+        raise scene_error("is nested too deeply for a scene") from error
     except (ValueError, ArithmeticError) as error:
-        # Python refuses to read an integer of thousands of digits.
-        raise refused("holds a number with too many digits") from error
+        # Python refuses to convert an integer of more than 4300 digits.
+        raise scene_error("holds a number with too many digits") from error
     if not exact:
-        raise refused("is empty; `camgeo new` writes a scene to start from")
-    return found
+        raise scene_error("is empty; `camgeo new` writes a scene to start from")
+    return parsed
 
 
 def document_of_tree(
@@ -766,8 +786,8 @@ def document_of_tree(
     troubles: dict[KeyPath, str] = {}
     known = NOTHING if earlier is None else (earlier.exact, earlier.plain)
     plain = _plain(exact, (), troubles, known)
-    found = Document(exact, plain, (), frozenset(troubles), lines or {})
-    return replace(found, faults=tuple(itertools.starmap(found.fault, troubles.items())))
+    draft = Document(exact, plain, (), frozenset(troubles), lines or {})
+    return replace(draft, faults=tuple(itertools.starmap(draft.fault, troubles.items())))
 
 
 def written(value: Any) -> str:
@@ -794,14 +814,14 @@ def written(value: Any) -> str:
 
 def _text(data: bytes) -> str:
     if len(data) > SCENE.size:
-        raise refused(f"is larger than {SCENE.size:,} bytes, too large for a scene")
+        raise scene_error(f"is larger than {SCENE.size:,} bytes, too large for a scene")
     try:
         text = data.decode("utf-8").removeprefix(BYTE_ORDER_MARK)
     except UnicodeDecodeError as error:
         line = data.count(b"\n", 0, error.start) + 1
-        raise refused("is not UTF-8 text; save it in that encoding", line) from error
+        raise scene_error("is not UTF-8 text; save it in that encoding", line) from error
     if not text.strip():
-        raise refused("is empty; `camgeo new` writes a scene to start from")
+        raise scene_error("is empty; `camgeo new` writes a scene to start from")
     return text
 
 
@@ -869,35 +889,37 @@ def value_path(tree: Tree, key: str) -> KeyPath:
     SceneError
         If there is no such key, with the nearest name; if it is a table or a list.
     """
-    path = path_of(key)
+    path = parse_path(key)
     if not path:
-        raise _refused(key, "is no key of a scene; write one as messages do, e.g. motion[2].law")
+        raise _key_error(key, "is no key of a scene; write one as messages do, e.g. motion[2].law")
     node: Node = resolved(schema_for(tree).root)
     value: Any = tree
-    found: KeyPath = ()
+    prefix: KeyPath = ()
     for step in path:
-        keys = keys_of(node, value if isinstance(value, dict) else {})
+        keys = table_keys(node, value if isinstance(value, dict) else {})
         if isinstance(value, list) or "items" in node:
-            found = (*found, _position(key, step, value, found))
-            node, value = resolved(node.get("items", {})), value[found[-1]]
+            prefix = (*prefix, _position(key, step, value, prefix))
+            node, value = resolved(node.get("items", {})), value[prefix[-1]]
             continue
         if isinstance(step, int):
-            raise _refused(key, f"{_name(found)} is not a list")
+            raise _key_error(key, f"{_name(prefix)} is not a list")
         if keys and step not in keys:
-            hint = meant(spelled((*found, step)), [spelled((*found, each)) for each in keys])
-            raise _refused(
-                key, f"is no key of a scene; {_name(found)} has {listed(sorted(keys))}", hint
+            hint = meant(spelled((*prefix, step)), [spelled((*prefix, name)) for name in keys])
+            raise _key_error(
+                key, f"is no key of a scene; {_name(prefix)} has {listed(sorted(keys))}", hint
             )
-        if not keys and found and _single(node):
-            raise _refused(key, f"is no key of a scene; {_name(found)} is a single value")
-        found = (*found, step)
+        if not keys and prefix and _single(node):
+            raise _key_error(key, f"is no key of a scene; {_name(prefix)} is a single value")
+        prefix = (*prefix, step)
         node = resolved(keys.get(step, {}))
         value = value.get(step) if isinstance(value, dict) else None
     kind = CONTAINERS.get(str(node.get("type"))) or _container(value)
     if kind is not None:
-        within = "one of its keys" if kind == "table" else "a position in it"
-        raise _refused(key, f"is a {kind}: name {within}, as {spelled(found)}{_within(node, kind)}")
-    return found
+        example = "one of its keys" if kind == "table" else "a position in it"
+        raise _key_error(
+            key, f"is a {kind}: name {example}, as {spelled(prefix)}{_example_step(node, kind)}"
+        )
+    return prefix
 
 
 def _position(key: str, step: str | int, value: Any, found: KeyPath) -> int:
@@ -907,7 +929,7 @@ def _position(key: str, step: str | int, value: Any, found: KeyPath) -> int:
     count = len(value) if isinstance(value, list) else 0
     if not isinstance(step, int) or not 0 <= step < count:
         positions = f"its positions are 1 to {count}" if count else "the scene states none of it"
-        raise _refused(key, f"{_name(found)} is a list: {positions}")
+        raise _key_error(key, f"{_name(found)} is a list: {positions}")
     return step
 
 
@@ -923,14 +945,14 @@ def _container(value: Any) -> str | None:
     return "table" if isinstance(value, dict) else "list" if isinstance(value, list) else None
 
 
-def _within(node: Node, kind: str) -> str:
-    """What might follow the name of a table or list."""
+def _example_step(node: Node, kind: str) -> str:
+    """An example of what may follow the name of a table or a list in a key."""
     if kind == "list":
         return "[1]"
-    return "." + next(iter(keys_of(node, {})), "KEY")
+    return "." + next(iter(table_keys(node, {})), "KEY")
 
 
-def _refused(key: str, message: str, hint: str = "") -> SceneError:
+def _key_error(key: str, message: str, hint: str = "") -> SceneError:
     return SceneError([Fault(key, "", message, hint)])
 
 
@@ -961,17 +983,17 @@ class Verdict:
     meant: frozenset[KeyPath]
 
 
-def judged(scene: Document, schema: Composed) -> Verdict:
+def check_schema(scene: Document, schema: Composed) -> Verdict:
     """Check a document against a schema, which for a scene is that of what it names."""
-    found = itertools.islice(schema.validator.iter_errors(scene.plain), MOST_FAULTS)
-    errors = [(tuple(each.instance_path), each, _node_at(schema.root, each.evaluation_path))
-              for each in found]  # fmt: skip
+    schema_errors = itertools.islice(schema.validator.iter_errors(scene.plain), MOST_FAULTS)
+    errors = [(tuple(error.instance_path), error, _failing_node(schema.root, error.evaluation_path))
+              for error in schema_errors]  # fmt: skip
     faults: list[Fault] = []
     bad = set(scene.bad)
     meant: set[KeyPath] = set()
     excused: set[KeyPath] = set()
     # Unknown keys first: one of them may be a misspelt key that is missing.
-    for path, error, node in sorted(errors, key=lambda each: each[1].kind.name != UNKNOWN):
+    for path, error, node in sorted(errors, key=lambda failed: failed[1].kind.name != UNKNOWN):
         if error.kind.name == UNKNOWN:
             for name in error.kind.as_dict()["unexpected"][:MOST_FAULTS]:
                 fault, known, sibling = _unknown_key(scene, path, name, node)
@@ -990,7 +1012,8 @@ def judged(scene: Document, schema: Composed) -> Verdict:
             if fault not in faults:
                 faults.append(fault)
     if len(errors) == MOST_FAULTS or len(faults) >= MOST_FAULTS:
-        # What was not checked may be wrong too: nothing in the scene counts as valid.
+        # Errors beyond the limit were not examined, so any value may be wrong: the path () makes
+        # the whole scene count as not valid, and no rule draws conclusions.
         bad.add(())
         faults = [
             *faults[:MOST_FAULTS],
@@ -999,8 +1022,8 @@ def judged(scene: Document, schema: Composed) -> Verdict:
     return Verdict(tuple(faults), frozenset(bad), frozenset(meant))
 
 
-def _node_at(root: Node, evaluation: list[str | int]) -> Node:
-    """The node of `root` on whose last keyword an evaluation path of the validator ends."""
+def _failing_node(root: Node, evaluation: list[str | int]) -> Node:
+    """The schema node whose last keyword failed, by the validator's evaluation path from `root`."""
     node: Any = root
     for step in evaluation[:-1]:
         node = referred(node) if step == "$ref" else node[step]
@@ -1013,7 +1036,7 @@ def _missing(scene: Document, path: KeyPath, table: Node) -> Fault:
 
 
 def _refusal(scene: Document, path: KeyPath, error: ValidationError, node: Node) -> Fault:
-    value = scene.at(path)
+    value = scene.exact_value(path)
     hint = ""
     choices: list[Any] = node.get("enum") or node.get("x-values") or []
     values = [str(item) for item in choices]
@@ -1041,7 +1064,7 @@ def _unknown_key(scene: Document, path: KeyPath, name: str, node: Node) -> tuple
         if name in sibling["properties"]:
             message = f"belongs to {sibling['title']}; this is {node['title']}"
             return scene.fault(place, message), "", False
-    table: Any = scene.at(path)
+    table: Any = scene.exact_value(path)
     free = [key for key in node["properties"] if key not in table]
     known = nearest(name, free)
     if known:
@@ -1113,21 +1136,23 @@ def design_path(tree: Tree, key: str, seen: set[str]) -> KeyPath:
 
 
 def faults_of_range(start: Decimal, stop: Decimal, count: int | None) -> Iterator[tuple[str, str]]:
-    """What is wrong with a range of so many numbers, or of any: which key of its table, and why."""
+    """What is wrong with a range of `count` numbers, None for any number: the key of its table that
+    is at fault, and why.
+    """
     if count is not None and count < 1:
         yield "count", "is an empty range: there must be at least 1 number"
     elif start == stop and count != 1:
         yield "to", "is an empty range: both ends are the same"
     elif start != stop and count == 1:
         yield "count", "is one number for two ends: there must be at least 2"
-    elif not all(math.isfinite(float(each)) for each in (start, stop, stop - start)):
+    elif not all(math.isfinite(float(number)) for number in (start, stop, stop - start)):
         yield "to", "is too large a number"
 
 
-def rows_of(values: Sequence[Any], keys: int) -> Rows:
+def variable_rows(values: Sequence[Any], keys: int) -> Rows:
     """The values of a list in a table of a scene; a single one is for all tied keys."""
-    rows = ((each if isinstance(each, tuple | list) else (each,) * keys) for each in values)
-    return [tuple(_value(each) for each in row) for row in rows]
+    rows = ((entry if isinstance(entry, tuple | list) else (entry,) * keys) for entry in values)
+    return [tuple(_value(value) for value in row) for row in rows]
 
 
 def faults_of_list(rows: Rows, keys: int) -> Iterator[tuple[int, str]]:
@@ -1143,7 +1168,7 @@ def faults_of_list(rows: Rows, keys: int) -> Iterator[tuple[int, str]]:
         seen.add(repr(row))
 
 
-def keys_in(table: Mapping[str, Any]) -> tuple[str, ...]:
+def variable_keys(table: Mapping[str, Any]) -> tuple[str, ...]:
     """The keys of a variable that a table of a scene states."""
     return tuple(table["keys"]) if "keys" in table else (table["key"],)
 
@@ -1151,8 +1176,8 @@ def keys_in(table: Mapping[str, Any]) -> tuple[str, ...]:
 def _value(value: Any) -> Value:
     if isinstance(value, Decimal | float):
         return plain(float(value))
-    found: Value = value
-    return found
+    single: Value = value
+    return single
 
 
 def _encodable(text: str) -> bool:

@@ -14,7 +14,7 @@ from camgeo.app.answers.answer import text
 from camgeo.app.answers.setup import SetupSheet, html, setup_sheet
 from camgeo.app.cli.main import main
 from camgeo.design.design import Design
-from camgeo.milling.plan import Engaged
+from camgeo.milling.plan import OperationEngagement
 from camgeo.milling.simulation import Flaw
 from camgeo.scene.scene import load_scene
 from tests.answers.documents import FIXTURES, document
@@ -77,12 +77,11 @@ def test_the_operator_reads_notes_stops_and_what_is_left_to_be_done() -> None:
 
 
 def test_the_engagement_of_an_operation_that_clears_an_area(sheet: SetupSheet) -> None:
-    found = Engaged("bore", 100.0, 0.071, 0.8, 0.9, 0.95, 1j)
+    found = OperationEngagement("bore", 100.0, 0.071, 0.8, 0.9, 0.95, 1j)
     steps = (replace(sheet.steps[0], engaged=found), *sheet.steps[1:])
     changed = replace(sheet, steps=steps)
-    assert f"{steps[0].operation.name}: 7 % of its length in air, the cutter engaged over" in text(
-        changed
-    )
+    told = f"{steps[0].operation.name}: 7 % of its length is in air, the cutter is engaged over"
+    assert told in text(changed)
     first, *others = (each["engagement"] for each in document(changed)["operations"])
     assert first["air"] == 0.071
     assert first["largest_deg"] == pytest.approx(math.degrees(0.9))

@@ -39,7 +39,7 @@ from camgeo.kinematics.laws import FAMILIES, make_law
 from camgeo.kinematics.mechanism.linkage import LinkedMotion
 from camgeo.kinematics.mechanism.rollers import OscillatingRoller, TranslatingRoller
 from camgeo.kinematics.plan import Dwell, MotionPlan, Move
-from camgeo.scene.keys import path_of
+from camgeo.scene.keys import parse_path
 from camgeo.scene.scene import Scene
 from tests.cams import cam_of
 from tests.draws.remedies import BAD, cases, complaints
@@ -509,7 +509,7 @@ def rewritten(scene: Scene, cure: Cure) -> Scene:
     assert cure.new_value is not None
     edits: dict[str, Any] = {}
     for change in (Change(cure.key, cure.old_value, cure.new_value), *cure.also):
-        path = known(path_of(change.key))
+        path = known(parse_path(change.key))
         *above, last = path
         table: Any = scene.values
         for step in above:

@@ -121,10 +121,10 @@ def test_files_that_name_the_hash_of_the_text(folder: Path) -> None:
     for path in folder.glob("vorschub.*"):
         data = path.read_bytes()
         for digits in (64, 16):
-            data = data.replace(scene.made[:digits].encode(), scene.made_before[:digits].encode())
+            data = data.replace(scene.made[:digits].encode(), scene.text_hash[:digits].encode())
         path.write_bytes(data)
     certificate = json.loads((folder / "certificate.json").read_text())
-    certificate["scene"]["sha256"] = scene.made_before
+    certificate["scene"]["sha256"] = scene.text_hash
     for record in certificate["files"]:
         record["sha256"] = hashlib.sha256((folder / record["file"]).read_bytes()).hexdigest()
     (folder / "certificate.json").write_text(json.dumps(certificate))

@@ -18,7 +18,7 @@ from camgeo.geometry.contour.contour import (
     winding_number,
 )
 from camgeo.geometry.contour.spline import Arc, SplineContour
-from camgeo.milling.track import Track, chained
+from camgeo.milling.track import Track, chain_tracks
 from camgeo.numeric.arrays import ComplexArray, taken
 from tests.contour.cams import outline, polyline
 from tests.measuring import polygon
@@ -114,7 +114,7 @@ SEEDS = range(10)
 def any_pieces(seed: int) -> Pieces:
     """Lines, arcs up to half a turn, and one of nearly a whole turn."""
     track = any_track(np.random.default_rng(seed), 8)
-    return chained((track, Track.arc(track.end, track.end + 2.0, -6.0))).pieces
+    return chain_tracks((track, Track.arc(track.end, track.end + 2.0, -6.0))).pieces
 
 
 @pytest.mark.parametrize("seed", SEEDS)

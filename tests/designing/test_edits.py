@@ -15,7 +15,7 @@ from camgeo.app.answers.size import size
 from camgeo.app.designing.edits import changed
 from camgeo.errors import CamgeoError, SceneError
 from camgeo.scene.scene import parse_scene
-from camgeo.scene.values import document, edited
+from camgeo.scene.values import document, with_edits
 from tests.designing.scenes import CHOSEN, FILES, FIXTURES, SETZHUB, TEXT, design, name_of
 from tests.scene.scenes import leaves
 
@@ -39,7 +39,7 @@ def test_a_number_is_edited_and_set_back(file: pathlib.Path) -> None:
         assert changed(there.text, str(file), None, {"edits": {key: value}}).text == text
         if "motion" in key:
             continue  # the spans beside it change too
-        assert exact(there.text) == edited(exact(text), {key: other})
+        assert exact(there.text) == with_edits(exact(text), {key: other})
         if there.scene is not None:
             assert there.scene == own.scene.with_values({key: other})
             assert there.scene == parse_scene(there.text, folder=file.parent)

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from camgeo.app.designing.form import Fields, plain, slider_range
-from camgeo.scene.keys import path_of
+from camgeo.scene.keys import parse_path
 from camgeo.scene.values import Document
 
 LIMITS = st.one_of(st.none(), st.sampled_from([-1e9, -360.0, -90.0, 0.0, 1e-9]))
@@ -54,12 +54,12 @@ def test_units_are_those_of_the_scene(key: str, unit: str) -> None:
         "effects": {"spring": {}},
         "motion": [{"law": "auto", "span": 360, "to": 1}],
     }
-    assert Fields(Document.of(values)).unit(path_of(key) or ()) == unit
+    assert Fields(Document.from_values(values)).unit(parse_path(key) or ()) == unit
 
 
 def test_positions_of_a_rocker_are_angles() -> None:
     values = {"follower": {"kind": "oscillating-roller"}, "motion": [{"law": "auto"}]}
-    assert Fields(Document.of(values)).unit(("motion", 0, "to")) == "°"
+    assert Fields(Document.from_values(values)).unit(("motion", 0, "to")) == "°"
 
 
 @pytest.mark.parametrize(

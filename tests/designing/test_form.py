@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from camgeo.app.designing.form import Fields
-from camgeo.scene.keys import path_of
+from camgeo.scene.keys import parse_path
 from camgeo.scene.values import Document, document
 from tests.designing.scenes import CHOSEN, name_of
 
@@ -30,7 +30,7 @@ def test_every_value_of_a_scene_has_its_field(file: pathlib.Path) -> None:
     for path in leaves(document(data).exact):
         key = ".".join(str(step) for step in path)
         if path[0] not in ("camgeo", "motion") and path[-1:] != ("kind",):
-            assert any(path_of(each) == path for each in stated), key
+            assert any(parse_path(each) == path for each in stated), key
     for key, each in found.items():
         assert each["title"], key
         if "slider" in each:
@@ -64,4 +64,4 @@ def leaves(node: Any, path: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
     ],
 )  # fmt: skip
 def test_any_values_have_a_form(values: dict[str, Any]) -> None:
-    assert len(json.dumps(Fields(Document.of(values)).form(), allow_nan=False)) < 120_000
+    assert len(json.dumps(Fields(Document.from_values(values)).form(), allow_nan=False)) < 120_000

@@ -26,7 +26,7 @@ def test_rows_are_the_segments(file: pathlib.Path) -> None:
 def test_a_row_has_the_parameters_that_its_law_takes() -> None:
     def keys(law: Any, **more: Any) -> set[str]:
         move = {"law": law, "span": 360, "to": 0, **more}
-        (row,) = Fields(Document.of({"motion": [move]})).plan()
+        (row,) = Fields(Document.from_values({"motion": [move]})).plan()
         return {each["title"] for each in row["fields"]} - {
             "law",
             "span",
@@ -46,7 +46,9 @@ def test_a_row_has_the_parameters_that_its_law_takes() -> None:
 
 
 def test_a_default_may_depend_on_the_law() -> None:
-    (row,) = Fields(Document.of({"motion": [{"law": "scca", "span": 360, "to": 0}]})).plan()
+    (row,) = Fields(
+        Document.from_values({"motion": [{"law": "scca", "span": 360, "to": 0}]})
+    ).plan()
     assert {each["title"]: each.get("default") for each in row["fields"]}["sine"] == 0.25
 
 
@@ -59,6 +61,6 @@ def test_a_default_may_depend_on_the_law() -> None:
     ],
 )  # fmt: skip
 def test_any_motion_has_rows(motion: Any) -> None:
-    data = Fields(Document.of({"motion": motion})).plan()
+    data = Fields(Document.from_values({"motion": motion})).plan()
     json.dumps(data, allow_nan=False)
     assert len(data) <= 400

@@ -31,8 +31,8 @@ from camgeo.milling import machine
 from camgeo.milling.cut import ContourCut
 from camgeo.milling.milling import GcodeSpec, MillingSpec, Stock, Tool
 from camgeo.milling.moves import ArcFeed, Feed, Move, Operation, Rapid, Toolpath, Zero
-from camgeo.milling.plan import divided
-from camgeo.milling.planned import Sequence
+from camgeo.milling.plan import divide_arcs
+from camgeo.milling.planned import CutSequence
 from camgeo.milling.walk import centre_feed
 from camgeo.part.boundaries import ExactBoundary
 from camgeo.part.part import Layer, Part
@@ -204,7 +204,7 @@ class StubProduct(Product):
             "holding": {"kind": "fixture", "through": 0},
             "part": {"thickness": self.thickness} if self.thickness else {},
         }
-        return ValidValues(Document.of(given))
+        return ValidValues(Document.from_values(given))
 
     @property
     def drawn(self) -> DrawnDisc:
@@ -297,8 +297,8 @@ class StubProduct(Product):
     contour_cuts = cuts
 
     @property
-    def sequence(self) -> Sequence:
-        return Sequence(self.cuts, (), is_cut_free=False)
+    def sequence(self) -> CutSequence:
+        return CutSequence(self.cuts, (), is_cut_free=False)
 
     @property
     def programs(self) -> tuple[Product, ...]:
@@ -319,7 +319,7 @@ class StubProduct(Product):
                 contour = contour.reversed()
             assert isinstance(cut.centre, CircleBoundary)
             moves = _moves(cut, contour, cut.centre.centre, self.gcode.clearance_height)
-            operations.append(Operation(cut, tuple(divided(moves, largest))))
+            operations.append(Operation(cut, tuple(divide_arcs(moves, largest))))
         return Toolpath(self.gcode.heights, tuple(operations))
 
     def table(self) -> Table:

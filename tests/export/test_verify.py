@@ -34,7 +34,7 @@ from camgeo.geometry.contour.contour import Contour
 from camgeo.geometry.contour.spline import Arc, CubicSpline, SplineContour
 from camgeo.milling.machine import load
 from camgeo.milling.moves import ArcFeed, Feed
-from camgeo.milling.simulation import Run
+from camgeo.milling.simulation import ToolRun
 from camgeo.numeric.arrays import ComplexArray
 from camgeo.part.boundaries import ExactBoundary
 from camgeo_export.dxf.writer import WRITER as DXF
@@ -844,7 +844,7 @@ PRODUCT = StubProduct(second_tool=SECOND_TOOL)
 PROGRAM = GCODE.write(PRODUCT, TOLERANCE).data.decode()
 
 
-def runs_in(text: str) -> list[Run]:
+def runs_in(text: str) -> list[ToolRun]:
     program = run_program(text, load("linuxcnc"))
     return [each.run for each in traced(PRODUCT, program, PRODUCT.milled.cuts)]
 

@@ -72,7 +72,7 @@ def test_options_are_those_of_the_format_that_is_asked_for() -> None:
 
 
 def test_a_suffix_may_depend_on_the_options() -> None:
-    form = Format("other", ".o", dict, suffix_of=lambda spec: spec.get("ending", ".p"))
+    form = Format("other", ".o", dict, choose_suffix=lambda spec: spec.get("ending", ".p"))
     assert form.ending(Options({})) == ".p"
     assert form.ending(Options({"other": {"ending": ".q"}})) == ".q"
     assert Format("other", ".o", dict).ending(Options({})) == ".o"

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from random import Random
 from typing import Any, Final
 
-from camgeo.scene.schema import Node, keys_of, resolved, whole_schema
+from camgeo.scene.schema import Node, resolved, table_keys, whole_schema
 from tests.effects.test_random_scenes import USUAL
 from tests.hostile.mutations import EDGES
 
@@ -54,7 +54,7 @@ def table(rng: Random, node: Node) -> dict[str, Any]:
     """A table with all keys that it must have, and some of the others."""
     found: dict[str, Any] = {}
     required = resolved(node).get("required", ())
-    for key, inner in keys_of(node, found).items():
+    for key, inner in table_keys(node, found).items():
         if key in required or rng.random() < 0.3:
             found[key] = value(rng, inner)
     return found
@@ -80,7 +80,7 @@ def number(rng: Random, node: Node, name: str) -> float:
 
 def places(values: dict[str, Any], node: Node | None = None) -> Iterator[Place]:
     """All keys that the tables of a scene have or may have."""
-    for key, inner in keys_of(WHOLE if node is None else node, values).items():
+    for key, inner in table_keys(WHOLE if node is None else node, values).items():
         yield values, key, inner
         found, items = values.get(key), resolved(inner).get("items", {})
         for each in found if isinstance(found, list) else ():

@@ -389,7 +389,7 @@ def test_all_corners_and_faces_are_where_they_say() -> None:
         for height, z in LEVELS.items():
             zero = product_of(scene_from(zero=name, height=height)).milled.zero
             assert (zero.place, zero.z) == (place, z)
-            assert zero.of(place) == 0j
+            assert zero.to_program(place) == 0j
 
 
 @pytest.mark.parametrize(

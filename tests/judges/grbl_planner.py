@@ -18,7 +18,7 @@ import numpy as np
 
 from camgeo.design.design import Design
 from camgeo.milling.machine import Dynamics, load
-from camgeo.milling.machining_time import SECONDS, Blocks, block_times, blocks_of
+from camgeo.milling.machining_time import SECONDS, Blocks, block_times, controller_blocks
 from camgeo.milling.moves import Point
 from camgeo.numeric.arrays import FloatArray
 from tests.judges.programs_of_others import Program, Refusal
@@ -67,7 +67,7 @@ def times_of(design: Design) -> Iterator[Times]:
     chord = load("grbl").arcs.interpolation
     for operation in design.disc.milled.toolpath(TOLERANCE).operations:
         first, *moves = operation.travel
-        blocks = blocks_of(moves, first.end, chord=chord)
+        blocks = controller_blocks(moves, first.end, chord=chord)
         places = 8e-6 / float(np.min(blocks.feeds))  # lengths are off by 8e-6 mm at 100 mm
         yield Times(block_times(blocks, MACHINE)[0], planned(blocks, first.end), places)
 

@@ -320,7 +320,7 @@ SPRING = "[effects.spring]\npreload = 40\nstiffness = 2.5\n"
 
 @pytest.fixture(scope="module")
 def of_plate() -> str:
-    return parse_scene(PLATE).made_before
+    return parse_scene(PLATE).text_hash
 
 
 def kept(text: str) -> str:
@@ -330,7 +330,7 @@ def kept(text: str) -> str:
 
 def hash_of(text: str) -> str:
     """Of the bytes themselves: text would have its line ends translated."""
-    found = parse_scene(text).made_before
+    found = parse_scene(text).text_hash
     assert found == hashlib.sha256(kept(text).encode()).hexdigest()
     return found
 

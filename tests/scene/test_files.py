@@ -13,9 +13,9 @@ from hypothesis import strategies as st
 import camgeo
 from camgeo.errors import SceneError
 from camgeo.reading import SCENE
-from camgeo.scene.keys import key_lines, line_of, spelled
+from camgeo.scene.keys import key_lines, nearest_line, spelled
 from camgeo.scene.scene import load_scene, parse_scene
-from camgeo.scene.values import named, stamp, value_path
+from camgeo.scene.values import named_files, stamp, value_path
 from tests.findings import known
 from tests.scene.scenes import FIXTURES, GROOVE, LINKED, PLATE, ROCKER, refusal_by, values_in
 
@@ -113,17 +113,17 @@ FOLDER = Path("/scenes")
     ],
 )
 def test_any_text_of_a_scene_may_be_a_name(text: str, names: tuple[str, ...]) -> None:
-    assert named(text, FOLDER) == tuple(FOLDER / name for name in names)
+    assert named_files(text, FOLDER) == tuple(FOLDER / name for name in names)
 
 
 @pytest.mark.parametrize("text", ["a = [", "a = 1\na = 2\n", "[" * 5000, f"a{'.a' * 50} = 1"])
 def test_a_text_that_is_no_toml_names_nothing_new(text: str) -> None:
-    assert named(text, FOLDER) is None
+    assert named_files(text, FOLDER) is None
 
 
 @given(st.text(max_size=30))
 def test_any_text_has_files_in_the_folder_or_none(text: str) -> None:
-    for path in named(text, FOLDER) or ():
+    for path in named_files(text, FOLDER) or ():
         assert path.is_relative_to(FOLDER)
 
 
@@ -206,12 +206,12 @@ def test_tricky_file() -> None:
 
 def test_nearest_line_around_a_key() -> None:
     lines = key_lines(TRICKY)
-    assert line_of(("table", "sub", "k", "l", 0), lines) == 17
-    assert line_of(("array", 1, "deep", 1, "q"), lines) == 27
-    assert line_of(("nothing",), lines) is None
+    assert nearest_line(("table", "sub", "k", "l", 0), lines) == 17
+    assert nearest_line(("array", 1, "deep", 1, "q"), lines) == 27
+    assert nearest_line(("nothing",), lines) is None
     without_header = key_lines("a = 1\n[effects.spring]\n[effects.load]\n")
-    assert line_of(("effects", "inertia"), without_header) == 2
-    assert line_of((), lines) is None
+    assert nearest_line(("effects", "inertia"), without_header) == 2
+    assert nearest_line((), lines) is None
 
 
 def test_paths_are_counted_from_one() -> None:
@@ -230,7 +230,7 @@ def test_every_key_has_its_line(text: str) -> None:
     rows = text.splitlines()
     for path, _ in values_in(tomllib.loads(text)):
         if isinstance(path[-1], str):
-            line = known(line_of(path, lines))
+            line = known(nearest_line(path, lines))
             assert path[-1] in rows[line - 1]
 
 

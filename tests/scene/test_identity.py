@@ -13,9 +13,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from camgeo.errors import SceneError
-from camgeo.scene.scene import Scene, identity_of, load_scene, made_of, parse_scene, schema_of_all
-from camgeo.scene.schema import keys_of, resolved
-from camgeo.scene.values import edited
+from camgeo.scene.scene import (
+    Scene,
+    load_scene,
+    output_hash,
+    parse_scene,
+    scene_identity,
+    schema_of_all,
+)
+from camgeo.scene.schema import resolved, table_keys
+from camgeo.scene.values import with_edits
 from tests.scene.scenes import FIXTURES, GROOVE, LINKED, PLATE, ROCKER, leaves, loaded, spoilt
 
 PAIR = FIXTURES / "conjugate_lever.toml"
@@ -37,7 +44,7 @@ def test_how_a_number_is_written_does_not_count(other: str) -> None:
 def test_its_value_does_to_the_last_digit(other: str) -> None:
     tree = loaded(PLATE).stated.scene.exact
     changed = {**tree, "follower": {**tree["follower"], "base_radius": Decimal(other)}}
-    assert made_of(changed, str) != made_of(tree, str)
+    assert output_hash(changed, str) != output_hash(tree, str)
 
 
 @given(st.decimals(allow_nan=False, allow_infinity=False), st.decimals(-5, 5, places=3))
@@ -45,8 +52,8 @@ def test_numbers_are_equal_that_have_one_value(one: Decimal, other: Decimal) -> 
     """But a zero keeps its sign."""
     for number in (other, one * 10, -one, Decimal(float(other))):
         alike = one == number and one.is_signed() == number.is_signed()
-        assert (len({identity_of({"name": each}, str) for each in (one, number)}) == 1) == alike
-    assert len({identity_of({"name": each}, str) for each in (one, f"{one:E}")}) == 2
+        assert (len({scene_identity({"name": each}, str) for each in (one, number)}) == 1) == alike
+    assert len({scene_identity({"name": each}, str) for each in (one, f"{one:E}")}) == 2
 
 
 def reordered(values: Any) -> Any:
@@ -90,7 +97,7 @@ COMPLETE = {
 def stateable(tree: Mapping[str, Any], node: Any, path: str = "") -> Iterator[tuple[str, Any]]:
     """Keys that a scene does not have, with the values that the schema says they mean."""
     node = resolved(node)
-    for name, each in keys_of(node, dict(tree)).items():
+    for name, each in table_keys(node, dict(tree)).items():
         each, place = resolved(each), f"{path}.{name}".lstrip(".")
         value = tree.get(name)
         if isinstance(value, Mapping) or (value is None and each.get("default") == {}):
@@ -237,5 +244,5 @@ def test_no_two_edits_of_one_key_have_one_hash() -> None:
     for text in (PLATE, ROCKER, LINKED, GROOVE):
         tree = loaded(text).stated.scene.exact
         keys = [key for key, value in leaves(tree).items() if type(value) in (int, Decimal)]
-        others = [made_of(edited(tree, {key: leaves(tree)[key] + 1}), str) for key in keys]
-        assert len({made_of(tree, str), *others}) == 1 + len(keys)
+        others = [output_hash(with_edits(tree, {key: leaves(tree)[key] + 1}), str) for key in keys]
+        assert len({output_hash(tree, str), *others}) == 1 + len(keys)

@@ -72,11 +72,11 @@ def lacking(*tables: str) -> list[str]:
     [
         (
             (tool(("spindle_speed = 3000\n", "")), HOLDING),
-            "needs tool[1].spindle_speed: give it or cutting_speed; camgeo invents none",
+            "needs tool[1].spindle_speed: state it or cutting_speed; there is no default",
         ),
         (
             (tool(("\nfeed = 300", "")), HOLDING),
-            "needs tool[1].feed: give it or chip_load; camgeo invents none",
+            "needs tool[1].feed: state it or chip_load; there is no default",
         ),
         (
             (tool(("\nfeed = 300", "\nchip_load = 0.03")), HOLDING),
@@ -153,7 +153,7 @@ def test_earlier_keys_lack_what_nobody_may_invent() -> None:
     assert [each.partition(":")[0] for each in found] == [
         f"needs output.gcode.{key}" for key in keys
     ]
-    assert "invented; better state the tool in [[tool]]" in found[0]
+    assert "has no default; preferably state the tool in [[tool]]" in found[0]
     whole = text.replace(
         "tool_diameter = 8",
         "tool_diameter = 10\nspindle_speed = 3000\nfeed = 300\nplunge_feed = 100\npass_depth = 3",

@@ -30,7 +30,7 @@ from camgeo.kinematics.mechanism.rollers import OscillatingRoller
 from camgeo.scene import rules
 from camgeo.scene.keys import spelled
 from camgeo.scene.scene import Scene, load_scene, parse_scene
-from camgeo.scene.values import document_of_tree, edited
+from camgeo.scene.values import document_of_tree, with_edits
 from tests.findings import known
 from tests.long_form import examples
 from tests.scene.scenes import (
@@ -285,7 +285,7 @@ def test_copies_are_the_same(copied: Callable[[Scene], Scene], stem: str) -> Non
     other = copied(scene)
     assert other == scene
     assert hash(other) == hash(scene)
-    assert (other.made, other.made_before) == (scene.made, scene.made_before)
+    assert (other.made, other.text_hash) == (scene.made, scene.text_hash)
     assert other.source == scene.source
     assert other.follower == scene.follower
     assert camgeo.Design(other).findings == camgeo.Design(scene).findings
@@ -369,7 +369,9 @@ def outcome(make: Any) -> Any:
 
 def fresh(scene: Scene, edits: dict[str, Any]) -> Scene:
     """The edited scene, made of its values alone."""
-    return Scene.of(document_of_tree(edited(scene.stated.scene.exact, edits)), scene.source)
+    return Scene.from_document(
+        document_of_tree(with_edits(scene.stated.scene.exact, edits)), scene.source
+    )
 
 
 @pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)

@@ -22,9 +22,9 @@ from camgeo.record import allowed
 from camgeo.scene.formats.csv import CsvSpec
 from camgeo.scene.formats.dxf import DxfSpec
 from camgeo.scene.formats.format import OutputSpec
-from camgeo.scene.keys import key_lines, spelled, value_at
+from camgeo.scene.keys import key_lines, spelled, tree_value
 from camgeo.scene.scene import Scene, parse_scene, schema_of_all
-from camgeo.scene.schema import Node, definition, keys_of, resolved, schema, whole_schema
+from camgeo.scene.schema import Node, definition, resolved, schema, table_keys, whole_schema
 from camgeo.scene.toml import TEMPLATE_KINDS, template
 from tests.findings import effect_findings
 
@@ -125,8 +125,10 @@ def choices(text: str) -> Iterator[tuple[str, str, set[str]]]:
     for path, line in key_lines(text).items():
         node: Any = schema_of_all(tree)
         for place, step in enumerate(path):
-            table = value_at(tree, path[:place])
-            inner = node.get("items", {}) if isinstance(step, int) else keys_of(node, table)[step]
+            table = tree_value(tree, path[:place])
+            inner = (
+                node.get("items", {}) if isinstance(step, int) else table_keys(node, table)[step]
+            )
             node = resolved(inner)
         if values := node.get("enum") or node.get("items", {}).get("enum"):
             below = itertools.takewhile(re.compile(r" +#").match, lines[line:])

@@ -16,7 +16,7 @@ from camgeo.errors import SceneError
 from camgeo.scene import toml
 from camgeo.scene.scene import Scene, load_scene, parse_scene
 from camgeo.scene.toml import TEMPLATES, written_into
-from camgeo.scene.values import edited
+from camgeo.scene.values import with_edits
 from tests.long_form import examples
 from tests.scene.scenes import FIXTURES, PLATE, leaves
 
@@ -59,7 +59,7 @@ def test_numbers_are_written_in_their_lines_as_tomlkit_writes_them(
     tree = tomllib.loads(text, parse_float=Decimal)
     found = [key for key, value in leaves(tree).items() if toml._is_number(value)]
     values = [Decimal("-0.250"), 7, Decimal("1E+2"), Decimal(4)]
-    after = edited(tree, dict(zip(found[::3], values, strict=False)))
+    after = with_edits(tree, dict(zip(found[::3], values, strict=False)))
     quick = toml._with_numbers(text, tree, after)
     assert (quick or text) == text or tomllib.loads(quick or "", parse_float=Decimal) == after
     written = written_into(text, after)
@@ -79,7 +79,7 @@ def test_numbers_are_written_in_their_lines_as_tomlkit_writes_them(
 )
 def test_numbers_that_stand_in_one_line_with_their_key(text: str, there: bool) -> None:
     tree = tomllib.loads(text, parse_float=Decimal)
-    after = edited(tree, {key: Decimal("8.0") for key in leaves(tree) if key != "s"})
+    after = with_edits(tree, {key: Decimal("8.0") for key in leaves(tree) if key != "s"})
     found = toml._with_numbers(text, tree, after)
     assert (found is not None) is there
     if found is not None:

@@ -19,9 +19,9 @@ from camgeo.app.answers.setup import SetupSheet, html, setup_sheet
 from camgeo.design.milled import job
 from camgeo.design.product import Product, find_disc, product_sides, side_programs
 from camgeo.errors import SceneError, UnsafeError
-from camgeo.milling.judged import Done, Side, runs_of, settled, simulated
+from camgeo.milling.judged import Side, SimulatedSide, side_flaws, simulate_sides, toolpath_runs
 from camgeo.milling.machine import load, names
-from camgeo.milling.milling import HOW, mirrored
+from camgeo.milling.milling import TURNING_NOTE, mirrored
 from camgeo.milling.moves import ArcFeed, Point, Stop
 from camgeo.milling.polygons import Area as RegionOfPolygons
 from camgeo.milling.simulation import Flaw, Slab
@@ -304,11 +304,11 @@ size = 0.3
 
 
 @cache
-def done(text: str) -> tuple[Done, ...]:
+def done(text: str) -> tuple[SimulatedSide, ...]:
     first, _ = product_sides(design(text).disc)
     toolpath = first.milled.toolpath(TOLERANCE)
     cuts = tuple(each.cut for each in toolpath.operations)
-    return job(first.milled, cuts, runs_of(toolpath), TOLERANCE)
+    return job(first.milled, cuts, toolpath_runs(toolpath), TOLERANCE)
 
 
 def volume(slabs: Sequence[Slab], areas: Iterable[RegionOfPolygons] | None = None) -> float:
@@ -318,7 +318,7 @@ def volume(slabs: Sequence[Slab], areas: Iterable[RegionOfPolygons] | None = Non
 
 
 def flaws(text: str) -> list[Flaw]:
-    return [flaw for side in settled(done(text)) for flaw in side]
+    return [flaw for side in side_flaws(done(text)) for flaw in side]
 
 
 @pytest.mark.parametrize("tables", [FACED, FROM_BELOW])
@@ -340,16 +340,18 @@ def test_the_part_is_left(tables: str) -> None:
 def test_it_starts_from_what_the_first_has_left() -> None:
     """Turned over, slab by slab; nothing of it is lost."""
     first, second = done(scene(FACED))
-    assert second.setup.before is not None
+    assert second.setup.leftover is not None
     low = first.side.lowest
     left = {
         (round(low - slab.z1, 9), round(low - slab.z0, 9)): slab.material.area
         for slab in first.simulation.stages[-1].slabs
     }
-    before = {(round(s.z0, 9), round(s.z1, 9)): s.material.area for s in second.setup.before.slabs}
+    before = {
+        (round(s.z0, 9), round(s.z1, 9)): s.material.area for s in second.setup.leftover.slabs
+    }
     assert before == pytest.approx(left)
     # As thick as the blank, less what was faced off.
-    high = [slab for slab in second.setup.before.slabs if not slab.material.is_empty]
+    high = [slab for slab in second.setup.leftover.slabs if not slab.material.is_empty]
     assert (high[0].z0, high[-1].z1) == pytest.approx((-6.0, 2.5))
 
 
@@ -387,15 +389,15 @@ height = 8
 """, "")  # fmt: skip
     first, second = done(scene(tables))
     after = first.simulation.stages[-1].volume
-    assert second.setup.before is not None
-    carried = volume(second.setup.before.slabs)
+    assert second.setup.leftover is not None
+    carried = volume(second.setup.leftover.slabs)
     part = volume(second.simulation.stages[0].slabs, second.simulation.part)
     assert carried < 0.8 * after
     assert carried == pytest.approx(part, rel=0.01)
     # Held by its frame, tabs between, all of it is there.
     first, second = done(scene(TABBED))
-    assert second.setup.before is not None
-    carried = volume(second.setup.before.slabs)
+    assert second.setup.leftover is not None
+    carried = volume(second.setup.leftover.slabs)
     assert carried == pytest.approx(first.simulation.stages[-1].volume)
 
 
@@ -412,7 +414,7 @@ def test_what_the_first_side_leaves_on_the_part_is_there_in_the_end() -> None:
     """A face that is cut 0.3 mm too high."""
     first, second = done(scene(FACED))
     wrong = run_otherwise(first.side, 0, lambda x, y, z: (x, y, z + 0.3))
-    found = simulated([wrong, second.side], allowed=0.04, level=1e-6, of=2)
+    found = simulate_sides([wrong, second.side], allowed=0.04, level=1e-6, side_count=2)
     assert "rest" not in {flaw.name for flaw in found[0].simulation.flaws}
     assert "rest" in {flaw.name for flaw in found[1].simulation.flaws}
 
@@ -438,9 +440,9 @@ def test_a_cutter_that_is_too_deep_gouges_the_part() -> None:
     """As the work lies: the place is seen in the mirror."""
     first, second = done(scene(FROM_BELOW))
     wrong = run_otherwise(second.side, -1, lambda x, y, z: (0.9 * x, 0.9 * y, z))  # nearer
-    found = simulated([first.side, wrong], allowed=0.04, level=1e-6, of=2)
+    found = simulate_sides([first.side, wrong], allowed=0.04, level=1e-6, side_count=2)
     (gouge,) = (flaw for flaw in found[-1].simulation.flaws if flaw.name == "gouge")
-    seen = next(flaw for flaw in settled(found)[-1] if flaw.name == "gouge")
+    seen = next(flaw for flaw in side_flaws(found)[-1] if flaw.name == "gouge")
     assert seen.place == (gouge.place[0], -gouge.place[1], gouge.place[2])
     assert f"X {seen.place[0]:.4g}, Y {seen.place[1]:.4g}" in seen.sentence
 
@@ -461,7 +463,7 @@ REFUSED: Final = [
     ),
     (
         FACED + OPERATIONS.format(kind="chamfer", tool=5, more='boundary = "outline"\nsize = 0.3'),
-        "the lower face is not there yet: it is to be faced before",
+        "the lower face is not there yet: an operation must face it before",
     ),
     (
         GROOVED + OPERATIONS.format(kind="finish", tool=4, more='boundary = "outer flank"'),
@@ -556,7 +558,7 @@ def test_the_sheet_has_a_part_for_each_side() -> None:
     sheet = sheet_of(FROM_BELOW)
     assert sheet.side == "first side"
     assert sheet.second is not None
-    assert (sheet.second.side, sheet.exit_code) == (f"second side, the work {HOW['x']}", 0)
+    assert (sheet.second.side, sheet.exit_code) == (f"second side, the work {TURNING_NOTE['x']}", 0)
     shown = text(sheet)
     assert shown.count("Simulated: ") == 2
     first, other = shown.split("second side, the work turned over about X", 1)

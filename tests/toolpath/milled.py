@@ -13,7 +13,7 @@ from camgeo.kinematics.mechanism.rollers import TranslatingRoller
 from camgeo.kinematics.plan import MotionPlan
 from camgeo.milling.cut import Cut
 from camgeo.milling.milling import Heights, Holding, MillingSpec, OperationSpec, Stock, Tool
-from camgeo.milling.planned import Sequence, sequence_of
+from camgeo.milling.planned import CutSequence, plan_sequence
 from camgeo.part.assembly import build_part
 from camgeo.part.part import Part
 from camgeo.part.spec import Holes, Hub, Mark, PartSpec
@@ -70,11 +70,11 @@ def sequence(
     spec: PartSpec = SPEC,
     heights: Heights = HEIGHTS,
     pitch: PitchCurve = PITCH,
-) -> Sequence:
+) -> CutSequence:
     milling = MillingSpec(
         tools=tools or (tool(12.0),), stock=stock or Stock(), holding=holding, operations=operations
     )
-    return sequence_of(part(contact, spec, pitch), milling, heights)
+    return plan_sequence(part(contact, spec, pitch), milling, heights)
 
 
 def operation(kind: str, boundary: str = "", tool: int = 1, **own: Any) -> OperationSpec:
@@ -109,5 +109,5 @@ HUBBED = replace(
 """A disc of 10 mm below a hub of 6 mm, its base circle 32 mm in radius."""
 
 
-def named(found: Sequence) -> dict[str, Cut]:
+def named(found: CutSequence) -> dict[str, Cut]:
     return {cut.name: cut for cut in found.cuts}

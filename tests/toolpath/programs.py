@@ -13,11 +13,11 @@ import numpy as np
 
 from camgeo.design.design import Design
 from camgeo.design.milled import MilledDisc, job
-from camgeo.milling.compensation import limits_of, programmed
+from camgeo.milling.compensation import offset_limits, programmed
 from camgeo.milling.cut import AreaCut, ContourCut, Cut, LetterCut, LineCut, PointCut
-from camgeo.milling.judged import PART_FINENESS, Side, runs_of, setup_of
+from camgeo.milling.judged import PART_FINENESS, Side, simulation_setup, toolpath_runs
 from camgeo.milling.machine import load
-from camgeo.milling.machining_time import times_on
+from camgeo.milling.machining_time import machine_times
 from camgeo.milling.moves import ArcFeed, Move, Rapid, Stop, Toolpath, arc_sweep, described
 from camgeo.pictures.backplot import KINDS, plotted
 from camgeo.scene.scene import parse_scene
@@ -269,12 +269,12 @@ def document(name: str) -> dict[str, Any]:
     assert disc.spec is not None
     stock, part, zero = disc.spec.stock, disc.part, disc.zero
     machine = load(disc.gcode.machine)
-    runs = runs_of(plan)
+    runs = toolpath_runs(plan)
     cuts = tuple(operation.cut for operation in plan.operations)
-    setup = setup_of(Side(part, disc.spec, cuts, runs), PART_FINENESS)
+    setup = simulation_setup(Side(part, disc.spec, cuts, runs), PART_FINENESS)
     if name in SIDES:  # it starts from what the first side leaves
         setup = job(disc, cuts, runs, TOLERANCE)[-1].setup
-    limits = limits_of(plan.operations)
+    limits = offset_limits(plan.operations)
     deepest: dict[int, list[float]] = {}
     for each in depths(setup, runs):
         before = deepest.get(each.run, [0.0, 0.0])
@@ -290,7 +290,7 @@ def document(name: str) -> dict[str, Any]:
             {**asdict(each), "place": spread(each.place)}
             for each in (disc.engaged(plan) if name in ENGAGED else ())
         ],
-        "times": [asdict(each) for each in times_on(machine, plan, TOLERANCE) or ()],
+        "times": [asdict(each) for each in machine_times(machine, plan, TOLERANCE) or ()],
         "operations": [
             {
                 "cut": cut_of(operation.cut),

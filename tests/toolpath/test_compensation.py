@@ -10,12 +10,19 @@ from hypothesis import strategies as st
 
 from camgeo.errors import GeometryError
 from camgeo.geometry.contour.contour import Contour
-from camgeo.milling.compensation import LEAD, SHARE, Limit, limit_of, limits_of, programmed
+from camgeo.milling.compensation import (
+    LEAD,
+    SHARE,
+    OffsetLimit,
+    offset_limit,
+    offset_limits,
+    programmed,
+)
 from camgeo.milling.cut import ContourCut
 from camgeo.milling.machine import load
 from camgeo.milling.milling import Clamp, Heights, Tool
 from camgeo.milling.moves import ArcFeed, Feed, Operation, Stop
-from camgeo.milling.strategies import moves_of
+from camgeo.milling.strategies import cut_moves
 from camgeo.part.boundaries import ExactBoundary
 from tests.part.parts import refused
 
@@ -34,7 +41,7 @@ def operation(mode: str, room: float = 8.0, radius: float = 30.0, **more: Any) -
         centre=disc.offset(TOOL.radius), room=room, cleared=True, compensation=mode,
         **more,
     )  # fmt: skip
-    return Operation(cut, tuple(moves_of(cut, HEIGHTS, 1e-3, "fast")))
+    return Operation(cut, tuple(cut_moves(cut, HEIGHTS, 1e-3, "fast")))
 
 
 def switches(found: Operation) -> list[str]:
@@ -50,7 +57,7 @@ def switches(found: Operation) -> list[str]:
 def test_the_leads_switch_it(mode: str, climb: bool, expected: list[str]) -> None:
     found = operation(mode, climb=climb)
     assert switches(found) == expected
-    assert (limit_of(found) is None) == (not expected)
+    assert (offset_limit(found) is None) == (not expected)
 
 
 @settings(max_examples=20)
@@ -60,7 +67,7 @@ def test_the_wear_is_at_most_half_a_lead_and_smaller_than_any_arc(room: float) -
     by its allowance.
     """
     found = operation("wear", room)
-    limit = limit_of(found)
+    limit = offset_limit(found)
     assert limit is not None
     assert limit.most <= SHARE * room
     at = 0j
@@ -74,10 +81,10 @@ def test_the_wear_is_at_most_half_a_lead_and_smaller_than_any_arc(room: float) -
 
 
 def test_a_clamp_beside_the_path_limits_the_wear() -> None:
-    free = limit_of(operation("wear"))
+    free = offset_limit(operation("wear"))
     gap = 0.2
     clamp = Clamp(place=complex(-30.0 - 4.0 - 1.0 - gap, 0.0), length=2.0, width=2.0, height=3.0)
-    near = limit_of(operation("wear", obstacles=(clamp.obstacle,)))
+    near = offset_limit(operation("wear", obstacles=(clamp.obstacle,)))
     assert free is not None
     assert near is not None
     assert near.most <= SHARE * gap < free.most
@@ -85,7 +92,7 @@ def test_a_clamp_beside_the_path_limits_the_wear() -> None:
 
 def test_where_there_is_no_room_it_says_so() -> None:
     with refused("output.gcode.compensation", "leaves no room for it"):
-        limit_of(operation("wear", 0.0005))
+        offset_limit(operation("wear", 0.0005))
 
 
 def test_control_programs_the_wall() -> None:
@@ -123,8 +130,8 @@ def test_control_needs_room_for_the_radius() -> None:
 def test_one_offset_holds_one_thing() -> None:
     worn, whole = operation("wear"), operation("control")
     with pytest.raises(GeometryError, match="tool 3"):
-        limits_of([worn, whole])
-    assert set(limits_of([worn])) == {"disc"}
+        offset_limits([worn, whole])
+    assert set(offset_limits([worn])) == {"disc"}
 
 
 @pytest.mark.parametrize("machine", ["linuxcnc", "fanuc", "sinumerik", "heidenhain"])
@@ -132,7 +139,7 @@ def test_one_offset_holds_one_thing() -> None:
 def test_the_sentence_says_what_the_table_holds(machine: str, mode: str) -> None:
     words = load(machine).compensation
     assert words is not None
-    said = Limit("disc", mode, 3, 2.0, 0.25).sentence(words, "{:g} mm".format)
+    said = OffsetLimit("disc", mode, 3, 2.0, 0.25).sentence(words, "{:g} mm".format)
     assert said.endswith("at most 0.25 mm either way")
     if mode == "wear" and not words.nominal:
         assert f"D3 holds {'twice ' if words.table == 'diameter' else ''}the wear alone" in said

@@ -19,8 +19,15 @@ from camgeo.geometry.contour.contour import Contour, Pieces, distances
 from camgeo.milling.cut import AreaCut, ContourCut, Cut, PointCut
 from camgeo.milling.machine import load
 from camgeo.milling.milling import Heights
-from camgeo.milling.moves import ArcFeed, Feed, Move, Operation, Point, Rapid, Toolpath, course_of
-from camgeo.milling.plan import Cutting, crossings, engaged, entries, inside, plan_toolpath
+from camgeo.milling.moves import ArcFeed, Feed, Move, Operation, Point, Rapid, Toolpath, feed_course
+from camgeo.milling.plan import (
+    Cutting,
+    crossings,
+    entries,
+    inside,
+    operation_engagements,
+    plan_toolpath,
+)
 from camgeo.numeric.arrays import ComplexArray, taken
 from camgeo.part.boundaries import ExactBoundary
 from camgeo.pictures.backplot import plotted
@@ -45,7 +52,7 @@ def line(*points: complex) -> tuple[Point, list[Move]]:
 
 
 def cutting(start: Point, moves: list[Move], *blank: Contour) -> Cutting:
-    return Cutting(course_of(moves, start), RADIUS, blank or (BLANK,))
+    return Cutting(feed_course(moves, start), RADIUS, blank or (BLANK,))
 
 
 def at(found: Cutting, piece: int, share: float) -> tuple[complex, complex]:
@@ -191,7 +198,7 @@ def test_any_course_against_a_count_of_points(walk: tuple[Point, list[Move]], sh
 
 def test_what_another_cutter_cleared_is_air() -> None:
     start, moves = line(10.0 + 25.0j, 90.0 + 25.0j)
-    wide = course_of(moves, start)
+    wide = feed_course(moves, start)
     found = Cutting(wide, RADIUS, (BLANK,), cleared=((wide, 5.0),))
     assert found.engagement(5.0).air_share == pytest.approx(1.0)
     assert Cutting(wide, RADIUS, (BLANK,), top=-2.0).engagement(5.0).peak == 0.0
@@ -260,11 +267,11 @@ def test_a_helix_is_an_entry_with_the_round_on_its_floor() -> None:
     helix = half_turns(5.0, -0.5, -1.0, -1.0, -1.0)
     level = half_turns(5.0, -1.0, -1.0)
     wider = ArcFeed((-6.0, 0.0, -1.0), (-0.5, 0.0), True, 100.0)
-    course = course_of((*helix, *level, wider), start)
+    course = feed_course((*helix, *level, wider), start)
     assert entries(course).tolist() == [True] * 4 + [False] * 3
-    course = course_of((*helix[:3], wider), start)
+    course = feed_course((*helix[:3], wider), start)
     assert entries(course).tolist() == [True] * 3 + [False]
-    ramp = course_of((Feed((0.0, 0.0, -1.0), 1.0), Feed((5.0, 0.0, -1.0), 1.0)), start)
+    ramp = feed_course((Feed((0.0, 0.0, -1.0), 1.0), Feed((5.0, 0.0, -1.0), 1.0)), start)
     assert entries(ramp).tolist() == [True, False]
 
 
@@ -274,7 +281,7 @@ def roughing() -> Toolpath:
 
 
 def test_roughing_from_round_stock(roughing: Toolpath) -> None:
-    bore, outline = engaged(roughing, (ROUND_BLANK,), 0.0)
+    bore, outline = operation_engagements(roughing, (ROUND_BLANK,), 0.0)
     assert (bore.operation, outline.operation) == ("bore", "rough")
     for each in (bore, outline):
         assert each.limit == LIMIT
@@ -290,7 +297,7 @@ def test_the_limit_is_the_one_stated(roughing: Toolpath) -> None:
     cuts = [replace(ROUGHED, tool=replace(CUTTER, engagement=each)) for each in (0.3, None)]
     moves = roughing.operations[1].moves[:30]
     for cut, limit in zip(cuts, (0.3, math.acos(1.0 - 2.0 / 5.0)), strict=True):
-        (found,) = engaged(
+        (found,) = operation_engagements(
             replace(roughing, operations=(Operation(cut, moves),)), (ROUND_BLANK,), 0.0
         )
         assert found.limit == pytest.approx(limit)
@@ -299,17 +306,17 @@ def test_the_limit_is_the_one_stated(roughing: Toolpath) -> None:
 
 def test_what_is_drilled_before_is_air() -> None:
     """A drill clears its hole above its point, though it comes down from above."""
-    (alone,) = engaged(program(BORED), (ROUND_BLANK,), 0.0)
-    (after,) = engaged(program(DRILLED, BORED), (ROUND_BLANK,), 0.0)
+    (alone,) = operation_engagements(program(BORED), (ROUND_BLANK,), 0.0)
+    (after,) = operation_engagements(program(DRILLED, BORED), (ROUND_BLANK,), 0.0)
     assert alone.air < 0.1
     assert after.air > 0.2
     # With its point alone at that depth it has not.
     low = replace(DRILLED, depths=(-3.0,))
-    assert engaged(program(low, BORED), (ROUND_BLANK,), 0.0) == (alone,)
+    assert operation_engagements(program(low, BORED), (ROUND_BLANK,), 0.0) == (alone,)
 
 
 def test_without_operations_that_clear_an_area() -> None:
-    assert engaged(Toolpath(HEIGHTS, ()), (ROUND_BLANK,), 0.0) == ()
+    assert operation_engagements(Toolpath(HEIGHTS, ()), (ROUND_BLANK,), 0.0) == ()
 
 
 # -- crossings -------------------------------------------------------------------------------------
@@ -388,6 +395,6 @@ def test_traces_have_the_length_of_the_course() -> None:
     design = camgeo.load(SCENES / "setzhub.toml")
     toolpath = design.disc.milled.toolpath(0.01)
     for each in plotted(toolpath, (BLANK,), 0.0, 1e-4):
-        course = course_of(each.operation.moves)
+        course = feed_course(each.operation.moves)
         fed = sum(each.length(kind) for kind in ("cut", "air", "entry"))
         assert fed == pytest.approx(float(np.sum(course.lengths)), rel=1e-4)

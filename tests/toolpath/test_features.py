@@ -20,11 +20,11 @@ from camgeo.design.design import Design
 from camgeo.design.milled import MilledDisc, compared
 from camgeo.errors import GeometryError, SceneError
 from camgeo.milling.cut import AreaCut, LineCut
-from camgeo.milling.judged import Feature, left_out
+from camgeo.milling.judged import Feature, unmade_names
 from camgeo.milling.machine import load
 from camgeo.milling.moves import Feed, Stop
 from camgeo.milling.plan import plan_toolpath
-from camgeo.milling.strategies import moves_of
+from camgeo.milling.strategies import cut_moves
 from tests.answers.documents import document
 from tests.toolpath.milled import ENGRAVER, HEIGHTS, HUB_TOOLS, HUBBED, named, sequence
 
@@ -149,7 +149,7 @@ def _wrong(milled: MilledDisc) -> list[Finding]:
 def test_the_simulation_leaves_the_part(text: str) -> None:
     milled = _milled(text)
     assert _wrong(milled) == []
-    assert left_out(milled.part, milled.cuts) == ()
+    assert unmade_names(milled.part, milled.cuts) == ()
     if text.endswith(STATED):
         tops = {cut.name: cut.top for cut in milled.cuts}
         assert tops["rough hub"] == tops["rough bore"] == 0.0
@@ -228,8 +228,8 @@ def test_holes_beside_a_lower_hub_are_drilled_from_above() -> None:
 def test_a_moat_lies_between_a_boss_and_a_wall() -> None:
     cut = named(sequence(Contact.INNER, *HUB_TOOLS, spec=HUBBED))["rough hub"]
     assert isinstance(cut, AreaCut)
-    with pytest.raises(GeometryError, match="around a boss"):
-        moves_of(replace(cut, strategy="moat", walls=cut.walls[::-1]), HEIGHTS, 0.01, "fast")
+    with pytest.raises(GeometryError, match="between a boss and a wall"):
+        cut_moves(replace(cut, strategy="moat", walls=cut.walls[::-1]), HEIGHTS, 0.01, "fast")
 
 
 def test_the_scene_names_the_wrong_key() -> None:
@@ -279,7 +279,7 @@ size = 1
     ]
     assert [(each.severity, each.sentence) for each in told] == [
         ("warning", "no operation makes the chamfers of lower edge of the bore"),
-        ("warning", "upper edge of the bore: chamfer bore; it is made along the circle alone"),
+        ("warning", "upper edge of the bore: chamfer bore; only its circular part is made"),
     ]
 
 
@@ -382,7 +382,7 @@ SIZE = "size = 2\n"
             "broken",
             "0.8 mm wide and 1.39 mm high",
         ),
-        ({CHAMFERS: ""}, "warning", "2 mm wide, the part states a sharp edge"),
+        ({CHAMFERS: ""}, "warning", "2 mm wide, but the part states a sharp edge"),
     ],
 )
 def test_a_chamfer_of_another_shape_is_told(

@@ -13,7 +13,7 @@ import pytest
 
 import camgeo
 from camgeo.milling.machine import load
-from camgeo.milling.machining_time import block_times, blocks_of
+from camgeo.milling.machining_time import block_times, controller_blocks
 from camgeo.milling.moves import Feed, Move, Point, Rapid
 from camgeo.numeric.arrays import FloatArray
 from tests.judges.grbl_planner import FLOAT, MACHINE, PLANNER, planned, times_of
@@ -28,12 +28,12 @@ START: Point = (0.0, 0.0, 0.0)
 
 
 def run(*moves: Move) -> FloatArray:
-    return block_times(blocks_of(moves, START), MACHINE)[0]
+    return block_times(controller_blocks(moves, START), MACHINE)[0]
 
 
 def judged(*moves: Move) -> FloatArray:
     """Seconds of each block by Grbl's planner."""
-    return planned(blocks_of(moves, START), START)
+    return planned(controller_blocks(moves, START), START)
 
 
 def random_moves(seed: int, step: float, count: int = 120) -> tuple[Move, ...]:

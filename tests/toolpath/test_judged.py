@@ -17,7 +17,7 @@ from camgeo.app.answers.check import check
 from camgeo.cam.cam import Contact
 from camgeo.check.finding import Finding
 from camgeo.design.milled import MilledDisc
-from camgeo.milling.judged import Side, runs_of, setup_of
+from camgeo.milling.judged import Side, simulation_setup, toolpath_runs
 from camgeo.milling.machine import load
 from camgeo.milling.milling import Clamp, Holding, MillingSpec, OperationSpec, Stock, Tabs
 from camgeo.milling.moves import Stop, Toolpath
@@ -43,14 +43,15 @@ def judged(name: str, stock: Stock | None = None, holding: Holding | None = None
     """With what the scene states unless another blank or holding is given."""
     toolpath, made, spec = program(name)
     return simulate(
-        started(toolpath, made, stock or spec.stock, holding or spec.holding), runs_of(toolpath)
+        started(toolpath, made, stock or spec.stock, holding or spec.holding),
+        toolpath_runs(toolpath),
     )
 
 
 def started(toolpath: Toolpath, part: Part, stock: Stock, holding: Holding | None) -> Setup:
     cuts = tuple(operation.cut for operation in toolpath.operations)
     spec = MillingSpec(tools=(), stock=stock, holding=holding)
-    return setup_of(Side(part, spec, cuts, runs_of(toolpath)), TOLERANCE)
+    return simulation_setup(Side(part, spec, cuts, toolpath_runs(toolpath)), TOLERANCE)
 
 
 def test_a_sound_program() -> None:
@@ -90,7 +91,7 @@ def test_what_is_joined_below_is_no_rest() -> None:
     thick = started(toolpath, part, Stock(top=1.0, bottom=3.0), fixture)
     assert (thick.top, thick.bottom, thick.joined) == (1.0, low - 3.0, low)
     # What is to be faced off is left.
-    (rest,) = flaws_of(simulate(thick, runs_of(toolpath)), "rest")
+    (rest,) = flaws_of(simulate(thick, toolpath_runs(toolpath)), "rest")
     assert rest.place[2] == 0.0
 
 
@@ -103,7 +104,7 @@ def test_a_chamfer_is_part_of_the_part(boundary: str) -> None:
     toolpath = plan_toolpath(cuts, HEIGHTS, load("linuxcnc").arcs, 0.01, "fast")
     milled, blank = part(Contact.INNER), Stock(bore=2.0 * 12.5)
     setup = started(toolpath, milled, blank, FIXTURE)
-    (run,) = runs_of(toolpath)
+    (run,) = toolpath_runs(toolpath)
     assert simulate(setup, [run]).flaws == ()
     deeper = tuple(
         replace(move, end=(*move.end[:2], move.end[2] - 0.15))

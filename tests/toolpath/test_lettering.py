@@ -14,13 +14,13 @@ import camgeo
 from camgeo.cam.cam import Contact
 from camgeo.errors import FileError, GeometryError
 from camgeo.milling.cut import LetterCut
-from camgeo.milling.judged import left_out
+from camgeo.milling.judged import unmade_names
 from camgeo.milling.machine import load
 from camgeo.milling.milling import OperationSpec, Tool
 from camgeo.milling.moves import Feed, Stop
 from camgeo.milling.plan import plan_toolpath
 from camgeo.milling.polygons import polygon
-from camgeo.milling.strategies import CORNERS, OFF, centres, moves_of, strokes
+from camgeo.milling.strategies import CORNERS, STANDOFF, centres, cut_moves, strokes
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.part.spec import Engraving
 from camgeo_export.gcode.writer import WRITER
@@ -99,15 +99,15 @@ def test_a_text_is_engraved_with_the_first_tool_that_fits() -> None:
     cut = named(found)["engrave engraving 1"]
     assert (cut.tool.number, cut.strategy, cut.depths) == (2, "letters", (-0.15, -0.3))
     assert len(cut.produced) == 3 + 3 + 2
-    assert left_out(part(Contact.INNER, ENGRAVED), found.cuts) == ()
+    assert unmade_names(part(Contact.INNER, ENGRAVED), found.cuts) == ()
     assert cut.note == "corners keep the radius of the cutter, 0.15 mm"
 
 
 @pytest.mark.parametrize(
     ("fine", "reason"),
     [
-        (replace(FINE, diameter=0.6), r"0.6 mm are wider than a stroke at X \d"),
-        (replace(FINE, plunges=False), "letters take a tool that plunges"),
+        (replace(FINE, diameter=0.6), r"0.6 mm is wider than the stroke at X \d"),
+        (replace(FINE, plunges=False), "letters need a tool that may plunge"),
         (replace(FINE, corner_radius=0.05), "letters are cut with a flat end mill"),
         (replace(FINE, flute_length=0.2), "its cutting edges, 0.2 mm, are shorter than 0.3 mm"),
         (replace(FINE, stepover=None), "it states no stepover or no stepdown"),
@@ -117,7 +117,7 @@ def test_what_no_tool_makes_is_told_or_refused(fine: Tool, reason: str) -> None:
     found = sequence(Contact.INNER, MILL, fine, spec=ENGRAVED)
     (said,) = (each for each in found.findings if each.name == "engraving-1-left-out")
     assert re.search(f"engraving 1: left out, tool 1: .*; tool 2: {reason}", said.sentence)
-    assert len(left_out(part(Contact.INNER, ENGRAVED), found.cuts)) == 8
+    assert len(unmade_names(part(Contact.INNER, ENGRAVED), found.cuts)) == 8
     operation = OperationSpec(kind="engrave", tool=2, boundary="engraving 1")
     with pytest.raises(GeometryError, match=reason if fine.stepover else "states no stepover"):
         sequence(Contact.INNER, MILL, fine, operations=(operation,), spec=ENGRAVED)
@@ -152,9 +152,9 @@ def test_strokes_are_cleared_but_for_their_corners(diameter: float, stepover: fl
             ]
         )
         assert shapely.difference(swept, shapely.buffer(stroke, 1e-3)).is_empty
-        left = shapely.difference(stroke, shapely.buffer(swept, 3.0 * OFF))
+        left = shapely.difference(stroke, shapely.buffer(swept, 3.0 * STANDOFF))
         within = shapely.buffer(stroke, -fine.radius, quad_segs=CORNERS)
-        opened = shapely.buffer(within, fine.radius - 4.0 * OFF, quad_segs=CORNERS)
+        opened = shapely.buffer(within, fine.radius - 4.0 * STANDOFF, quad_segs=CORNERS)
         assert shapely.intersection(left, opened).area <= 1e-9
         assert left.area <= 0.06 * stroke.area
 
@@ -184,11 +184,11 @@ def test_moves_go_straight_down_and_around(climb: bool) -> None:
 
 def test_a_path_that_would_cut_an_outline_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     cut = cut_of(MILL, FINE)
-    monkeypatch.setattr("camgeo.milling.strategies.OFF", -0.01)
+    monkeypatch.setattr("camgeo.milling.strategies.STANDOFF", -0.01)
     with pytest.raises(GeometryError, match="too near to an outline"):
-        moves_of(cut, HEIGHTS, 0.01, "fast")
+        cut_moves(cut, HEIGHTS, 0.01, "fast")
     with pytest.raises(TypeError, match="cuts letters"):
-        moves_of(
+        cut_moves(
             replace(named(sequence(Contact.INNER))["outline"], strategy="letters"),
             HEIGHTS,
             0.01,
@@ -215,7 +215,7 @@ def test_a_program_is_measured_verified_and_simulated() -> None:
 def test_rounds_without_number_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("camgeo.milling.strategies.MOST_TURNS", 3)
     with refused("tool.stepover", "more than 3 rounds in a stroke"):
-        moves_of(replace(cut_of(MILL, FINE), stepover=1e-6), HEIGHTS, 0.01, "fast")
+        cut_moves(replace(cut_of(MILL, FINE), stepover=1e-6), HEIGHTS, 0.01, "fast")
 
 
 def test_a_letter_that_is_left_standing_is_a_rest() -> None:

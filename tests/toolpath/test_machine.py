@@ -23,10 +23,10 @@ from camgeo.milling.machine import (
     EVIDENCE,
     MEANINGS,
     Machine,
-    faults_of,
     load,
     names,
     parse,
+    profile_faults,
     schema,
 )
 
@@ -131,7 +131,7 @@ def test_the_nominal_radius_has_a_place_in_programs() -> None:
 
 @pytest.mark.parametrize("name", names())
 def test_the_profiles_are_their_files(name: str) -> None:
-    assert faults_of(TABLES[name]) == []
+    assert profile_faults(TABLES[name]) == []
     assert parse(tomlkit.dumps(TABLES[name]), "x.toml") == load(name)
 
 

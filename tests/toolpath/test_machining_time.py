@@ -17,8 +17,8 @@ from camgeo.milling.machining_time import (
     SECONDS,
     Blocks,
     block_times,
-    blocks_of,
     contour_time,
+    controller_blocks,
     toolpath_times,
 )
 from camgeo.milling.milling import Heights, Tool
@@ -110,7 +110,7 @@ def test_a_program_without_cuts() -> None:
 def test_arcs_are_divided_as_grbl_divides_them() -> None:
     """Half a turn of 50 mm within 2 um: floor(0.5 pi 50 / sqrt(0.002 (100 - 0.002))) chords."""
     half = ArcFeed((-50.0, 0.0, -1.0), (0.0, 0.0), True, 600.0)
-    blocks = blocks_of([half], (50.0, 0.0, 0.0), chord=0.002)
+    blocks = controller_blocks([half], (50.0, 0.0, 0.0), chord=0.002)
     assert len(blocks) == 175
     assert np.all(blocks.radii == 0.0)
     assert np.sum(blocks.lengths) == pytest.approx(math.hypot(50.0 * math.pi, 1.0), rel=1e-4)
@@ -125,8 +125,8 @@ def test_a_helix_is_as_long_as_its_chords(
     angle = turn if ccw else -turn
     end = (radius * math.cos(angle), radius * math.sin(angle), rise)
     move = ArcFeed(end, (0.0, 0.0), ccw, 600.0)
-    arc = blocks_of([move], (radius, 0.0, 0.0))
-    chords = blocks_of([move], (radius, 0.0, 0.0), chord=1e-6 * radius)
+    arc = controller_blocks([move], (radius, 0.0, 0.0))
+    chords = controller_blocks([move], (radius, 0.0, 0.0), chord=1e-6 * radius)
     assert float(arc.lengths[0]) == pytest.approx(math.fsum(chords.lengths), rel=1e-6)
     # The direction at both ends is that of its first and of its last chord, turned by half a chord.
     for way, near in ((arc.starts[0], chords.starts[0]), (arc.ends[0], chords.ends[-1])):
@@ -136,7 +136,7 @@ def test_a_helix_is_as_long_as_its_chords(
 
 def test_what_has_no_length_is_no_block() -> None:
     moves = Rapid((1.0, 0.0, 5.0)), Feed((1.0, 0.0, 5.0), 100.0), Feed((2.0, 0.0, 5.0), 100.0)
-    assert blocks_of(moves, None).moves.tolist() == [2]
+    assert controller_blocks(moves, None).moves.tolist() == [2]
 
 
 @given(
@@ -202,7 +202,7 @@ def paths(draw: st.DrawFn) -> Blocks:
     points = draw(st.lists(st.tuples(places, places, places), min_size=2, max_size=30))
     feeds = draw(st.lists(st.floats(10.0, 1e4), min_size=len(points), max_size=len(points)))
     moves: list[Move] = [Feed(point, feed) for point, feed in zip(points, feeds, strict=True)]
-    blocks = blocks_of(moves, (60.0, 0.0, 0.0))
+    blocks = controller_blocks(moves, (60.0, 0.0, 0.0))
     assert len(blocks)
     return blocks
 
@@ -240,7 +240,7 @@ def test_a_line_in_pieces_by_hand(ahead: int, count: int, expected: float) -> No
 def test_corners_by_hand() -> None:
     """A right angle with 0.02 mm: r = 0.02 / (sqrt(2) - 1), and sqrt(2) of the acceleration."""
     moves = [Feed((10.0, 0.0, 0.0), 6000.0), Feed((10.0, 10.0, 0.0), 6000.0)]
-    blocks = blocks_of(moves, (0.0, 0.0, 0.0))
+    blocks = controller_blocks(moves, (0.0, 0.0, 0.0))
     machine = replace(MACHINE, junction_deviation=0.02)
     _, speeds = block_times(blocks, machine)
     radius = 0.02 / (math.sqrt(2.0) - 1.0)
@@ -262,7 +262,7 @@ def test_chords_of_a_circle_that_are_smoothed_are_as_slow_as_the_circle() -> Non
     angles = np.linspace(0.0, 2.0 * np.pi, 401)[1:]
     moves = [Feed((2.0 * math.cos(a) - 2.0, 2.0 * math.sin(a), 0.0), 6000.0) for a in angles]
     machine = replace(MACHINE, look_ahead=100)
-    _, speeds = block_times(blocks_of(moves, (0.0, 0.0, 0.0)), machine, 0.1)
+    _, speeds = block_times(controller_blocks(moves, (0.0, 0.0, 0.0)), machine, 0.1)
     assert 1.0 <= np.max(speeds[100:300]) / math.sqrt(500.0 * 2.0) <= math.sqrt(math.sqrt(2.0))
 
 

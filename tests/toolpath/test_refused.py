@@ -73,7 +73,7 @@ PLANNED: Final[list[tuple[Contact, dict[str, Any], str, str]]] = [
     (INNER, {"tools": (tool(12.0, flute_length=10.0),)},
      "tool 1: its cutting edges, 10 mm, are shorter than", "tool.flute_length"),
     (INNER, {"tools": (tool(12.0, stepdown=None),)}, "tool 1 states no stepdown", "tool.stepdown"),
-    (INNER, {"tools": (tool(6.0, stepover=None),)}, "none is invented", "tool.stepover"),
+    (INNER, {"tools": (tool(6.0, stepover=None),)}, "needed to clear an area", "tool.stepover"),
     (INNER, {"tools": (tool(2.1 * LARGEST),)}, "must be at most 200000 mm", "tool.diameter"),
     # blank
     (INNER, {"stock": Stock(top=1.0)}, "outline of a blank that is to be faced", "stock.length"),
@@ -92,12 +92,12 @@ PLANNED: Final[list[tuple[Contact, dict[str, Any], str, str]]] = [
     *((INNER, {"spec": replace(HUBBED, hub=Hub(40.0, 6.0, side))}, "milled from there",
        "part.hub.side") for side in ("lower", "both")),
     # holding
-    *((contact, {"holding": None}, "goes through, and what it cuts free drops", "holding")
+    *((contact, {"holding": None}, "cuts through, and nothing holds what it cuts free", "holding")
       for contact in (INNER, OUTER, GROOVE)),
     (INNER, clamped("screws", replace(WASHER, since="")),
      r"rough bore .*runs into the screw at 0, 0 mm", "holding"),
     (INNER, clamped("clamps", clamp(100.0 + 0j, 20.0, 20.0)),
-     "free while nothing that is set stands on it", "holding"),
+     "free while no clamp or screw stands on it", "holding"),
     (INNER, clamped("clamps", clamp(50.0j, 20.0, 60.0)),
      "rough outline with tool 1 runs into the clamp", "holding"),
     (INNER, {**clamped("screws", WASHER), "heights": Heights(8.0, 8.0)},
@@ -128,8 +128,8 @@ STATED: Final[list[tuple[Contact, Operations, dict[str, Any], str, str]]] = [
     # walls
     (INNER, (operation("finish", "outlin"),), BLANK, 'no such wall; it has "outline", "bore"',
      "boundary"),
-    (INNER, (operation("engrave", tool=3, boundary="hub"),), HUB, "is no mark", "boundary"),
-    (INNER, (operation("drill", "mark", 2),), HUB, "it is no hole", "boundary"),
+    (INNER, (operation("engrave", tool=3, boundary="hub"),), HUB, "is neither a mark", "boundary"),
+    (INNER, (operation("drill", "mark", 2),), HUB, "is not a through hole", "boundary"),
     (INNER, (operation("drill", "hole", 2),), HUB, "no such wall", "boundary"),
     # tools
     (INNER, (operation("drill"),), BLANK, 'needs a tool of kind "drill", not "end-mill"', "tool"),
@@ -142,19 +142,19 @@ STATED: Final[list[tuple[Contact, Operations, dict[str, Any], str, str]]] = [
     (INNER, (operation("bore", allowance=7.0),), BLANK,
      r"less than 6\.5 mm with tool 1: its smallest concave radius is 12\.5 mm", "allowance"),
     # chamfers
-    (INNER, (operation("chamfer", "outline", 3, size=4.9),), {}, "does not cover 4.9 mm", "tool"),
+    (INNER, (operation("chamfer", "outline", 3, size=4.9),), {}, "a chamfer of 4.9 mm", "tool"),
     (GROOVE, (operation("chamfer", "outer flank", 5, size=1.5),), {},
      "point, 6.203 mm deep, reaches the floor at Z -6", "tool"),
-    (GROOVE, (operation("chamfer", "inner flank", 6, size=14.0),), {}, "comes to the outer flank",
-     "size"),
-    (INNER, (operation("chamfer", "bore", 3, size=0.5),), BLANK, "to be faced before", "kind"),
+    (GROOVE, (operation("chamfer", "inner flank", 6, size=14.0),), {},
+     "would reach the outer flank", "size"),
+    (INNER, (operation("chamfer", "bore", 3, size=0.5),), BLANK, "must face it before", "kind"),
     # strategies
-    (INNER, (operation("rough", "hub", strategy="ramp"),), HUB, "all of that is cleared",
+    (INNER, (operation("rough", "hub", strategy="ramp"),), HUB, "does not suit a boss",
      "strategy"),
     (INNER, (SPIRAL,), {}, "whose outline is stated", "strategy"),
     (INNER, (SPIRAL,), HOOK, "rays from the cam axis", "strategy"),
     (INNER, (operation("rough", "outline", strategy="trochoidal"),), {"holding": TABBED},
-     "leaves no tabs", "strategy"),
+     "cannot leave tabs", "strategy"),
     # others
     (INNER, (operation("face"),), {}, "nothing to face", "kind"),
     (INNER, TWICE, {}, "its own name", "name"),

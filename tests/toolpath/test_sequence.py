@@ -20,11 +20,11 @@ from camgeo.geometry.pitch_curve import PitchCurve, WorkingCurve
 from camgeo.kinematics.mechanism.rollers import TranslatingRoller
 from camgeo.kinematics.plan import MotionPlan
 from camgeo.milling.bench import largest_diameter, tightest
-from camgeo.milling.cut import AreaCut, ContourCut, Cut, PointCut, slack_of
-from camgeo.milling.judged import left_out
+from camgeo.milling.cut import AreaCut, ContourCut, Cut, PointCut, roughing_slack
+from camgeo.milling.judged import unmade_names
 from camgeo.milling.milling import OperationSpec, Stock
 from camgeo.milling.moves import ArcFeed
-from camgeo.milling.strategies import moves_of
+from camgeo.milling.strategies import cut_moves
 from camgeo.milling.track import Track
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
 from camgeo.part.spec import Counterbore, DShaft, Holes, Hub, Keyway, Mark, PartSpec
@@ -205,7 +205,7 @@ def test_what_is_cut_and_what_is_left_out(name: str) -> None:
     given = {"spec": SPEC, **plan.given}
     found = sequence(plan.contact, *given.pop("tools", ()), **given)
     assert [line_of(cut) for cut in found.cuts] == [each.strip() for each in plan.cuts.splitlines()]
-    assert left_out(part(plan.contact, given["spec"]), found.cuts) == plan.left
+    assert unmade_names(part(plan.contact, given["spec"]), found.cuts) == plan.left
     said = {each.name: each.sentence for each in found.findings}
     assert {key for key, words in plan.told.items() if words not in said[key]} == set()
     for cut in found.cuts:
@@ -367,7 +367,7 @@ def test_the_chamfer_is_as_wide_as_stated(boundary: str, contact: Contact) -> No
     ring = wall.arcs(1e-4, "fast").contour
     apart = distances(path.vertices, Track.around(ring))
     assert apart == pytest.approx(np.full(len(path), beside), abs=2.1e-4)
-    moves = moves_of(cut, HEIGHTS, 0.001, "fast")
+    moves = cut_moves(cut, HEIGHTS, 0.001, "fast")
     arcs = [
         (abs(complex(*each.end[:2]) - complex(*each.centre)), each.feed)
         for each in moves
@@ -403,7 +403,7 @@ def test_leads_stay_in_the_slot_that_roughing_has_made(
     cut = named(made)["outline"]
     assert isinstance(cut, ContourCut)
     assert cut.cleared == cleared
-    slack = slack_of(0.3) if cleared else 0.0  # by which the slot runs farther off
+    slack = roughing_slack(0.3) if cleared else 0.0  # by which the slot runs farther off
     assert cut.room == pytest.approx(room + slack)
     assert cut.rest == (0.3 if cleared else 0.0)
 

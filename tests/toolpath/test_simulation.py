@@ -13,20 +13,20 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from camgeo.geometry.contour.contour import Contour
-from camgeo.milling.moves import ArcFeed, Feed, Move, Point, Rapid, Stop, course_of
+from camgeo.milling.moves import ArcFeed, Feed, Move, Point, Rapid, Stop, feed_course
 from camgeo.milling.polygons import NOTHING, parts, polygon
 from camgeo.milling.simulation import (
     Body,
     Chamfer,
     Flaw,
     Known,
-    Run,
     Setup,
     Simulation,
-    place_in,
+    ToolRun,
+    interior_point,
     simulate,
-    swept,
-    swept_below,
+    swept_area,
+    swept_areas_below,
     unlifted,
 )
 from camgeo.milling.strategies import rings
@@ -73,7 +73,8 @@ def circle(radius: float, z: float, turns: int = 1) -> tuple[Move, ...]:
 
 def ran(setup: Setup, *programs: Sequence[Move | Stop]) -> Simulation:
     runs = [
-        Run(f"cut {number}", tuple(moves), RADIUS) for number, moves in enumerate(programs, start=1)
+        ToolRun(f"cut {number}", tuple(moves), RADIUS)
+        for number, moves in enumerate(programs, start=1)
     ]
     return simulate(setup, runs)
 
@@ -167,8 +168,8 @@ def test_a_ramp_gouges_where_it_is_low_enough() -> None:
     assert gouge.place[0] > 12.0 - RADIUS
 
 
-def one(*moves: Move, **own: Any) -> Run:
-    return Run("cut", moves, RADIUS, **own)
+def one(*moves: Move, **own: Any) -> ToolRun:
+    return ToolRun("cut", moves, RADIUS, **own)
 
 
 LOW = (Rapid((-60.0, 0.0, 5.0)), Rapid((-60.0, 0.0, -1.0)), Rapid((0.0, 0.0, -1.0)))
@@ -191,7 +192,7 @@ PAST = (
 )  # fmt: skip
 """Along a hub that stands up 10 mm."""
 
-TOLD: dict[str, tuple[Setup, list[Run], str, Any, float]] = {
+TOLD: dict[str, tuple[Setup, list[ToolRun], str, Any, float]] = {
     "a traverse through material": (PLATE, [one(*LOW)], "rapid", pytest.approx(1.0), 0.0),
     "a traverse down into it": (
         PLATE, [one(Rapid((0.0, 0.0, 5.0)), Rapid((0.0, 0.0, -3.0)))], "rapid", pytest.approx(3.0),
@@ -246,7 +247,7 @@ def test_what_a_cutter_runs_into(name: str) -> None:
 
 def test_a_drill_clears_the_full_circle_above_its_point() -> None:
     """Below it a cone, in slabs each with its area half-way."""
-    drilled = [Run("hole", over(0.0, 0.0, -4.0), RADIUS, point=1.0)]
+    drilled = [ToolRun("hole", over(0.0, 0.0, -4.0), RADIUS, point=1.0)]
     (stage,) = simulate(PLATE, drilled).stages
     *point, high = stage.slabs
     assert [slab.z0 for slab in point] == pytest.approx([-4.0, -3.75, -3.5, -3.25])
@@ -261,9 +262,9 @@ def test_a_drill_clears_the_full_circle_above_its_point() -> None:
 def test_the_radius_at_a_height(radius: float, share: float, rounded: bool) -> None:
     """Grows up to the full one: a cone evenly, a corner along a quarter of a circle."""
     point = share * radius if rounded else share
-    run = Run("", (), radius, point=point, rounded=rounded)
+    run = ToolRun("", (), radius, point=point, rounded=rounded)
     heights = np.linspace(0.0, 1.5 * point + 0.1, 40)
-    found = run.radius_at(heights)
+    found = run.cutter_radii(heights)
     assert np.all(np.diff(found) >= -1e-12)
     assert np.max(np.abs(found[heights >= point] - radius)) < 1e-12
     low = heights < point
@@ -277,9 +278,9 @@ def test_the_radius_at_a_height(radius: float, share: float, rounded: bool) -> N
 CHAMFERED = replace(PLATE, part=(Body("disc", DEPTH, 0.0, (Contour.circle(15.0),)),))
 
 
-def cone(tip: float) -> Run:
+def cone(tip: float) -> ToolRun:
     """A point of 90 degrees: as wide at a height above its tip as that is."""
-    return Run(f"tip at {tip:g}", (), RADIUS, point=RADIUS)
+    return ToolRun(f"tip at {tip:g}", (), RADIUS, point=RADIUS)
 
 
 def test_a_chamfer_is_no_gouge_and_a_missing_one_is_a_rest() -> None:
@@ -287,13 +288,13 @@ def test_a_chamfer_is_no_gouge_and_a_missing_one_is_a_rest() -> None:
         -15.1, 0.0, -0.6,
         *(ArcFeed((x, 0.0, -0.6), (0.0, 0.0), True, FEED) for x in (15.1, -15.1)),
     )  # fmt: skip
-    exact = course_of(around[2:-1], (-15.1, 0.0, -0.6))
+    exact = feed_course(around[2:-1], (-15.1, 0.0, -0.6))
     setup = replace(
         CHAMFERED,
         blank=(Contour.circle(15.0),),
         chamfers=(Chamfer(cone(-0.6), exact, 0.0),),
     )
-    sound = simulate(setup, [Run("chamfer", around, RADIUS, point=RADIUS)])
+    sound = simulate(setup, [ToolRun("chamfer", around, RADIUS, point=RADIUS)])
     assert sound.flaws == ()
     # Z of the edge of the disc is that of the lower end of the chamfer, half-way in its slab.
     slab = sound.stages[-1].slabs[-1]
@@ -304,10 +305,10 @@ def test_a_chamfer_is_no_gouge_and_a_missing_one_is_a_rest() -> None:
             replace(move, end=(*move.end[:2], move.end[2] - lower * (move.end[2] < 0.0)))
             for move in around
         )
-        (gouge,) = simulate(setup, [Run("low", moves, RADIUS, point=RADIUS)]).flaws
+        (gouge,) = simulate(setup, [ToolRun("low", moves, RADIUS, point=RADIUS)]).flaws
         assert gouge.name == "gouge"
         assert gouge.value == pytest.approx(lower, abs=0.01)
-    (rest,) = simulate(setup, []).flaws or simulate(setup, [Run("no", (), RADIUS)]).flaws
+    (rest,) = simulate(setup, []).flaws or simulate(setup, [ToolRun("no", (), RADIUS)]).flaws
     assert rest.name == "rest"
     assert not rest.watched
     # Half-way in the highest slab.
@@ -321,7 +322,7 @@ def test_rounded_corners_leave_a_fillet(deeper: float, left: float) -> None:
     """Of their radius on a floor; where the cut goes on below the part, what is above that."""
     setup = replace(PLATE, bottom=DEPTH - 1.0, part=CHAMFERED.part, joined=DEPTH)
     moves = circle(18.0, DEPTH - deeper, turns=2)
-    found = simulate(setup, [Run("finish", moves, RADIUS, point=1.0, rounded=True)])
+    found = simulate(setup, [ToolRun("finish", moves, RADIUS, point=1.0, rounded=True)])
     if not left:
         assert found.flaws == ()
         return
@@ -343,9 +344,13 @@ def test_a_second_run_takes_nothing_off(points: list[tuple[float, float]]) -> No
 
 
 def test_an_empty_program_leaves_the_blank() -> None:
-    assert simulate(PLATE, [Run("nothing", (), RADIUS)]).stages[0].volume == pytest.approx(24_000.0)
+    assert simulate(PLATE, [ToolRun("nothing", (), RADIUS)]).stages[0].volume == pytest.approx(
+        24_000.0
+    )
     start: Point = (0.0, 0.0, 5.0)
-    assert simulate(PLATE, [Run("up", (Rapid((0.0, 0.0, 9.0)),), RADIUS, start=start)]).flaws == ()
+    assert (
+        simulate(PLATE, [ToolRun("up", (Rapid((0.0, 0.0, 9.0)),), RADIUS, start=start)]).flaws == ()
+    )
 
 
 # -- sweep -----------------------------------------------------------------------------------------
@@ -362,9 +367,9 @@ ARC: list[Move] = [
 @pytest.mark.parametrize("fineness", [1e-2, 1e-3, 1e-4])
 def test_a_line_and_a_ring(fineness: float) -> None:
     """The area is off by less than twice the fineness along the edge."""
-    line = swept(course_of(LINE, (0.0, 0.0, 0.0)), RADIUS, fineness)
+    line = swept_area(feed_course(LINE, (0.0, 0.0, 0.0)), RADIUS, fineness)
     assert line.area == pytest.approx(120.0 + math.pi * 9.0, abs=2.0 * fineness * 2.0 * math.pi * 3)
-    ring = swept(course_of(ARC, (30.0, 0.0, 0.0)), RADIUS, fineness)
+    ring = swept_area(feed_course(ARC, (30.0, 0.0, 0.0)), RADIUS, fineness)
     edge = 2.0 * math.pi * (33.0 + 27.0)
     assert ring.area == pytest.approx(math.pi * (33.0**2 - 27.0**2), abs=2.0 * fineness * edge)
     outer, inner = rings(ring)
@@ -374,14 +379,14 @@ def test_a_line_and_a_ring(fineness: float) -> None:
 
 def test_separate_pieces_are_joined_where_they_overlap() -> None:
     moves = [*LINE, Rapid((0.0, 5.0, 0.0)), Feed((20.0, 5.0, 0.0), FEED)]
-    assert len(parts(swept(course_of(moves, (0.0, 0.0, 0.0)), RADIUS, 1e-3))) == 1
-    apart = swept(course_of(moves, (0.0, 0.0, 0.0)), 2.0, 1e-3)
+    assert len(parts(swept_area(feed_course(moves, (0.0, 0.0, 0.0)), RADIUS, 1e-3))) == 1
+    apart = swept_area(feed_course(moves, (0.0, 0.0, 0.0)), 2.0, 1e-3)
     assert len(parts(apart)) == 2
-    assert abs(place_in(apart).imag) < 8.0
+    assert abs(interior_point(apart).imag) < 8.0
 
 
 def test_nothing_is_swept_by_nothing() -> None:
-    assert swept(course_of([]), RADIUS, 1e-3).is_empty
+    assert swept_area(feed_course([]), RADIUS, 1e-3).is_empty
     assert parts(NOTHING) == []
 
 
@@ -392,8 +397,8 @@ def test_contours_within_contours_are_holes() -> None:
 
 @pytest.mark.parametrize("rounds", [2, 5])
 def test_further_rounds_sweep_nothing_more(rounds: int) -> None:
-    once = swept(course_of(ARC, (30.0, 0.0, 0.0)), RADIUS, 1e-3)
-    again = swept(course_of(ARC * rounds, (30.0, 0.0, 0.0)), RADIUS, 1e-3)
+    once = swept_area(feed_course(ARC, (30.0, 0.0, 0.0)), RADIUS, 1e-3)
+    again = swept_area(feed_course(ARC * rounds, (30.0, 0.0, 0.0)), RADIUS, 1e-3)
     assert again.equals(once)
     assert len(again.exterior.coords) == len(once.exterior.coords)
 
@@ -409,11 +414,11 @@ def test_what_is_new_at_each_height_is_added() -> None:
             ArcFeed((-30.0, 0.0, -depth), (0.0, 0.0), True, FEED),
         ]
         moves.append(Feed((30.0, 0.0, -depth), FEED))
-    course = course_of(moves, (30.0, 0.0, 0.0))
+    course = feed_course(moves, (30.0, 0.0, 0.0))
     heights = [-5.0, -4.0, -3.1, -2.0, -1.3, 0.0, 1.0]
-    found = swept_below(course, heights, RADIUS, fineness, {})
+    found = swept_areas_below(course, heights, RADIUS, fineness, {})
     for z, area in zip(heights, found, strict=True):
-        afresh = swept(course.below(z), RADIUS, fineness)
+        afresh = swept_area(course.below(z), RADIUS, fineness)
         assert area.symmetric_difference(afresh).area < 4.0 * fineness * 4.0 * math.pi * 33.0
     assert found[0].is_empty
     assert found[-1] is found[-2]  # nothing is new there
@@ -433,12 +438,12 @@ def test_what_is_swept_again_is_the_same_object() -> None:
                 )
                 for end in [*lap[1:], lap[0]]
             ]
-    course = course_of(moves, (30.0, 0.0, 0.0))
+    course = feed_course(moves, (30.0, 0.0, 0.0))
     heights = [-29.0 + 0.5 * k for k in range(58)]
     known: Known = {}
-    found = swept_below(course, heights, RADIUS, 1e-3, known)
+    found = swept_areas_below(course, heights, RADIUS, 1e-3, known)
     assert len({id(each) for each in found}) == 1
-    again = swept_below(course, heights[:1], RADIUS, 1e-3, known)
+    again = swept_areas_below(course, heights[:1], RADIUS, 1e-3, known)
     assert again[0] is known[next(iter(known))][0]
 
 
@@ -455,7 +460,7 @@ def test_traverses_and_halts_are_left_out() -> None:
         Rapid((9.0, 9.0, -1.0)),
         ArcFeed((9.0, 5.0, -2.0), (9.0, 7.0), True, FEED),
     ]
-    course = course_of(moves)
+    course = feed_course(moves)
     assert course.moves.tolist() == [1, 3, 5]
     assert course.lengths == pytest.approx([0.0, 5.0, 2.0 * math.pi])
     assert course.starts[2] == 9.0 + 9.0j
@@ -473,7 +478,7 @@ def test_below_a_height_is_the_share_that_lies_there(z: float, down: bool, arc: 
         if arc
         else Feed((half, 0.0, last), FEED)
     )  # fmt: skip
-    course = course_of([ramp], (0.0, 0.0, first))
+    course = feed_course([ramp], (0.0, 0.0, first))
     found = course.below(z)
     share = min(1.0, max(0.0, 0.5 * (z + 2.0)))
     assert math.fsum(found.lengths) == pytest.approx(share * half, abs=1e-9)
@@ -518,8 +523,8 @@ def test_lifts_after_which_it_is_not_the_same_stay() -> None:
 # Material at a cutter: slots, passes, walls beside it, air, in closed form.
 
 
-def run(*moves: Move, start: Point = (-60.0, 0.0, 5.0), radius: float = RADIUS) -> Run:
-    return Run("cut", moves, radius, start=start)
+def run(*moves: Move, start: Point = (-60.0, 0.0, 5.0), radius: float = RADIUS) -> ToolRun:
+    return ToolRun("cut", moves, radius, start=start)
 
 
 def along(y: float, z: float) -> tuple[Move, ...]:
@@ -527,11 +532,11 @@ def along(y: float, z: float) -> tuple[Move, ...]:
     return Rapid((-60.0, y, 5.0)), Feed((-60.0, y, z), FEED), Feed((60.0, y, z), FEED)
 
 
-def found(*runs: Run, setup: Setup = PLATE) -> list[Depth]:
+def found(*runs: ToolRun, setup: Setup = PLATE) -> list[Depth]:
     return list(depths(setup, runs))
 
 
-def worst(*runs: Run) -> tuple[float, float]:
+def worst(*runs: ToolRun) -> tuple[float, float]:
     each = found(*runs)
     return max(d.ahead for d in each), max(d.beside for d in each)
 

@@ -24,9 +24,9 @@ from camgeo.milling.machine import load
 from camgeo.milling.milling import Heights, Holding, MillingSpec, Stock
 from camgeo.milling.moves import ArcFeed, Feed, Operation, Rapid, Stop
 from camgeo.milling.plan import plan_toolpath
-from camgeo.milling.planned import sequence_of
+from camgeo.milling.planned import plan_sequence
 from camgeo.milling.strategies import STRATEGIES
-from camgeo.milling.walk import Walk
+from camgeo.milling.walk import ToolpathBuilder
 from camgeo.part.assembly import build_part
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
 from camgeo.part.part import Layer, Part
@@ -64,7 +64,7 @@ def finishes(part: Part, diameter: float) -> tuple[ContourCut, ...]:
     milling = MillingSpec(
         tools=(tool(diameter, stepdown=50.0),), stock=Stock(), holding=Holding(kind="fixture")
     )
-    cuts = sequence_of(part, milling, HEIGHTS).cuts
+    cuts = plan_sequence(part, milling, HEIGHTS).cuts
     return tuple(
         replace(cut, springs=0) for cut in cuts if isinstance(cut, ContourCut) and not cut.allowance
     )
@@ -256,9 +256,9 @@ def test_arcs_are_divided_as_the_machine_wants() -> None:
 def test_a_new_strategy_is_a_function_and_its_name(monkeypatch: pytest.MonkeyPatch) -> None:
     """The plan asks the registry alone; nothing else has to know of it."""
 
-    def drill(walk: Walk, tolerance: float, effort: Effort) -> None:
-        walk.above(0j)
-        walk.down(walk.cut.bottom)
+    def drill(walk: ToolpathBuilder, tolerance: float, effort: Effort) -> None:
+        walk.traverse(0j)
+        walk.lower(walk.cut.bottom)
 
     monkeypatch.setitem(STRATEGIES, "drill", drill)
     cut = PointCut(
@@ -271,7 +271,7 @@ def test_a_new_strategy_is_a_function_and_its_name(monkeypatch: pytest.MonkeyPat
 def test_a_divided_helix_keeps_its_pitch_and_halts_stay() -> None:
     helix = ArcFeed((-3.0, 0.0, -1.0), (0.0, 0.0), True, 100.0)
     halt = Stop("turn it over")
-    parts = list(plan.divided((Rapid((3.0, 0.0, 1.0)), halt, helix), math.pi / 4.0))
+    parts = list(plan.divide_arcs((Rapid((3.0, 0.0, 1.0)), halt, helix), math.pi / 4.0))
     assert parts[:2] == [Rapid((3.0, 0.0, 1.0)), halt]
     assert len(parts) == 2 + 4
     for count, part in enumerate(parts[2:], start=1):

@@ -10,14 +10,22 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from camgeo.geometry.contour.contour import Contour
-from camgeo.milling.milling import AXES, NOT, OTHER, Clamp, Stock, mirrored, mirrored_all
+from camgeo.milling.milling import (
+    AXES,
+    FIRST_SIDE,
+    MIRRORED_SIDE,
+    Clamp,
+    Stock,
+    mirrored,
+    mirrored_all,
+)
 from camgeo.milling.moves import Zero, described
 from camgeo.part.boundaries import ExactBoundary
 from camgeo.part.part import Layer, Part
 
 LENGTHS = st.floats(-1e3, 1e3)
 PLACES = st.builds(complex, LENGTHS, LENGTHS)
-TURNED = st.sampled_from((NOT, *AXES))
+TURNED = st.sampled_from((FIRST_SIDE, *AXES))
 ROUNDING = 1e-12
 """Of differences of lengths up to 2000 mm."""
 
@@ -34,7 +42,7 @@ def test_lengths_stay_and_senses_change(one: complex, other: complex, about: str
     a, b = mirrored(one, about), mirrored(other, about)
     assert abs(a) == abs(one)
     area, seen = (one.conjugate() * other).imag, (a.conjugate() * b).imag
-    assert seen == (area if about == NOT else -area)
+    assert seen == (area if about == FIRST_SIDE else -area)
 
 
 @pytest.mark.parametrize(("about", "stays"), [("x", 1.0), ("y", 1j)])
@@ -48,16 +56,16 @@ def test_a_zero_is_undone(
     place: complex, origin: complex, z: float, height: float, about: str
 ) -> None:
     zero = Zero("axis", "part-top", origin, height, about)
-    assert abs(zero.part_of(zero.of(place)) - place) <= ROUNDING
-    assert zero.of(origin) == 0j
-    x, y, low = zero.of_point((place.real, place.imag, z))
-    assert complex(x, y) == zero.of(place)
+    assert abs(zero.to_part(zero.to_program(place)) - place) <= ROUNDING
+    assert zero.to_program(origin) == 0j
+    x, y, low = zero.point_to_program((place.real, place.imag, z))
+    assert complex(x, y) == zero.to_program(place)
     assert low == z - height
 
 
 def test_names_of_sides_change_places() -> None:
-    assert all(OTHER[OTHER[name]] == name for name in OTHER)
-    assert OTHER["left"] == "right"
+    assert all(MIRRORED_SIDE[MIRRORED_SIDE[name]] == name for name in MIRRORED_SIDE)
+    assert MIRRORED_SIDE["left"] == "right"
 
 
 @pytest.mark.parametrize("about", AXES)

@@ -35,24 +35,24 @@ from camgeo.design.design import Design
 from camgeo.design.milled import compared
 from camgeo.design.product import Product, product_sides, side_programs
 from camgeo.errors import GeometryError
-from camgeo.milling.compensation import limits_of
+from camgeo.milling.compensation import offset_limits
 from camgeo.milling.judged import Feature
 from camgeo.milling.machine import Machine, load
-from camgeo.milling.machining_time import OperationTime, times_on
+from camgeo.milling.machining_time import OperationTime, machine_times
 from camgeo.milling.milling import (
     CLAMPS,
     FIXTURE,
-    HOW,
     ONION_SKIN,
     SCREWS,
     TABS,
+    TURNING_NOTE,
     Clamp,
     Heights,
     Holding,
     Tool,
 )
 from camgeo.milling.moves import Operation, Stop, Toolpath, Zero, described
-from camgeo.milling.plan import Engaged
+from camgeo.milling.plan import OperationEngagement
 from camgeo.milling.planned import SEQUENCE
 from camgeo.milling.simulation import Flaw
 from camgeo.scene.scene import Scene
@@ -77,7 +77,7 @@ class Step:
 
     operation: Operation
     seconds: float | None
-    engaged: Engaged | None = None
+    engaged: OperationEngagement | None = None
     compensation: str = ""
     base: float = 0.0
 
@@ -167,7 +167,7 @@ def setup_sheet(design: Design, tolerance: float | None = None) -> SetupSheet:
         sheet,
         side="first side",
         second=replace(
-            _sheet(design, second, tolerance), side=f"second side, the work {HOW[axis]}"
+            _sheet(design, second, tolerance), side=f"second side, the work {TURNING_NOTE[axis]}"
         ),
     )
 
@@ -193,7 +193,7 @@ def _sheet(design: Design, product: Product, tolerance: float) -> SetupSheet:
         _tools(toolpath),
         _steps(
             toolpath,
-            times_on(machine, toolpath, tolerance),
+            machine_times(machine, toolpath, tolerance),
             milled.engaged(toolpath),
             machine,
             zero,
@@ -208,7 +208,7 @@ def _sheet(design: Design, product: Product, tolerance: float) -> SetupSheet:
 def _steps(
     toolpath: Toolpath,
     times: Sequence[OperationTime] | None,
-    found: Sequence[Engaged],
+    found: Sequence[OperationEngagement],
     machine: Machine,
     zero: Zero,
     unit: LengthUnit,
@@ -218,7 +218,7 @@ def _steps(
     words = machine.compensation
     notes = {
         name: limit.sentence(words, lambda mm: f"{length_text(mm, unit)} {unit}")
-        for name, limit in limits_of(toolpath.operations).items()
+        for name, limit in offset_limits(toolpath.operations).items()
         if words is not None
     }
     return tuple(
@@ -270,7 +270,7 @@ def _holding(holding: Holding | None, zero: Zero, unit: LengthUnit) -> str:
 
 def _clamp(clamp: Clamp, zero: Zero, unit: LengthUnit) -> str:
     """Where it stands, from the program's zero, and when."""
-    length, place = partial(length_text, unit=unit), zero.of(clamp.place)
+    length, place = partial(length_text, unit=unit), zero.to_program(clamp.place)
     where = f"{clamp.what} at {length(place.real)}, {length(place.imag)} {unit}"
     since = f", from {clamp.since} on" if clamp.since else ""
     until = f", until {clamp.until}" if clamp.until else ""

@@ -44,7 +44,7 @@ from camgeo.design.writing import (
 from camgeo.errors import CamgeoError, Fault, FileError, SceneError, unreadable
 from camgeo.reading import VERIFIED, Limits, read_limited
 from camgeo.scene.formats.format import LARGEST_TOLERANCE
-from camgeo.scene.scene import hashes_of, load_scene
+from camgeo.scene.scene import load_scene, scene_file_hashes
 from camgeo.units import LengthUnit, in_unit, unit_and_divisor
 
 
@@ -107,7 +107,7 @@ def _scenes(named: str | Path | None) -> Callable[[Path, str], Reference]:
     def load(path: Path) -> Reference:
         design = Design(load_scene(path))
         scene = design.scene
-        return Reference(design.discs, scene.output.tolerance, scene.made_before)
+        return Reference(design.discs, scene.output.tolerance, scene.text_hash)
 
     def find(folder: Path, sha256: str) -> Reference:
         if named is not None:
@@ -588,7 +588,7 @@ def scene_file(folders: tuple[Path, ...], sha256: str) -> Path:
         for folder in dict.fromkeys(folder.resolve() for folder in folders):
             for path in sorted(folder.glob("*.toml")):
                 try:
-                    if any(digest.startswith(sha256) for digest in hashes_of(path, known)):
+                    if any(digest.startswith(sha256) for digest in scene_file_hashes(path, known)):
                         return path
                 except (OSError, ValueError):  # it, or a file that it names, is not readable
                     continue

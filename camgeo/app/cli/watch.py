@@ -28,7 +28,7 @@ from camgeo.app.cli.command import (
 from camgeo.errors import CamgeoError, SceneError
 from camgeo.reading import SCENE
 from camgeo.scene.scene import read_file
-from camgeo.scene.values import Stamp, named, stamp
+from camgeo.scene.values import Stamp, named_files, stamp
 from camgeo.units import counted, listed
 
 EVERY: Final = 0.5
@@ -165,7 +165,7 @@ class SceneFiles:
             self._read = scene_stamp
             with suppress(SceneError, ValueError):  # read again when it changes again
                 text = read_file(self.scene, SCENE.size).decode()
-                paths = named(text, self.scene.resolve().parent)
+                paths = named_files(text, self.scene.resolve().parent)
                 self._named = self._named if paths is None else paths
         return {self.scene: scene_stamp} | {path: stamp(path) for path in self._named}
 

@@ -17,7 +17,7 @@ from typing import Any, Final, Literal, Self
 from camgeo.design.writing import PRIVATE, acquire_lock, settle, sync, write_set
 from camgeo.errors import FileError, unreadable
 from camgeo.reading import SCENE, check_size, read_limited
-from camgeo.scene.values import Stamp, stamp_of
+from camgeo.scene.values import Stamp, stamp_from_stat
 
 RESTORED: Final = (
     "unsaved edits of {name} have been restored; undo takes them back step by step, reload goes"
@@ -323,7 +323,7 @@ def read(path: Path) -> tuple[str, Opened]:
         raise FileError(f"{path.name}: is not text in UTF-8") from error
     except OSError as error:
         raise FileError(f"{path.name}: cannot be read: {unreadable(error)}") from error
-    return text, Opened(path, digest(data), stamp_of(status))
+    return text, Opened(path, digest(data), stamp_from_stat(status))
 
 
 def disk(opened: Opened, *, closely: bool = False) -> Disk:
@@ -334,7 +334,7 @@ def disk(opened: Opened, *, closely: bool = False) -> Disk:
     """
     try:
         status = opened.path.lstat()
-        if stamp_of(status) == opened.stamp and not closely:
+        if stamp_from_stat(status) == opened.stamp and not closely:
             return "same"
         if not stat.S_ISREG(status.st_mode) or status.st_size > SCENE.size:
             return "changed"
@@ -371,7 +371,7 @@ def saved(path: Path, text: str, before: Opened | None, *, force: bool) -> Opene
         status = path.lstat()
     except OSError as error:
         raise FileError(f"{path.name}: cannot be read: {unreadable(error)}") from error
-    return Opened(path, digest(data), stamp_of(status))
+    return Opened(path, digest(data), stamp_from_stat(status))
 
 
 def encoded(text: str, name: str) -> bytes:

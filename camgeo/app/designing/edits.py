@@ -40,7 +40,7 @@ from camgeo.errors import CamgeoError, Fault, GeometryError, SceneError, Unknown
 from camgeo.kinematics.mechanism.declared.registry import FOLLOWERS, LINKAGES
 from camgeo.kinematics.plan import EXACT, FULL_TURN
 from camgeo.reading import SCENE
-from camgeo.scene.keys import KeyPath, path_of, spelled, value_at
+from camgeo.scene.keys import KeyPath, parse_path, spelled, tree_value
 from camgeo.scene.scene import Scene
 from camgeo.scene.schema import EFFECTS_KEY, Node
 from camgeo.scene.toml import template, written_into
@@ -48,10 +48,10 @@ from camgeo.scene.values import (
     Source,
     Tree,
     ValidValues,
-    data_of,
     document,
     document_of_tree,
-    edited,
+    encode_scene,
+    with_edits,
     without,
     written,
 )
@@ -108,7 +108,7 @@ def changed(
     if len(kinds) != 1:
         raise refusal(f"a change is one of {', '.join(CHANGES)}")
     try:
-        values = document(data_of(text)) if design is None else design.scene.stated.scene
+        values = document(encode_scene(text)) if design is None else design.scene.stated.scene
     except SceneError as error:
         raise SceneError(error.faults, file) from error
     original = Original(text, values.exact, file, folder, design)
@@ -130,7 +130,9 @@ def _written(original: Original, after: Tree, label: str, *, valid: bool) -> Cha
         return Changed(text, label)
     earlier = original.design.scene
     try:
-        return Changed(text, label, Scene.of(values, replace(earlier.source, text=text), earlier))
+        return Changed(
+            text, label, Scene.from_document(values, replace(earlier.source, text=text), earlier)
+        )
     except SceneError:
         if valid:
             raise
@@ -147,7 +149,7 @@ def _by_keys(original: Original, arguments: Mapping[str, Any]) -> tuple[Tree, st
     whole; choices come with what goes with them.
     """
     edits = _edits(arguments["edits"])
-    tree = with_companions(original, edited(original.tree, edits), edits)
+    tree = with_companions(original, with_edits(original.tree, edits), edits)
     return _whole_turn(original.tree, tree), change_label(edits, _units(tree, edits))
 
 
@@ -156,7 +158,7 @@ def _dragged(original: Original, arguments: Mapping[str, Any]) -> tuple[Tree, st
     handle, edits = dragged(
         original.design, arguments["handle"], arguments.get("to"), arguments.get("step")
     )
-    tree = edited(original.tree, edits)
+    tree = with_edits(original.tree, edits)
     # What a joint takes from the segment behind it goes without saying.
     label_edits = {key: edits[key] for key in handle.keys if key in edits}
     label = change_label(label_edits, _units(tree, label_edits)) if label_edits else handle.name
@@ -171,14 +173,14 @@ def _cured(original: Original, arguments: Mapping[str, Any]) -> tuple[Tree, str]
     if not cures[number].works:
         raise refusal(cures[number].sentence)
     edits = original.design.edits(cure_edits(cures[number]))
-    return edited(original.tree, edits), change_label(edits, _units(original.tree, edits))
+    return with_edits(original.tree, edits), change_label(edits, _units(original.tree, edits))
 
 
 def _sized(original: Original, arguments: Mapping[str, Any]) -> tuple[Tree, str]:
     """`sized`: values by key, as of `camgeo.app.answers.size.CamSize.edits`."""
     edits = _edits(arguments["sized"])
     label = change_label(edits, _units(original.tree, edits))
-    return edited(original.tree, edits), f"sized: {label}"
+    return with_edits(original.tree, edits), f"sized: {label}"
 
 
 CHANGES: Final[Mapping[str, Callable[[Original, Mapping[str, Any]], tuple[Tree, str]]]] = {
@@ -210,7 +212,7 @@ def _edits(asked: Any) -> dict[str, Any]:
 def _units(tree: Tree, edits: Mapping[str, Any]) -> dict[str, str]:
     """The unit of each key."""
     fields = Fields(document_of_tree(tree))
-    return {key: fields.unit(path_of(key) or ()) for key in edits}
+    return {key: fields.unit(parse_path(key) or ()) for key in edits}
 
 
 def _whole_turn(before: Tree, after: Tree) -> Tree:
@@ -260,7 +262,7 @@ def change_label(edits: Mapping[str, Any], units: Mapping[str, str]) -> str:
 
 
 def _named(key: str, value: Any, unit: str) -> str:
-    path = path_of(key) or ()
+    path = parse_path(key) or ()
     title = key_title(path)
     if path[:1] == ("motion",) and len(path) > 1 and isinstance(path[1], int):
         title = f"segment {path[1] + 1} {title}"
@@ -582,7 +584,7 @@ def _first_valid(original: Original, trees: Iterable[Tree]) -> Tree:
 def _with_suiting_effects(original: Original, tree: Tree) -> Tree:
     """The tree with other data for the effects whose own do not suit, or without these effects."""
     for fault in original.new_faults(tree):
-        path = path_of(fault.key) or ()
+        path = parse_path(fault.key) or ()
         effects = tree.get(EFFECTS_KEY)
         if path[:1] != (EFFECTS_KEY,) or not isinstance(effects, dict):
             continue
@@ -882,7 +884,7 @@ def _enable(original: Original, name: str) -> Tree:
             wanted.append(need.partition(".")[2])
         else:
             thick = rounded(base_radius(tree) * THICK)
-            tree = edited(tree, {need: thick if need == "part.thickness" else SPEED})
+            tree = with_edits(tree, {need: thick if need == "part.thickness" else SPEED})
     unmet: list[Fault] = []
     for candidate in _with_examples(original, tree, (*wanted, name)):
         fault = original.unmet(_alone(candidate, name), name)
@@ -899,7 +901,7 @@ def _alone(tree: Tree, name: str) -> Tree:
     required, waiting = {name}, [name]
     while waiting:
         effect = find_effect(waiting.pop())
-        keys = (path_of(key) or () for keys in effect.keys for key in keys)
+        keys = (parse_path(key) or () for keys in effect.keys for key in keys)
         needs = {*effect.needs, *(str(path[1]) for path in keys if path[:1] == (EFFECTS_KEY,))}
         waiting += needs - required
         required |= needs
@@ -940,7 +942,7 @@ def _fitting(original: Original, tree: Tree, name: str) -> Iterator[Tree]:
 
 def _is_effect_key(key: str, name: str) -> bool:
     """Whether a key is of the table of that effect."""
-    return (path_of(key) or ())[:2] == (EFFECTS_KEY, name)
+    return (parse_path(key) or ())[:2] == (EFFECTS_KEY, name)
 
 
 def _needs(tree: Tree, effect: Effect) -> Iterator[str]:
@@ -952,7 +954,7 @@ def _needs(tree: Tree, effect: Effect) -> Iterator[str]:
         pending = waiting.pop()
         seen.add(pending.name)
         for keys in pending.keys:
-            if any(value_at(tree, path_of(key) or ()) is not None for key in keys):
+            if any(tree_value(tree, parse_path(key) or ()) is not None for key in keys):
                 continue
             first = next((key for key in keys if key not in lacking), None)
             if first is None or set(keys) & set(lacking) or first == f"{EFFECTS_KEY}.{effect.name}":
@@ -979,7 +981,7 @@ def _initial(tree: Tree, key: str, value: Any) -> Any:
         return value
     if key in SPRING_ENDS:
         return _end(tree, SPRING_ENDS[key])
-    speed = value_at(tree, ("cam", "speed"))
+    speed = tree_value(tree, ("cam", "speed"))
     return rounded(Decimal(speed if is_number(speed) else SPEED) * FASTER)
 
 
@@ -987,11 +989,11 @@ def _end(tree: Tree, beside: float) -> list[Decimal]:
     """An end of a spring on a rocker: so many base radii beside the middle between pivot and cam
     axis, on the side of the arm, from which the spring turns it towards the axis.
     """
-    pivot = value_at(tree, ("follower", "pivot"))
+    pivot = tree_value(tree, ("follower", "pivot"))
     if not _is_point(pivot):
         return []
     pivot_place = complex(*map(float, pivot))
-    side = 1j if value_at(tree, ("follower", "arm_side")) == "cw" else -1j
+    side = 1j if tree_value(tree, ("follower", "arm_side")) == "cw" else -1j
     end = 0.5 * pivot_place + beside * float(base_radius(tree)) * side * pivot_place / (
         abs(pivot_place) or 1.0
     )
@@ -1000,7 +1002,7 @@ def _end(tree: Tree, beside: float) -> list[Decimal]:
 
 def base_radius(tree: Tree) -> Decimal:
     """The base radius of a scene, in its unit; that of a usual cam if it has none."""
-    radius = value_at(tree, ("follower", "base_radius"))
+    radius = tree_value(tree, ("follower", "base_radius"))
     if is_number(radius) and radius > 0:
         return Decimal(radius)
     unit = ValidValues(document_of_tree(tree)).unit
@@ -1047,7 +1049,7 @@ BLANK_REACH: Final = 1.6
 
 def with_companions(original: Original, tree: Tree, edits: Mapping[str, Any]) -> Tree:
     """The `tree` after these edits, with the companions of the choices among them."""
-    paths = {path_of(key) or (): value for key, value in edits.items()}
+    paths = {parse_path(key) or (): value for key, value in edits.items()}
     for path, value in paths.items():
         if not isinstance(value, str | bool):
             continue
@@ -1065,7 +1067,7 @@ def _with_law(original: Original, tree: Tree, path: KeyPath) -> Tree:
     first point.
     """
     tree = with_a_point(tree, int(path[1]))
-    segment = value_at(tree, path[:2])
+    segment = tree_value(tree, path[:2])
     among = [(*path[:2], key) for key in segment if key not in COMMON_KEYS]
     return original.without_misfits(tree, lambda misfit: misfit in among)
 
@@ -1081,16 +1083,16 @@ def _with_contact(original: Original, tree: Tree) -> Tree:
 
 def _blanks(original: Original, tree: Tree) -> Iterator[Tree]:
     edits: dict[str, Any] = {}
-    if value_at(tree, ("part", "rim")) is None:
+    if tree_value(tree, ("part", "rim")) is None:
         edits["part.rim"] = _diameter(original)
-    thick = value_at(tree, ("part", "thickness"))
+    thick = tree_value(tree, ("part", "thickness"))
     deep = dict(edits)
-    if is_number(thick) and value_at(tree, ("part", "groove_depth")) is None:
+    if is_number(thick) and tree_value(tree, ("part", "groove_depth")) is None:
         deep["part.groove_depth"] = rounded(Decimal(thick) / 2)
     part = tree.get("part", {})
     if isinstance(part, dict):
-        yield edited(tree, deep) if deep else tree
-        yield edited(tree, edits) if edits else tree
+        yield with_edits(tree, deep) if deep else tree
+        yield with_edits(tree, edits) if edits else tree
     yield tree
 
 
@@ -1135,7 +1137,7 @@ class Original:
     @cached_property
     def source(self) -> Source:
         """Where the files lie that the scene names."""
-        return Source.of(self.file, self.folder, self.text)
+        return Source.from_file(self.file, self.folder, self.text)
 
     @cached_property
     def design(self) -> Design:
@@ -1145,7 +1147,7 @@ class Original:
     def scene(self, tree: Tree) -> Scene:
         """The scene with other values; SceneError if they are not valid."""
         earlier = None if self.known is None else self.known.scene
-        return Scene.of(document_of_tree(tree), self.source, earlier)
+        return Scene.from_document(document_of_tree(tree), self.source, earlier)
 
     def faults(self, tree: Tree) -> tuple[Fault, ...]:
         """What is wrong with other values."""
@@ -1185,7 +1187,7 @@ class Original:
         Some only turn out to be at fault when others are gone.
         """
         for _ in range(ROUNDS):
-            paths = {path_of(fault.key) or () for fault in self.new_faults(tree)}
+            paths = {parse_path(fault.key) or () for fault in self.new_faults(tree)}
             misfits = [path for path in paths if path and may(path)]
             if not misfits:
                 break

@@ -8,7 +8,7 @@ from typing import Any, Final
 
 from camgeo.app.answers.answer import MARKS, error_faults
 from camgeo.errors import CamgeoError, Fault
-from camgeo.scene.keys import key_lines, line_of, path_of
+from camgeo.scene.keys import key_lines, nearest_line, parse_path
 from camgeo.units import counted
 
 
@@ -32,7 +32,7 @@ def _with_lines(faults: tuple[Fault, ...], text: str) -> tuple[Fault, ...]:
         return faults
     lines = key_lines(text.replace("\r\n", "\n"))  # only a text that is TOML has faults with keys
     return tuple(
-        fault if fault.line else replace(fault, line=line_of(path_of(fault.key) or (), lines))
+        fault if fault.line else replace(fault, line=nearest_line(parse_path(fault.key) or (), lines))
         for fault in faults
     )
 

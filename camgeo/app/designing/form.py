@@ -14,9 +14,9 @@ from camgeo.kinematics.mechanism.declared.registry import FOLLOWERS, LINKAGES
 from camgeo.kinematics.mechanism.values import FollowerKind, LinkageKind
 from camgeo.kinematics.plan import EXACT, FULL_TURN, SHORTEST_SPAN
 from camgeo.kinematics.planning.requests import AUTO
-from camgeo.scene.keys import KeyPath, spelled, value_at
-from camgeo.scene.rules import JERK, parameters_of
-from camgeo.scene.schema import SHAPES, Composed, Node, keys_of, referred, resolved, schema_for
+from camgeo.scene.keys import KeyPath, spelled, tree_value
+from camgeo.scene.rules import JERK, law_parameters
+from camgeo.scene.schema import SHAPES, Composed, Node, referred, resolved, schema_for, table_keys
 from camgeo.scene.values import Document, Tree, ValidValues, document_of_tree
 from camgeo.units import in_unit
 
@@ -164,8 +164,8 @@ def _section(
 
 def _inner(fields: Fields, path: KeyPath, node: Node) -> Iterator[Data]:
     """The tables within a table."""
-    inner = fields.document.plain if not path else fields.document.at(path)
-    for key, child in keys_of(node, inner if isinstance(inner, dict) else {}).items():
+    inner = fields.document.plain if not path else fields.document.exact_value(path)
+    for key, child in table_keys(node, inner if isinstance(inner, dict) else {}).items():
         if not path and key in EXCLUDED:
             continue
         yield from _sections(fields, (*path, key), resolved(child))
@@ -173,7 +173,7 @@ def _inner(fields: Fields, path: KeyPath, node: Node) -> Iterator[Data]:
 
 def _sections(fields: Fields, path: KeyPath, node: Node) -> Iterator[Data]:
     """The table at `path`, or each of a list of tables, with those in it."""
-    stated = fields.document.at(path)
+    stated = fields.document.exact_value(path)
     items = resolved(node.get("items", {}))
     if has_keys(items):
         for index in range(min(len(stated), MOST) if isinstance(stated, list) else 0):
@@ -183,7 +183,7 @@ def _sections(fields: Fields, path: KeyPath, node: Node) -> Iterator[Data]:
 
 
 def _table(fields: Fields, path: KeyPath, node: Node, description: str) -> Iterator[Data]:
-    table = fields.document.at(path)
+    table = fields.document.exact_value(path)
     kind = table.get("kind") if isinstance(table, dict) else None
     known = KINDS.get(spelled(path))
     kinds = (
@@ -278,12 +278,12 @@ class Fields:
         """The schema's node for a key; empty if there is none."""
         node, table = self.composed.root, self.document.plain
         for depth, step in enumerate(path):
-            inner: Any = value_at(table, path[:depth])
+            inner: Any = tree_value(table, path[:depth])
             node = resolved(node)
             if isinstance(step, int):
                 node = node.get("items", {})
             else:
-                node = keys_of(node, inner if isinstance(inner, dict) else {}).get(step, {})
+                node = table_keys(node, inner if isinstance(inner, dict) else {}).get(step, {})
         return node
 
     def unit(self, path: KeyPath) -> str:
@@ -321,7 +321,7 @@ class Fields:
             or has_keys(resolved(resolved_node.get("items", {})))
         ):
             return None
-        exact = self.document.at(path)
+        exact = self.document.exact_value(path)
         default = self._default(path, resolved_node)
         value = default if exact is None else plain(exact)
         kind = _type(resolved_node, value)
@@ -349,8 +349,8 @@ class Fields:
 
     def table_fields(self, path: KeyPath, node: Node) -> Iterator[Data]:
         """The fields of a table, without those of tables in it."""
-        inner = value_at(self.document.plain, path)
-        for key, child in keys_of(node, inner if isinstance(inner, dict) else {}).items():
+        inner = tree_value(self.document.plain, path)
+        for key, child in table_keys(node, inner if isinstance(inner, dict) else {}).items():
             table_field = self.field((*path, key), child)
             if table_field is not None:
                 yield table_field
@@ -379,7 +379,7 @@ class Fields:
         positions `start` and `end` [unit of the plan], None if a file decides; its `law`, None of a
         dwell; and its `fields`, as of a form.
         """
-        motion = self.document.at(("motion",))
+        motion = self.document.exact_value(("motion",))
         if not isinstance(motion, list):
             return []
         node = self.node(("motion",)).get("items", {})
@@ -416,11 +416,11 @@ class Fields:
 
     def _default(self, path: KeyPath, node: Node) -> Any:
         if "x-default-by-law" in node:
-            law = self.document.at((*path[:-1], "law"))
+            law = self.document.exact_value((*path[:-1], "law"))
             return node["x-default-by-law"].get(law) if isinstance(law, str) else None
         if "x-default-key" in node:
             path = tuple(node["x-default-key"].split("."))
-            there = self.document.at(path)
+            there = self.document.exact_value(path)
             return node.get("default") if there is None else plain(there)
         if "x-default-mm" in node:
             return node["x-default-mm"] if self.length == "mm" else node["x-default-mm"] / 25.4
@@ -555,7 +555,7 @@ OPTIMISE: Final = "optimise"
 def _fitting(fields: Iterable[Data], law: Any) -> Iterator[Data]:
     """The fields that the law takes, and those that are stated although it does not."""
     known = isinstance(law, str) and (law in FAMILIES or law in ALIASES or law == AUTO)
-    parameters = parameters_of(law) if known else frozenset(SHAPES)
+    parameters = law_parameters(law) if known else frozenset(SHAPES)
     for field in fields:
         key = field["key"].rpartition(".")[2]
         idle = (key in (*SHAPES, JERK) and key not in parameters) or (

@@ -38,7 +38,7 @@ from camgeo.kinematics.mechanism.rollers import Mount, OscillatingRoller, Transl
 from camgeo.kinematics.plan import EXACT
 from camgeo.numeric.arrays import phase
 from camgeo.pictures.motion import PLAN
-from camgeo.scene.keys import path_of, spelled, value_at
+from camgeo.scene.keys import parse_path, spelled, tree_value
 from camgeo.scene.scene import Scene
 from camgeo.units import MM_PER, TURN
 
@@ -172,7 +172,7 @@ def _grip_handle(scene: Scene, grip: Grip) -> Handle:
     now = grip.sizes(grip.place)
     values = []
     for key, size in now.items():
-        label = key_title(path_of(key) or ())
+        label = key_title(parse_path(key) or ())
         present = _present_value(scene, key, size)
         if isinstance(present, list):
             parts = ("from", "to") if key.endswith("face") else ("x", "y")
@@ -201,7 +201,7 @@ def _value(key: str, label: str, unit: str, value: Any) -> dict[str, Any]:
 
 def _present_value(scene: Scene, key: str, now: Size) -> Any:
     """The value that the scene states at `key`, or else the one that it has by default."""
-    stated = value_at(scene.stated.scene.exact, path_of(key) or ())
+    stated = tree_value(scene.stated.scene.exact, parse_path(key) or ())
     return _numbers(scene, now) if stated is None else stated
 
 
@@ -726,7 +726,7 @@ def _handle(
     """
 
     def stated(key: str) -> Any:
-        return value_at({"motion": motion}, path_of(key) or ())
+        return tree_value({"motion": motion}, parse_path(key) or ())
 
     def differing(to: Place, steps: Place) -> Edits:
         changes = edits(to, steps)

@@ -48,7 +48,14 @@ from camgeo.pictures.motion import CURVE_POINTS, Reading, plain, readings, shown
 from camgeo.pictures.plots import MOTION_TITLE, Chart, disc_diagrams, motion_diagram, of_effects
 from camgeo.scene.scene import Scene, parse_scene
 from camgeo.scene.toml import TEMPLATE_KINDS, template
-from camgeo.scene.values import Document, Source, data_of, document, document_of_tree, edited
+from camgeo.scene.values import (
+    Document,
+    Source,
+    document,
+    document_of_tree,
+    encode_scene,
+    with_edits,
+)
 from camgeo.units import MM_PER, TURN, in_unit, listed
 
 # -- recent ----------------------------------------------------------------------------------------
@@ -118,20 +125,20 @@ class Recent:
         if earlier is None or (job.file, job.folder) != self._place[1:]:
             return Design(parse_scene(job.text, job.file, job.folder or None))
         values = self.document(job)
-        source = Source.of(job.file, job.folder or None, job.text)
-        scene = Scene.of(_grafted(values, earlier.scene), source, earlier.scene)
+        source = Source.from_file(job.file, job.folder or None, job.text)
+        scene = Scene.from_document(_grafted(values, earlier.scene), source, earlier.scene)
         return self._sharing(scene, earlier)
 
     def document(self, job: Job) -> Document:
         """The values of a job's text, right or wrong; SceneError if it is not TOML."""
-        return document(data_of(job.text))
+        return document(encode_scene(job.text))
 
     def edited(self, job: Job, edits: Mapping[str, Any]) -> Scene:
         """The scene of a job, which may have faults, with other values; SceneError if it has some
         then.
         """
-        values = document_of_tree(edited(self.document(job).exact, edits))
-        return Scene.of(values, Source.of(job.file, job.folder or None, job.text))
+        values = document_of_tree(with_edits(self.document(job).exact, edits))
+        return Scene.from_document(values, Source.from_file(job.file, job.folder or None, job.text))
 
 
 def _same(one: Any, other: Any) -> bool:
@@ -293,7 +300,7 @@ def change(job: Job, recent: Recent) -> dict[str, Any]:
 def _stated(found: Document, recent: Recent) -> dict[str, Any]:
     # Joints are dragged more often than anything else, and the form does not show them.
     fields = repr({key: value for key, value in found.exact.items() if key != "motion"})
-    named = found.at(("effects",))
+    named = found.exact_value(("effects",))
     return {
         "form": recent.cached("form", (fields,), lambda: Fields(found).form()),
         "plan": Fields(found).plan(),
@@ -675,7 +682,7 @@ def laws(job: Job, recent: Recent) -> dict[str, Any]:
     text is not TOML.
     """
     segment = Arguments(job).index("segment")
-    motion = recent.document(job).at(("motion",))
+    motion = recent.document(job).exact_value(("motion",))
     if not isinstance(motion, list) or segment >= len(motion):
         raise JobError("segment must be one of the motion")
     stated = motion[segment]

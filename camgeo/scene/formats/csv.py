@@ -72,13 +72,13 @@ class CsvSpec:
             raise GeometryError(CONFUSED, "output.csv.separator", self.separator)
 
     @property
-    def between(self) -> str:
-        """What stands between two columns."""
+    def delimiter(self) -> str:
+        """Text between two columns."""
         return SEPARATORS[self.separator or (";" if self.decimal_comma else ",")]
 
 
-def commas_are_told_apart(values: Values) -> Iterator[tuple[str, str]]:
-    """Commas in numbers and between columns are not the same."""
+def commas_are_unambiguous(values: Values) -> Iterator[tuple[str, str]]:
+    """A comma may stand in numbers or between columns, not both."""
     table = ("output", "csv")
     if values.get(*table, "decimal_comma") and values.get(*table, "separator") == ",":
         yield "separator", CONFUSED
@@ -91,5 +91,5 @@ FORMAT: Final = Format(
     ".csv",
     partial(instance_from_table, CsvSpec),
     stored_schema(__file__),
-    rules=(commas_are_told_apart,),
+    rules=(commas_are_unambiguous,),
 )

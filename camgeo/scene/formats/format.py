@@ -78,21 +78,23 @@ class Format(Generic[Spec]):
     schema: Mapping[str, Any] = field(default_factory=lambda: no_keys("No options."))
     needs: tuple[str, ...] = ()
     rules: tuple[Rule, ...] = ()
-    suffix_of: Callable[[Spec], str] | None = None
+    choose_suffix: Callable[[Spec], str] | None = None
 
     def ending(self, options: Options) -> str:
         """The suffix of the file that a scene with these options gets."""
-        return self.suffix if self.suffix_of is None else self.suffix_of(options[self])
+        return self.suffix if self.choose_suffix is None else self.choose_suffix(options[self])
 
     def lacking(self, values: Values) -> list[str]:
         """Why a scene cannot be written in the format, a sentence each; empty if it can."""
         paths = {key: tuple(key.split(".")) for key in self.needs}
-        found = [
+        missing = [
             f"needs {_spelled(key)}"
             for key, path in paths.items()
             if values.lacks(*path) and values.valid(*path)
         ]
-        return found + [message for rule in self.rules for key, message in rule(values) if not key]
+        return missing + [
+            message for rule in self.rules for key, message in rule(values) if not key
+        ]
 
     def broken(self, values: Values) -> list[tuple[str, str]]:
         """Keys of the table, each with what is wrong with it beyond its schema."""
@@ -121,16 +123,16 @@ class Options:
 
     Attributes
     ----------
-    given : by the names of the formats, where the scene has a table for them.
+    given : options by the names of the formats for which the scene has a table.
     """
 
-    given: Mapping[str, Any] = field(default_factory=dict)
+    by_format: Mapping[str, Any] = field(default_factory=dict)
 
     def __getitem__(self, form: Format[Spec]) -> Spec:
         """The options in the scene, or the defaults if it has none."""
-        if form.name not in self.given:
+        if form.name not in self.by_format:
             return form.parse({})
-        spec: Spec = self.given[form.name]
+        spec: Spec = self.by_format[form.name]
         return spec
 
 
@@ -185,7 +187,7 @@ FORMATS: Final = {
 NO_FORMATS: Final = {
     "pdf": "PDFs are drawn by: camgeo plot SCENE -o FILE.pdf; a sheet by the format drawing",
 }
-"""Names that users may take for formats, with hints at what makes such files."""
+"""Names that users may mistake for formats, each with a hint at how such a file is made."""
 
 
 def find_format(name: str) -> Format[Any]:
@@ -200,30 +202,32 @@ def find_format(name: str) -> Format[Any]:
     """
     if name in FORMATS:
         module, _, constant = FORMATS[name].partition(":")
-        own: Format[Any] = getattr(
+        declared: Format[Any] = getattr(
             importlib.import_module(f"camgeo.scene.formats.{module}"), constant
         )
-        return own
+        return declared
     entry = writer_entries().get(name)
     if entry is None:
         raise UnknownNameError("format", name, (*FORMATS, *foreign_names()))
-    return format_of(entry)[1]
+    return load_format(entry)[1]
 
 
-def format_of(entry: EntryPoint) -> tuple[Any, Format[Any]]:
-    """The writer behind an entry point, loaded now, and its format; raises CamgeoError."""
+def load_format(entry: EntryPoint) -> tuple[Any, Format[Any]]:
+    """The writer at an entry point, which is imported now, and its format; CamgeoError if it cannot
+    be imported or is no writer of that format.
+    """
     try:
         writer = entry.load()
     except Exception as error:  # whatever another distribution does wrong
         raise CamgeoError(
             f"the entry point {entry.value} of {GROUP} cannot be loaded: {error}"
         ) from error
-    found: Any = getattr(writer, "format", None)
-    if not isinstance(found, Format) or found.name != entry.name:
+    declaration: Any = getattr(writer, "format", None)
+    if not isinstance(declaration, Format) or declaration.name != entry.name:
         raise CamgeoError(
             f"the entry point {entry.value} of {GROUP} is not a writer of format {entry.name!r}"
         )
-    return writer, found
+    return writer, declaration
 
 
 def foreign_names() -> tuple[str, ...]:
@@ -235,7 +239,7 @@ def writer_entries() -> dict[str, EntryPoint]:
     """The entry points of all writers, by the names of their formats."""
     from importlib.metadata import entry_points  # a check needs none
 
-    return {each.name: each for each in entry_points(group=GROUP)}
+    return {entry.name: entry for entry in entry_points(group=GROUP)}
 
 
 # -- plain ----------------------------------------------------------------------------------------

@@ -21,12 +21,12 @@ DIAMETER: Final = "output.gcode.tool_diameter"
 
 def parse(table: Mapping[str, Any]) -> GcodeSpec:
     """The options of the table."""
-    given = dict(table)
-    if "tools" in given:
-        given["tools"] = given["tools"].name
-    if "safe_height" in given:
-        given["clearance_height"] = given.pop("safe_height")
-    return instance_from_table(GcodeSpec, given)
+    options = dict(table)
+    if "tools" in options:
+        options["tools"] = options["tools"].name
+    if "safe_height" in options:
+        options["clearance_height"] = options.pop("safe_height")
+    return instance_from_table(GcodeSpec, options)
 
 
 def milling_has_a_tool(values: Values) -> Iterator[tuple[str, str]]:
@@ -37,15 +37,15 @@ def milling_has_a_tool(values: Values) -> Iterator[tuple[str, str]]:
 
 
 def earlier_keys_state_a_whole_tool(values: Values) -> Iterator[tuple[str, str]]:
-    """Earlier keys stand alone; a program needs all of them that nobody may invent."""
-    given = [key for key in EARLIER if values.get(*TABLE, key) is not None]
-    if given and not values.lacks("tool"):
-        for key in given:
+    """Earlier keys exclude `[[tool]]`; a program needs all of them that have no default."""
+    stated = [key for key in EARLIER if values.get(*TABLE, key) is not None]
+    if stated and not values.lacks("tool"):
+        for key in stated:
             yield key, f"contradicts [[tool]]: state it as {EARLIER[key]} there"
         return
-    if given and values.lacks(*TABLE, "tool_diameter"):
+    if stated and values.lacks(*TABLE, "tool_diameter"):
         yield "", f"needs {DIAMETER}: the other keys state how this tool is run"
-    if "tool_diameter" in given:
+    if "tool_diameter" in stated:
         for key in NEEDED:
             if values.lacks(*TABLE, key):
                 yield "", f"needs output.gcode.{key}: {STATE}"
@@ -55,7 +55,7 @@ def earlier_keys_state_a_whole_tool(values: Values) -> Iterator[tuple[str, str]]
 
 
 def a_through_cut_is_held(values: Values) -> Iterator[tuple[str, str]]:
-    """It is stated how the blank is held, wherever a cut goes through it."""
+    """A scene with a cut through the blank states how the blank is held."""
     if not values.lacks("holding"):
         return
     bore = values.get("part", "bore")
@@ -95,13 +95,13 @@ def _has_tools(values: Values) -> bool:
 
 
 def machine_has(values: Values) -> Iterator[tuple[str, str]]:
-    """Coolant, work offset and compensation are those of the machine; of a profile file the writer
-    tells it.
+    """The machine has the coolant, the work offset and the compensation that are asked for; for a
+    profile that is a file the writer checks it.
     """
     keys = ("coolant", "work_offset", "compensation")
-    given = {key: values.get("output", "gcode", key) for key in keys}
+    stated = {key: values.get("output", "gcode", key) for key in keys}
     machine = values.get("output", "gcode", "machine") or GcodeSpec().machine
-    if not any(given.values()) or machine.endswith(".toml"):
+    if not any(stated.values()) or machine.endswith(".toml"):
         return
     from camgeo.milling.machine import load  # a declaration imports nothing that computes
 
@@ -111,14 +111,14 @@ def machine_has(values: Values) -> Iterator[tuple[str, str]]:
         "work_offset": tuple(profile.work_offsets),
         "compensation": profile.compensations,
     }
-    for key, value in given.items():
+    for key, value in stated.items():
         if value and value not in allowed[key]:
-            choices = ", ".join(f'"{each}"' for each in allowed[key])
+            choices = ", ".join(f'"{choice}"' for choice in allowed[key])
             yield key, f"must be one of {choices} for {profile.name}"
 
 
 def a_corner_is_known(values: Values) -> Iterator[tuple[str, str]]:
-    """The corners of the blank on which the zeros of the program and of its second side are."""
+    """A zero on a corner of the blank, of either side, needs a plate of stated size."""
     for place in (TABLE, ("second_side",)):
         zero = values.get(*place, "zero")
         if zero not in (None, AXIS) and values.lacks("stock", "length"):
@@ -127,11 +127,11 @@ def a_corner_is_known(values: Values) -> Iterator[tuple[str, str]]:
 
 
 def tables_are_whole(values: Values) -> Iterator[tuple[str, str]]:
-    """The tables on milling have all that nobody may invent."""
+    """The tables on milling are complete: there are no defaults for cutting data."""
     for name, faults in FAULTS.items():
-        given = values.get(*name.split("."))
-        several = isinstance(given, list)
-        for number, table in enumerate(given if several else [given] if given else [], start=1):
+        stated = values.get(*name.split("."))
+        several = isinstance(stated, list)
+        for number, table in enumerate(stated if several else [stated] if stated else [], start=1):
             for key, message in faults(table):
                 if key not in table:
                     place = f"{name}[{number}]" if several else name

@@ -53,8 +53,8 @@ class ThreeMfSpec:
 
     def __post_init__(self) -> None:
         check_fields(self, "output.3mf.")
-        for each in instance("output.3mf.plate", self.plate, tuple, "a tuple of names"):
-            one_of("output.3mf.plate", each, [body.value for body in Body])
+        for name in instance("output.3mf.plate", self.plate, tuple, "a tuple of names"):
+            one_of("output.3mf.plate", name, [body.value for body in Body])
         if len(set(self.plate)) < len(self.plate):
             raise GeometryError("each is named once", "output.3mf.plate", value_text(self.plate))
 
@@ -76,9 +76,9 @@ def what_lies_on_the_plate_exists(values: Values) -> Iterator[tuple[str, str]]:
         yield "plate", f'has no "{Body.RETURN_CAM}": {one_piece}'
     if Body.TEST_RING in plate and values.lacks("part", "bore"):
         yield "plate", f'needs [part] bore for "{Body.TEST_RING}"'
-    for each in ("roller_width", "roller_bore"):
-        if values.get(*TABLE, each) is not None and not rollers:
-            yield each, "needs a roller on the plate"
+    for option in ("roller_width", "roller_bore"):
+        if values.get(*TABLE, option) is not None and not rollers:
+            yield option, "needs a roller on the plate"
     if values.get(*TABLE, "gap") is not None and not plate:
         yield "gap", "needs plate"
     bore, radius = values.get(*TABLE, "roller_bore"), values.get(*key)

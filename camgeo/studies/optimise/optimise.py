@@ -20,7 +20,7 @@ from camgeo.check.finding import NO_OUTLINE, Finding
 from camgeo.design.design import Design
 from camgeo.errors import GeometryError
 from camgeo.numeric.arrays import BoolArray, FloatArray
-from camgeo.scene.keys import value_at
+from camgeo.scene.keys import tree_value
 from camgeo.scene.scene import Scene
 from camgeo.scene.values import OPTIMISE, Value, plain, value_path
 from camgeo.studies.sweep.family import (
@@ -320,7 +320,7 @@ class Space:
         tree: Any = scene.stated.scene.exact
         found = []
         for variable in self.variables:
-            own = tuple(value_at(tree, value_path(tree, key)) for key in variable.keys)
+            own = tuple(tree_value(tree, value_path(tree, key)) for key in variable.keys)
             within = _continuous(variable)
             at = _number_in(variable, own) if within is None else _share_of_range(within, own)
             if at is None:

@@ -26,9 +26,9 @@ from camgeo.scene.values import (
     design_path,
     faults_of_list,
     faults_of_range,
-    keys_in,
     plain,
-    rows_of,
+    variable_keys,
+    variable_rows,
 )
 from camgeo.units import counted
 
@@ -418,13 +418,13 @@ def _parsed(vary: Iterable[str | Variable]) -> Iterator[Variable]:
 def _stated(tables: Iterable[Mapping[str, Any]]) -> Iterator[Variable]:
     """The variables of tables as `[[sweep.vary]]`."""
     for table in tables:
-        keys = keys_in(table)
+        keys = variable_keys(table)
         yield Variable(keys, _values(keys, table))
 
 
 def _values(keys: tuple[str, ...], table: Mapping[str, Any]) -> Listed | Range:
     if "values" in table:
-        return listed(keys[0], rows_of(table["values"], len(keys)), len(keys))
+        return listed(keys[0], variable_rows(table["values"], len(keys)), len(keys))
     steps = table.get("count")
     start, stop = Decimal(table["from"]), Decimal(table["to"])
     return spaced(keys[0], start, stop, None if steps is None else int(steps), len(keys))

@@ -51,7 +51,7 @@ from camgeo.lazy import Ledger
 from camgeo.numeric.arrays import ONE, FloatArray, IntArray, Quantity, merged
 from camgeo.numeric.extremes import BOTH, BOTTOMS, TOPS, Extremes, piecewise_extremes_of_many
 from camgeo.scene.scene import Scene
-from camgeo.scene.values import Source, document, document_of_tree, edited
+from camgeo.scene.values import Source, document, document_of_tree, with_edits
 from camgeo.studies.sweep.family import Family, Point
 from camgeo.units import counted, shortened
 
@@ -162,7 +162,7 @@ class Work:
     def base(self) -> Scene:
         """The scene that the family starts from; VersionError in a process of other versions."""
         self.versions.require_here()
-        return Scene.of(document(self.text.encode()), self.source)
+        return Scene.from_document(document(self.text.encode()), self.source)
 
     @cached_property
     def _begun(self) -> dict[Hashable, Scene]:
@@ -178,9 +178,9 @@ class Work:
         others = tuple((type(each), each) for key, each in edits.items() if key not in of_follower)
         earlier = self._begun.get(others)
         start, edits = (self.base, edits) if earlier is None else (earlier, of_follower)
-        tree = edited(start.stated.scene.exact, edits)
+        tree = with_edits(start.stated.scene.exact, edits)
         document = document_of_tree(tree, earlier=start.stated.scene)
-        found = Scene.of(document, self.source, start)
+        found = Scene.from_document(document, self.source, start)
         if earlier is None:
             while len(self._begun) >= MOST_BEGUN:
                 self._begun.pop(next(iter(self._begun)))

@@ -32,7 +32,7 @@ from camgeo.app.designing.faults import scene_verdict
 from camgeo.design.writing import writer_names
 from camgeo.errors import CamgeoError
 from camgeo.scene.toml import TEMPLATE_KINDS, template
-from camgeo.scene.values import Stamp, named, stamp
+from camgeo.scene.values import Stamp, named_files, stamp
 
 # -- messages -------------------------------------------------------------------------------------
 # What a page may send to the server: JSON texts, each checked before it is acted on.
@@ -776,7 +776,7 @@ class NamedFiles:
         """
         if text != self._text and len(text) <= LONGEST:
             self._text = text
-            found = await asyncio.to_thread(named, text, folder)
+            found = await asyncio.to_thread(named_files, text, folder)
             self._files = self._files if found is None else found
         now = {path: stamp(path) for path in self._files}
         seen, self._seen = self._seen, now

@@ -17,7 +17,7 @@ from camgeo.design.product import SECOND as NAME
 from camgeo.design.product import Product, display_title
 from camgeo.design.writing import Written
 from camgeo.errors import Fault, GeometryError, SceneError, ToleranceError
-from camgeo.milling.compensation import Limit, limits_of, mode_of, programmed
+from camgeo.milling.compensation import OffsetLimit, compensation_mode, offset_limits, programmed
 from camgeo.milling.cut import Cut
 from camgeo.milling.machine import (
     ROUNDING_SHARE,
@@ -26,7 +26,7 @@ from camgeo.milling.machine import (
     load,
 )
 from camgeo.milling.machining_time import toolpath_times
-from camgeo.milling.milling import HOW, OTHER, WEAR, GcodeSpec, Stock, Tool
+from camgeo.milling.milling import MIRRORED_SIDE, TURNING_NOTE, WEAR, GcodeSpec, Stock, Tool
 from camgeo.milling.moves import (
     ArcFeed,
     Feed,
@@ -120,7 +120,7 @@ def setup_of(product: Product, spec: GcodeSpec, machine: Machine) -> Setup:
     faults = []
     wanted = {("output.gcode.coolant", spec.coolant), ("output.gcode.work_offset", offset)}
     wanted |= {("tool.coolant", cut.tool.coolant or "off") for cut in product.milled.cuts}
-    wanted |= {("output.gcode.compensation", mode_of(cut)) for cut in product.milled.cuts}
+    wanted |= {("output.gcode.compensation", compensation_mode(cut)) for cut in product.milled.cuts}
     for key, value in sorted(wanted):
         try:
             one_of(key, value, allowed[key.rpartition(".")[2]])
@@ -220,7 +220,7 @@ class Program:
     shares: Budget
     setup: Setup
     height: float
-    limits: Mapping[str, Limit] = field(default_factory=dict)
+    limits: Mapping[str, OffsetLimit] = field(default_factory=dict)
     speller: Speller = field(init=False)
     lines: list[str] = field(default_factory=list)
     _tool: Tool | None = None
@@ -239,7 +239,7 @@ class Program:
             self.machine.program.start,
             name=self.setup.title,
             number=f"{self.setup.number:04d}",
-            unit=self.machine.unit.of(self.setup.unit),
+            unit=self.machine.unit.for_unit(self.setup.unit),
         )
         if self.setup.blank is not None:  # for the controller's graphics
             grid, signed = self.speller.grid, self.speller.dialect.signed
@@ -302,7 +302,7 @@ class Program:
         self._retract(self._away)
         self.lines += machine.spindle.off
         self.lines += machine.smoothing.end if machine.smoothing else ()
-        unit = machine.unit.of(self.setup.unit)
+        unit = machine.unit.for_unit(self.setup.unit)
         self.lines += filled(machine.program.end, name=self.setup.title, unit=unit)
 
     def _state(self, tool: Tool, *, halting: bool) -> None:
@@ -313,7 +313,7 @@ class Program:
         machine, before = self.machine, self._tool
         self.speller.restart()
         self._dry()
-        unit = machine.unit.of(self.setup.unit)
+        unit = machine.unit.for_unit(self.setup.unit)
         blocks = filled(machine.program.safe_start, unit=unit, work_offset=self.setup.work_offset)
         self.lines += [block for block in blocks if block]
         self.lines += self._smoothing()
@@ -455,7 +455,7 @@ def written(
     GeometryError
         If there is no room for a compensation.
     """
-    limits = limits_of(toolpath.operations)
+    limits = offset_limits(toolpath.operations)
     program = Program(machine, shares, setup, toolpath.heights.clearance, limits)
     program.start(about)
     operations = toolpath.operations
@@ -583,7 +583,7 @@ class Speller:
         if isinstance(move, Rapid):
             self._traverse(self._steps(move.end))
         elif isinstance(move, Feed):
-            side = OTHER[move.switch] if self.zero.turned else move.switch
+            side = MIRRORED_SIDE[move.switch] if self.zero.turned else move.switch
             switch = self.switches.get(side, "")
             self._straight(self._steps(move.end), self._feed_text(move.feed), switch)
         else:
@@ -591,7 +591,7 @@ class Speller:
         self.place, self._exact_z = complex(move.end[0], move.end[1]), move.end[2]
 
     def _steps(self, end: Point) -> Steps:
-        x, y, z = self.zero.of_point(end)
+        x, y, z = self.zero.point_to_program(end)
         steps = self.grid.steps(x), self.grid.steps(y), self.grid.steps(z)
         self.reach = max(self.reach, *map(abs, steps))
         return steps
@@ -643,7 +643,7 @@ class Speller:
                 self._straight(self._steps((point.real, point.imag, z)), feed)
             return
         ccw = move.ccw != bool(self.zero.turned)
-        self._printed_arc(self._steps(move.end), self.zero.of(centre), feed, ccw=ccw)
+        self._printed_arc(self._steps(move.end), self.zero.to_program(centre), feed, ccw=ccw)
 
     def _printed_arc(self, end: Steps, centre: complex, feed: str, *, ccw: bool) -> None:
         """An arc block between printed points, with a centre recomputed for them and checked."""
@@ -846,14 +846,14 @@ def side_sentence(product: Product) -> str:
     """Which side of the part a program mills, and how the work lies; empty if there is but one."""
     milled = product.milled
     if milled.first is not None:
-        return f"{SECOND} the work is {HOW[milled.zero.turned]}"
+        return f"{SECOND} the work is {TURNING_NOTE[milled.zero.turned]}"
     return "" if milled.second is None else f"first side: {product.name}-{NAME} follows it"
 
 
 def _from(zero: Zero, unit: LengthUnit) -> Iterator[str]:
     """Where the part is, seen from another zero than its own."""
     if not zero.is_of_the_part:
-        axis, top = zero.of(0j), 0.0 - zero.z
+        axis, top = zero.to_program(0j), 0.0 - zero.z
         places = [number(mm / MM_PER[unit]) for mm in (axis.real, axis.imag, top)]
         face = "lower face of the finished part" if zero.turned else (
             "upper face of the finished disc"

@@ -59,7 +59,7 @@ class Controller:
         accepted = {normal("G", f"{code:g}") for code in words.g}
         accepted |= {normal("M", f"{code:g}") for code in words.m}
         meanings = {word: COMMON[word] for word in accepted if word in COMMON}
-        meanings |= words.own_meanings
+        meanings |= words.special_meanings
         meanings = {word: meaning for word, meaning in meanings.items() if meaning != "not read"}
         lengths = machine.tool_change.length_offset
         length_letter = ""

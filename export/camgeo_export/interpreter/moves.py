@@ -17,7 +17,7 @@ from camgeo.design.linting import LineFinding
 from camgeo.errors import FileError
 from camgeo.geometry.contour.contour import Contour
 from camgeo.geometry.contour.spline import Arc
-from camgeo.milling.milling import OTHER
+from camgeo.milling.milling import MIRRORED_SIDE
 from camgeo.milling.moves import Zero
 from camgeo.numeric.arrays import IntArray, phase
 from camgeo.reading import PROGRAM, beyond
@@ -576,7 +576,7 @@ class Run:
 
     def in_the_part(self, zero: Zero) -> Run:
         """The same in the coordinates of the part, in which the program's `zero` is somewhere."""
-        z, part_of, turned = zero.z, zero.part_of, bool(zero.turned)
+        z, part_of, turned = zero.z, zero.to_part, bool(zero.turned)
         if not (zero.place or z or turned):
             return self
         moved = tuple(
@@ -588,7 +588,7 @@ class Run:
                 sweep=-move.sweep if turned and move.sweep else move.sweep,
                 z_start=move.z_start + z,
                 z_end=move.z_end + z,
-                compensation=OTHER[move.compensation] if turned else move.compensation,
+                compensation=MIRRORED_SIDE[move.compensation] if turned else move.compensation,
             )
             for move in self.moves
         )

@@ -36,15 +36,22 @@ from camgeo.errors import FileError, SceneError
 from camgeo.geometry.contour.contour import HALF_TURN, Contour, Pieces, distances, least_distance
 from camgeo.geometry.contour.spline import SplineContour
 from camgeo.milling.bench import Bench as Workbench
-from camgeo.milling.compensation import mode_of, side_of
+from camgeo.milling.compensation import compensation_mode, compensation_side
 from camgeo.milling.cut import AreaCut, ContourCut, Cut, LetterCut
-from camgeo.milling.judged import Done, Side, run_with, runs_of, settled, simulated
+from camgeo.milling.judged import (
+    Side,
+    SimulatedSide,
+    side_flaws,
+    simulate_sides,
+    tool_run,
+    toolpath_runs,
+)
 from camgeo.milling.machine import Machine, load
 from camgeo.milling.milling import END_MILL, WEAR, MillingSpec, Tool
-from camgeo.milling.moves import ArcFeed, Course, Feed, Move, Point, Rapid, course_of
+from camgeo.milling.moves import ArcFeed, Course, Feed, Move, Point, Rapid, feed_course
 from camgeo.milling.plan import inside
-from camgeo.milling.simulation import ALLOWED, Flaw, Run, Setup
-from camgeo.milling.track import Track, track_of
+from camgeo.milling.simulation import ALLOWED, Flaw, Setup, ToolRun
+from camgeo.milling.track import Track, track_along
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, joined, taken
 from camgeo.reading import PROGRAM, check_text
 from camgeo.scene.formats.gcode import FORMAT
@@ -164,9 +171,11 @@ def _compensation(product: Product, program: Program, machine: Machine) -> Itera
     elif fault := fault_of(cuts, program, machine, stated(program.comments)):
         yield failed("compensation", fault)
     elif move is not None:
-        for cut, most in zip(filter(side_of, cuts), stated(program.comments).offsets, strict=True):
+        for cut, most in zip(
+            filter(compensation_side, cuts), stated(program.comments).offsets, strict=True
+        ):
             note = f"its offset may be {most:g} mm off, either way"
-            yield Check("compensation", cut.name, mode_of(cut), ok=True, note=note)
+            yield Check("compensation", cut.name, compensation_mode(cut), ok=True, note=note)
 
 
 def _without(program: Program, name: str, *concerns: str) -> Check:
@@ -275,7 +284,7 @@ def simulation_checks(product: Product, program: Program, tolerance: float) -> l
     done = job(whole, whole.cuts, runs, tolerance, level=level)
     told = [
         (flaw, flaw.sentence if side.side.runs is runs else f"of the other side, {flaw.sentence}")
-        for side, flaws in zip(done, settled(done), strict=True)
+        for side, flaws in zip(done, side_flaws(done), strict=True)
         for flaw in flaws
     ]
     if wrong := [(flaw, text) for flaw, text in told if not flaw.watched]:
@@ -285,13 +294,15 @@ def simulation_checks(product: Product, program: Program, tolerance: float) -> l
     return checks + [Check(NAME, flaw.operation, ok=None, note=text) for flaw, text in told]
 
 
-def _among_others(product: Product, runs: tuple[Run, ...], tolerance: float) -> tuple[Run, ...]:
+def _among_others(
+    product: Product, runs: tuple[ToolRun, ...], tolerance: float
+) -> tuple[ToolRun, ...]:
     """The runs of one of several programs, among those that the others should have."""
     whole = product.milled.whole
     if whole is None:
         return runs
     own = {cut.name for cut in product.milled.cuts}
-    planned = runs_of(whole.toolpath(tolerance))
+    planned = toolpath_runs(whole.toolpath(tolerance))
     first = next(k for k, each in enumerate(planned) if each.name in own)
     others = [each for each in planned if each.name not in own]
     return (*others[:first], *runs, *others[first:])
@@ -314,7 +325,7 @@ class Traced:
     lines : of the program, one for each move.
     """
 
-    run: Run
+    run: ToolRun
     tool: Tool
     lines: tuple[int, ...]
 
@@ -353,7 +364,7 @@ def traced(product: Product, program: Program, cuts: Iterable[Cut]) -> tuple[Tra
         obstacles = always if cut is None else cut.obstacles  # those that neither come nor go
         title = name or f"tool {number}"
         for start, chain, lines in _chains(moves, above):
-            found.append(Traced(run_with(known, title, chain, obstacles, start), known, lines))
+            found.append(Traced(tool_run(known, title, chain, obstacles, start), known, lines))
     return tuple(found)
 
 
@@ -443,7 +454,7 @@ def work_findings(product: Product, program: Program) -> tuple[LineFinding, ...]
     done = _done(product, cuts, runs, program.step if math.isfinite(program.step) else 0.0)
     bench = Workbench(product.milled.part, _spec(product))
     told = []
-    for side, flaws in zip(done, settled(done), strict=True):
+    for side, flaws in zip(done, side_flaws(done), strict=True):
         own = side.side.runs is runs
         for flaw, seen in zip(side.simulation.flaws, flaws, strict=True):
             if own and not seen.watched:
@@ -457,15 +468,15 @@ def work_findings(product: Product, program: Program) -> tuple[LineFinding, ...]
 
 
 def _done(
-    product: Product, cuts: tuple[Cut, ...], runs: tuple[Run, ...], level: float
-) -> tuple[Done, ...]:
+    product: Product, cuts: tuple[Cut, ...], runs: tuple[ToolRun, ...], level: float
+) -> tuple[SimulatedSide, ...]:
     """Both sides of the job, or the only one; also where nothing can be planned of it."""
     milled = product.milled
     try:
         return job(milled, cuts, runs, product.scene.output.tolerance, level=level, allowed=ALLOWED)
     except SceneError:
         side = Side(milled.part, _spec(product), cuts, runs)
-        return simulated([side], allowed=ALLOWED, level=level, of=1)
+        return simulate_sides([side], allowed=ALLOWED, level=level, side_count=1)
 
 
 def _cuts(product: Product) -> tuple[Cut, ...]:
@@ -514,7 +525,7 @@ def _line(flaw: Flaw, each: Traced) -> int:
         lined = zip(each.lines, run.moves, strict=True)
         return max((line for line, move in lined if not isinstance(move, Rapid)), default=0)
     moves = [Feed(move.end, 1.0) if isinstance(move, Rapid) else move for move in run.moves]
-    course = course_of(moves, run.start)
+    course = feed_course(moves, run.start)
     rapid = np.array([isinstance(move, Rapid) for move in run.moves])
     wanted = rapid[course.moves] == (flaw.name == "rapid")
     x, y, z = flaw.place
@@ -591,9 +602,9 @@ class Depth:
     place: Point
 
 
-def depths(setup: Setup, runs: Sequence[Run]) -> Iterator[Depth]:
+def depths(setup: Setup, runs: Sequence[ToolRun]) -> Iterator[Depth]:
     """What stands at the cutter in each feed move that is not straight up or down."""
-    courses = [course_of(run.moves, run.start) for run in runs]
+    courses = [feed_course(run.moves, run.start) for run in runs]
     if not any(len(each) for each in courses):
         return
     whole = joined(courses)
@@ -609,10 +620,10 @@ def depths(setup: Setup, runs: Sequence[Run]) -> Iterator[Depth]:
 
 def _standing(setup: Setup) -> Callable[[ComplexArray], FloatArray]:
     """Up to which Z [mm] material reaches at places (n,) at first; -infinite beside it."""
-    if setup.before is None:
+    if setup.leftover is None:
         blank = Pieces.around(setup.blank)
         return lambda places: np.where(inside(blank, places), setup.top, -np.inf)
-    slabs = setup.before.slabs
+    slabs = setup.leftover.slabs
 
     def left(places: ComplexArray) -> FloatArray:
         found = np.full(len(places), -np.inf)
@@ -731,7 +742,7 @@ def bench_of(product: Product, machine: Machine) -> Bench:
     """
     heights, milling = product.milled.gcode.heights, product.milled.spec
     z = product.milled.zero.z
-    step = 10.0 ** -machine.numbers.decimals.of(product.unit) * MM_PER[product.unit]
+    step = 10.0 ** -machine.numbers.decimals.for_unit(product.unit) * MM_PER[product.unit]
     return Bench(
         stock_top=(0.0 if milling is None else milling.stock.top) - z,
         clearance=heights.retract - z - 0.5 * step,
@@ -774,7 +785,7 @@ def too_near(cut: AreaCut | LetterCut, moves: Sequence[CutterMove]) -> float:
     the allowance; 0 if none does.
     """
     groups = groupby(moves, lambda move: move.kind != "rapid" and move.start != move.end)
-    tracks = [track_of([move.course for move in group]) for is_cut, group in groups if is_cut]
+    tracks = [track_along([move.course for move in group]) for is_cut, group in groups if is_cut]
     least = [np.inf]
     for wall in cut.walls:
         fit = wall.arcs(FINE, "fast")
@@ -792,7 +803,9 @@ def offset_of(cuts: Sequence[Cut], machine: Machine, off: float = 0.0) -> Radius
 
     With `off` [mm] it holds as much more.
     """
-    table = {cut.tool.number: _of_table(cut, machine) + off for cut in cuts if side_of(cut)}
+    table = {
+        cut.tool.number: _of_table(cut, machine) + off for cut in cuts if compensation_side(cut)
+    }
     return lambda move: table[move.radius_offset] + move.oversize
 
 
@@ -815,7 +828,7 @@ def centred(cuts: Sequence[Cut], program: Program, machine: Machine) -> tuple[Pr
 def _of_table(cut: Cut, machine: Machine) -> float:
     """The radius [mm] that the table holds for the nominal cutter."""
     words = machine.compensation
-    alone = mode_of(cut) == WEAR and (words is None or not words.nominal)
+    alone = compensation_mode(cut) == WEAR and (words is None or not words.nominal)
     return 0.0 if alone else cut.tool.radius
 
 
@@ -825,7 +838,7 @@ def fault_of(cuts: Sequence[Cut], program: Program, machine: Machine, said: Stat
     Every cut is compensated as it is to be, from a straight move to another one, with the offset
     of its tool; and the controller can run it with each offset that its comments allow.
     """
-    compensated = [cut for cut in cuts if side_of(cut)]
+    compensated = [cut for cut in cuts if compensation_side(cut)]
     names = {cut.name for cut in compensated}
     for move in program.moves:
         if move.compensation and move.operation not in names:
@@ -843,9 +856,9 @@ def fault_of(cuts: Sequence[Cut], program: Program, machine: Machine, said: Stat
 
 
 def _of_cut(cut: Cut, moves: Sequence[CutterMove], step: float, machine: Machine) -> str:
-    side, tool = side_of(cut), cut.tool
+    side, tool = compensation_side(cut), cut.tool
     flat = [move for move in moves if move.kind != "rapid" and move.start != move.end]
-    oversize = _of_table(cut, machine) and mode_of(cut) == WEAR
+    oversize = _of_table(cut, machine) and compensation_mode(cut) == WEAR
     expected = -tool.radius if oversize else 0.0
     for number, move in enumerate(flat):
         if not move.compensation:

@@ -10,8 +10,8 @@ import pytest
 
 from camgeo.geometry.contour.contour import Contour, distances
 from camgeo.geometry.outline.path import whole
-from camgeo.milling.clear import Morph, Star, biarcs, engagements, fitted, paced
-from camgeo.milling.track import Track, chained
+from camgeo.milling.clear import Morph, Star, biarcs, engagements, fit_spiral, shortest_spiral
+from camgeo.milling.track import Track, chain_tracks
 from camgeo.numeric.arrays import BoolArray, ComplexArray
 from camgeo.part.boundaries import CurveBoundary
 from tests.contour.cams import dwell, flank, move, translating
@@ -26,7 +26,7 @@ BLANK = 62.0
 
 
 def star(contour: Contour) -> Star:
-    found = Star.of(contour)
+    found = Star.from_contour(contour)
     assert found is not None
     return found
 
@@ -41,13 +41,17 @@ def cam() -> Star:
 
 def outside() -> Morph:
     blank = star(Contour.circle(BLANK + RADIUS))
-    return paced(blank, cam(), sense=-1, side=-1, finish=0.4, radius=RADIUS, limit=LIMIT, step=2.0)
+    return shortest_spiral(
+        blank, cam(), sense=-1, side=-1, finish=0.4, radius=RADIUS, limit=LIMIT, step=2.0
+    )
 
 
 def inside() -> Morph:
     """From a hole of 12 mm to a bore of 50 mm."""
     hole, bore = star(Contour.circle(6.0 - RADIUS)), star(Contour.circle(25.0 - RADIUS))
-    return paced(hole, bore, sense=1, side=-1, finish=0.4, radius=RADIUS, limit=LIMIT, step=2.0)
+    return shortest_spiral(
+        hole, bore, sense=1, side=-1, finish=0.4, radius=RADIUS, limit=LIMIT, step=2.0
+    )
 
 
 MORPHS = {"outside": outside, "inside": inside}
@@ -64,7 +68,7 @@ def test_engagement_is_that_of_dense_points(name: str) -> None:
     found = engagements(morph, RADIUS)
     assert np.max(found) <= LIMIT
     turn = np.arange(0.0, morph.turns + 1.0, 1.0 / 1440.0)
-    path, along = morph.at(turn)
+    path, along = morph.points_and_tangents(turn)
     front = np.radians(np.arange(0.0, 180.0, 0.5) + 0.25)
     for k in range(5, len(turn) - 720, 997):
         rim = path[k] - 1j * along[k] * RADIUS * np.exp(1j * front)
@@ -86,7 +90,7 @@ def test_the_pace_slows_where_the_end_limits_it() -> None:
     path = CurveBoundary("outline", hole=False, path=whole(flank("setzhub", -1))).offset(RADIUS)
     disc = star(path.arcs(0.01, "fast").contour)
     blank, way = star(Contour.circle(46.0 + RADIUS)), {"sense": -1, "side": -1}
-    morph = paced(blank, disc, **way, finish=0.4, radius=RADIUS, limit=LIMIT, step=9.0)
+    morph = shortest_spiral(blank, disc, **way, finish=0.4, radius=RADIUS, limit=LIMIT, step=9.0)
     assert np.max(engagements(morph, RADIUS)) <= LIMIT
     even = replace(morph, slowing=0.0)
     assert morph.slowing > 0.0
@@ -110,7 +114,7 @@ def test_the_share_grows_from_0_to_1_without_a_jump(slowing: float) -> None:
 def test_neighbouring_turns_are_no_farther_apart_than_the_step(name: str) -> None:
     morph = MORPHS[name]()
     turn = np.linspace(0.0, morph.turns, 2000)
-    points, ahead = morph.at(turn)[0], morph.at(turn + 1.0)[0]
+    points, ahead = morph.points_and_tangents(turn)[0], morph.points_and_tangents(turn + 1.0)[0]
     assert np.max(np.abs(np.abs(ahead) - np.abs(points))) <= 2.0 * (1.0 + 1e-9)
 
 
@@ -118,15 +122,15 @@ def test_neighbouring_turns_are_no_farther_apart_than_the_step(name: str) -> Non
 @pytest.mark.parametrize("name", MORPHS)
 def test_arcs(name: str, tolerance: float) -> None:
     morph = MORPHS[name]()
-    track = fitted(morph, tolerance)
-    dense = morph.at(np.linspace(0.0, morph.turns, 5000))[0]
+    track = fit_spiral(morph, tolerance)
+    dense = morph.points_and_tangents(np.linspace(0.0, morph.turns, 5000))[0]
     assert np.max(distances(dense, track)) <= tolerance
     assert len(track) < 45 * morph.turns
-    assert track.start == pytest.approx(morph.at(np.zeros(1))[0][0])
+    assert track.start == pytest.approx(morph.points_and_tangents(np.zeros(1))[0][0])
     # It joins the curve on which it ends along its tangent.
     end, along = morph.b.points(np.array([0.4]))[0], track.headings[1]
     assert track.end == pytest.approx(end)
-    r, slope = morph.b.at(np.array([0.4]))
+    r, slope = morph.b.radii_and_slopes(np.array([0.4]))
     tangent = np.exp(0.4j) * complex(slope[0], r[0]) * morph.sense
     assert along == pytest.approx(tangent / abs(tangent), abs=1e-9)
 
@@ -140,17 +144,19 @@ def test_a_square_blank() -> None:
     centres = [centre for corner in corners for centre in (complex(corner), 0j)]
     blank = Contour(vertices, sweeps, np.array(centres))
     assert Track.around(blank).length == pytest.approx(480.0 + 10.0 * np.pi)
-    morph = paced(
+    morph = shortest_spiral(
         star(blank), cam(), sense=-1, side=-1, finish=0.4, radius=RADIUS, limit=LIMIT, step=3.0
     )
     assert np.max(engagements(morph, RADIUS)) <= LIMIT
-    assert fitted(morph, 0.05).length > 2000.0
+    assert fit_spiral(morph, 0.05).length > 2000.0
 
 
 def test_steps_too_small_are_refused() -> None:
     blank = star(Contour.circle(BLANK + RADIUS))
-    with refused("tool.stepover", "turns of the roughing spiral"):
-        paced(blank, cam(), sense=-1, side=-1, finish=0.0, radius=RADIUS, limit=LIMIT, step=1e-3)
+    with refused("tool.stepover", "roughing spiral would need more than"):
+        shortest_spiral(
+            blank, cam(), sense=-1, side=-1, finish=0.0, radius=RADIUS, limit=LIMIT, step=1e-3
+        )
 
 
 # -- star ------------------------------------------------------------------------------------------
@@ -176,13 +182,13 @@ POLES = [(SLOT, 2 + 0.1j), (WAISTED, 0.3j), (SLOT.reversed(), 0j)]
 
 @pytest.mark.parametrize(("contour", "pole"), POLES)
 def test_rays_meet_the_contour(contour: Contour, pole: complex) -> None:
-    star = Star.of(contour, pole)
+    star = Star.from_contour(contour, pole)
     assert star is not None
     rays = np.linspace(-7.0, 9.0, 700)
-    r, slope = star.at(rays)
+    r, slope = star.radii_and_slopes(rays)
     assert np.max(distances(star.points(rays), Track.around(contour))) < 1e-12
     step = 1e-6
-    ahead, behind = (star.at(rays + each)[0] for each in (step, -step))
+    ahead, behind = (star.radii_and_slopes(rays + each)[0] for each in (step, -step))
     # Apart from kinks and jumps of curvature within a step of a ray.
     assert np.quantile(np.abs((ahead - behind) / (2.0 * step) - slope), 0.98) < 1e-6
     assert np.all(r > 0.0)
@@ -190,24 +196,27 @@ def test_rays_meet_the_contour(contour: Contour, pole: complex) -> None:
 
 @pytest.mark.parametrize("pole", [0.95j, 10.95 + 0j, 20 + 0j])
 def test_steep_or_outside_is_none(pole: complex) -> None:
-    assert Star.of(SLOT, pole) is None
+    assert Star.from_contour(SLOT, pole) is None
 
 
 def test_what_turns_back_is_none() -> None:
     hook = np.array([0j, 10 + 0j, 10 + 10j, 5 + 10j, 5 + 4j, 4 + 4j, 4 + 10j, 0 + 10j])
-    assert Star.of(Contour.polygon(hook), 2 + 2j) is None
+    assert Star.from_contour(Contour.polygon(hook), 2 + 2j) is None
 
 
 @pytest.mark.parametrize(("contour", "pole"), POLES)
 def test_nothing_is_nearer_or_farther_than_its_distances(contour: Contour, pole: complex) -> None:
-    star, other = Star.of(contour, pole), Star.of(Contour.circle(30.0, pole + 1.0), pole)
+    star, other = (
+        Star.from_contour(contour, pole),
+        Star.from_contour(Contour.circle(30.0, pole + 1.0), pole),
+    )
     assert star is not None
     assert other is not None
     rays = np.linspace(0.0, 2.0 * np.pi, 100_001)
-    own = star.at(rays)[0]
+    own = star.radii_and_slopes(rays)[0]
     for found, values in (
         (star.distances(), own),
-        (star.distances(beyond=other), own - other.at(rays)[0]),
+        (star.distances(beyond=other), own - other.radii_and_slopes(rays)[0]),
     ):
         for end, sign in ((found.lowest, -1.0), (found.highest, 1.0)):
             most = float(np.max(sign * values))
@@ -215,7 +224,9 @@ def test_nothing_is_nearer_or_farther_than_its_distances(contour: Contour, pole:
 
 
 def test_the_distances_of_a_square_that_lies_askew() -> None:
-    square = Star.of(Contour.polygon(10.0 * np.exp(1j * (0.1003 + 0.5 * np.pi * np.arange(4)))))
+    square = Star.from_contour(
+        Contour.polygon(10.0 * np.exp(1j * (0.1003 + 0.5 * np.pi * np.arange(4))))
+    )
     assert square is not None
     found = square.distances()
     assert found.highest.value == pytest.approx(10.0, abs=1e-12)
@@ -231,10 +242,10 @@ def test_parts_lie_on_the_whole(seed: int) -> None:
     rng = np.random.default_rng(seed)
     track = any_track(rng)
     start, end = np.sort(rng.uniform(0.0, track.length, 2))
-    part = track.between(float(start), float(end))
+    part = track.section(float(start), float(end))
     assert part.length == pytest.approx(end - start, rel=1e-9)
     assert np.max(distances(dense(part, 30), track)) < 1e-10
-    ends, along = track.at(np.array([start, end]))
+    ends, along = track.points_and_tangents(np.array([start, end]))
     assert np.abs(ends - [part.start, part.end]) == pytest.approx([0.0, 0.0], abs=1e-10)
     assert np.array(part.headings) == pytest.approx(along, abs=1e-9)
 
@@ -242,7 +253,7 @@ def test_parts_lie_on_the_whole(seed: int) -> None:
 @pytest.mark.parametrize("seed", range(10))
 def test_half_turns_are_the_same(seed: int) -> None:
     track = any_track(np.random.default_rng(seed))
-    track = chained((track, Track.arc(track.end, track.end + 2.0, 6.0)))
+    track = chain_tracks((track, Track.arc(track.end, track.end + 2.0, 6.0)))
     fine = track.halved()
     assert fine.length == pytest.approx(track.length, rel=1e-12)
     assert np.max(distances(dense(fine, 5), track)) < 1e-10
@@ -250,7 +261,7 @@ def test_half_turns_are_the_same(seed: int) -> None:
     back = track.reversed()
     assert back.start == track.end
     assert np.max(distances(dense(back, 5), track)) < 1e-10
-    both = chained((track, back))
+    both = chain_tracks((track, back))
     assert both.end == track.start
     assert both.length == pytest.approx(2.0 * track.length)
 

@@ -14,7 +14,7 @@ from camgeo.geometry.outline.path import whole
 from camgeo.milling.cut import AreaCut, ContourCut, Cut
 from camgeo.milling.milling import Heights, Tool
 from camgeo.milling.moves import Move, Rapid
-from camgeo.milling.strategies import moves_of
+from camgeo.milling.strategies import cut_moves
 from camgeo.milling.track import Track
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
 from camgeo.part.part import Boundary
@@ -63,7 +63,7 @@ def cleared(strategy: str, *walls: Boundary, **own: Any) -> AreaCut:
 def made(cut: Cut) -> list[Move]:
     """Its moves; a path that is followed closely has the fewest arcs."""
     effort: Effort = "fewest" if isinstance(cut, ContourCut) else "fast"
-    return moves_of(cut, HEIGHTS, TOLERANCE, effort)
+    return cut_moves(cut, HEIGHTS, TOLERANCE, effort)
 
 
 def require_sound(moves: list[Move], tool: Tool = TOOL, rapids: int = 0) -> None:

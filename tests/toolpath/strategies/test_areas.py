@@ -20,8 +20,8 @@ from camgeo.geometry.pitch_curve import WorkingCurve
 from camgeo.milling.clear import HELIX
 from camgeo.milling.cut import AreaCut, ContourCut, Cut, PointCut
 from camgeo.milling.moves import ArcFeed, Feed, Rapid
-from camgeo.milling.strategies import NARROWEST, ahead, engaged
-from camgeo.milling.track import Track, chained
+from camgeo.milling.strategies import NARROWEST, largest_advance, loop_engagement
+from camgeo.milling.track import Track, chain_tracks
 from camgeo.milling.walk import centre_feed
 from camgeo.numeric.arrays import FloatArray
 from camgeo.part.boundaries import CurveBoundary, ExactBoundary
@@ -285,7 +285,7 @@ def test_a_groove_is_cleared_to_the_allowance(diameter: float) -> None:
     [
         ({"walls": FLANKS[:1]}, "outline of the blank", "stock"),
         ({"tool": replace(TOOL, diameter=15.8)}, "narrower than the groove of 16 mm", "tool"),
-        ({"stepover": 1e-6}, "more than 500 rounds on each side", "tool.stepover"),  # as spirals
+        ({"stepover": 1e-6}, "more than 500 rounds would be", "tool.stepover"),  # as spirals
         ({"walls": (*FLANKS, round_hole(5.0))}, "at most one wall", "part"),
     ],
 )
@@ -367,11 +367,11 @@ def test_the_contact_runs_at_the_feed_and_the_way_back_faster() -> None:
 @settings(max_examples=25, deadline=None)
 def test_the_bound_holds_on_a_straight_wall(size: float, limit: float, turn: float) -> None:
     """Two loops, the second ahead by what the bound allows, at any place of it."""
-    apart = ahead(size, 5.0, limit)
-    assert engaged(size, 5.0, apart) == pytest.approx(limit, abs=2e-4)
+    apart = largest_advance(size, 5.0, limit)
+    assert loop_engagement(size, 5.0, apart) == pytest.approx(limit, abs=2e-4)
     first = Track.arc(0j, 1j * size, 2.0 * math.pi)
     second = Track.arc(complex(apart), apart + 1j * size, 2.0 * math.pi)
-    way = chained((first, Track.line(0j, complex(apart)), second))
+    way = chain_tracks((first, Track.line(0j, complex(apart)), second))
     at = first.length + apart + turn * second.length
     (found,) = engagements(way, FULL, 5.0, 1, at)
     assert found <= limit + 1e-6

@@ -11,7 +11,7 @@ import pytest
 
 from camgeo.errors import GeometryError
 from camgeo.geometry.contour.contour import distances
-from camgeo.milling.cut import ContourCut, slack_of
+from camgeo.milling.cut import ContourCut, roughing_slack
 from camgeo.milling.milling import Clamp, Tabs, ToolError
 from camgeo.milling.moves import ArcFeed, Feed
 from camgeo.numeric.arrays import FloatArray
@@ -111,7 +111,7 @@ def test_leads_of_compensation_begin_and_end_with_lines() -> None:
 
 def test_a_roughing_leaves_its_allowance_in_few_arcs() -> None:
     """No less than the allowance, and at most two slacks more."""
-    allowance, slack = 0.5, slack_of(0.5)
+    allowance, slack = 0.5, roughing_slack(0.5)
     centre = DISC.offset(TOOL.radius + allowance + slack)
     cut = replace(SLOT, centre=centre, allowance=allowance, slack=slack)
     moves = made(cut)
