@@ -120,7 +120,9 @@ def _forward_angle(motion: LinkedMotion, limit: float | None) -> Finding:
         return limit_finding(name, statement, angle, least, "deg", phi, least=True)
     what, stuck = LOCKED[linkage.member]
     sentence = f"{what} {place}: {stuck} there, its transmission angle is 0"
-    ranges = [] if 0.0 in clear_range(linkage, TO_FAR_END) else clear_range_texts(linkage, TO_FAR_END)
+    ranges = (
+        [] if 0.0 in clear_range(linkage, TO_FAR_END) else clear_range_texts(linkage, TO_FAR_END)
+    )
     sentence += f"; {ranges[0]} it is driven throughout" if ranges else ""
     return Finding(name, "no-disc", sentence, 0.0, least, "deg", phi)
 

@@ -776,7 +776,9 @@ class MotionRequests:
             to=end_position,
             shares=np.array(shares),
             positions=np.array([self._scale * point["to"] for point in table["points"]]),
-            boundaries={index: boundary for index, boundary in boundaries.items() if boundary != FREE},
+            boundaries={
+                index: boundary for index, boundary in boundaries.items() if boundary != FREE
+            },
             **end,
         )
 

@@ -22,7 +22,7 @@ from camgeo.units import LengthUnit, counted
 FEWEST: Final = 2
 """Two rows with bulges are a lens or a circle."""
 
-ASKED: Final = RequestedColumns(LENGTHS, (NumberColumn("bulge", ("bulge",)),), FEWEST, named=True)
+COLUMNS: Final = RequestedColumns(LENGTHS, (NumberColumn("bulge", ("bulge",)),), FEWEST, named=True)
 
 
 class ContourCsvReader:
@@ -45,16 +45,16 @@ class ContourCsvReader:
         if layer is not None:
             raise FileError(f"{name}: a CSV file has no layers; leave out the layer {layer!r}")
         try:
-            rows = read_columns(data, name, ASKED)
+            rows = read_columns(data, name, COLUMNS)
             vertices = places_of(rows, name, unit or "mm")
         except GeometryError as error:
             raise FileError(error.message) from None
         bulge = rows.values[2] if len(rows.values) > len(LENGTHS) else np.zeros(len(vertices))
-        apart = vertices != np.roll(vertices, -1)
-        if not apart[-1]:  # the first point repeated at the end closes the contour
-            vertices, bulge, apart = vertices[:-1], bulge[:-1], apart[:-1]
-        if not np.all(apart):
-            line = rows.lines[int(np.flatnonzero(~apart)[0]) + 1]
+        distinct = vertices != np.roll(vertices, -1)
+        if not distinct[-1]:  # the first point repeated at the end closes the contour
+            vertices, bulge, distinct = vertices[:-1], bulge[:-1], distinct[:-1]
+        if not np.all(distinct):
+            line = rows.lines[int(np.flatnonzero(~distinct)[0]) + 1]
             raise FileError(f"{name}, line {line}: the same point as in the previous row")
         if len(vertices) < FEWEST or (len(vertices) == FEWEST and not np.any(bulge)):
             raise FileError(

@@ -94,16 +94,16 @@ class Exchange:
     instances: dict[int, tuple[Record, ...]]
 
 
-def exchange_of(data: bytes, *, whole: bool = True) -> Exchange:
+def read_exchange(data: bytes, *, whole: bool = True) -> Exchange:
     """The contents of a file, or with `whole` false its header alone.
 
     Raises FileError with the line where it breaks the syntax, or if it is beyond the limits of
     `camgeo.reading`.
     """
     check_size(len(data), STEP, "the file")
-    found = data.count(b",") + data.count(b"(")
-    if found > PARAMETERS:
-        raise beyond("the file", f"{found:,} commas and brackets", PARAMETERS, STEP)
+    count = data.count(b",") + data.count(b"(")
+    if count > PARAMETERS:
+        raise beyond("the file", f"{count:,} commas and brackets", PARAMETERS, STEP)
     if not data.lstrip()[: len(FIRST)] == FIRST.encode():
         raise FileError("not a STEP file: it does not begin with ISO-10303-21")
     if not data.rstrip().endswith(f"{LAST};".encode()):
@@ -111,12 +111,12 @@ def exchange_of(data: bytes, *, whole: bool = True) -> Exchange:
     return _Parser(data.decode("utf-8", "replace")).exchange(whole)
 
 
-def header_of(data: bytes, kind: str) -> Record:
+def header_record(data: bytes, kind: str) -> Record:
     """A record of the header of a file; FileError unless there is one."""
-    found = [record for record in exchange_of(data, whole=False).header if record.kind == kind]
-    if len(found) != 1:
-        raise FileError(f"the header has {kind} {len(found)} times, expected once")
-    return found[0]
+    records = [record for record in read_exchange(data, whole=False).header if record.kind == kind]
+    if len(records) != 1:
+        raise FileError(f"the header has {kind} {len(records)} times, expected once")
+    return records[0]
 
 
 class _Parser:
@@ -130,13 +130,13 @@ class _Parser:
         self.next()
 
     def _tokens(self) -> Iterator[tuple[str, str]]:
-        for found in TOKEN.finditer(self.text):
-            kind = found.lastgroup
+        for match in TOKEN.finditer(self.text):
+            kind = match.lastgroup
             if kind == "wrong":
                 self.fail(f"{self.text[self.end : self.end + 20]!r} is nothing that STEP knows")
-            self.end = found.end()
+            self.end = match.end()
             if kind != "space":
-                yield str(kind), found.group()
+                yield str(kind), match.group()
 
     def fail(self, what: str) -> NoReturn:
         line = 1 + self.text.count("\n", 0, self.end)
@@ -202,15 +202,15 @@ class _Parser:
         """The parameters behind an opening bracket."""
         if depth == 0:
             self.fail(f"lists are nested more than {NESTED} deep")
-        found: list[Any] = []
+        parameters: list[Any] = []
         if self.token == ")":
             self.next()
             return ()
         while True:
-            found.append(self.value(depth))
+            parameters.append(self.value(depth))
             if self.token == ")":
                 self.next()
-                return tuple(found)
+                return tuple(parameters)
             self.take(",")
 
     def value(self, depth: int) -> Any:
@@ -237,18 +237,18 @@ class _Parser:
         return None if token == "$" else Word(token)
 
     def number(self, kind: str, token: str) -> float | int:
-        found = parse_number(token)
-        if found is None:
+        value = parse_number(token)
+        if value is None:
             self.fail(f"{token[:40]} is not a number of at most {COORDINATE:g}")
-        return int(token) if kind == "whole" else found
+        return int(token) if kind == "whole" else value
 
     def string(self, token: str) -> str:
         text = token[1:-1].replace("''", "'")
         return CODED.sub(self.decoded, text) if "\\" in text else text
 
-    def decoded(self, found: re.Match[str]) -> str:
+    def decoded(self, match: re.Match[str]) -> str:
         """The characters of a directive."""
-        two, four, one, shifted, wrong = found.groups()
+        two, four, one, shifted, wrong = match.groups()
         if wrong:
             self.fail("a string has a backslash that begins no directive")
         if shifted:
@@ -257,10 +257,10 @@ class _Parser:
             return chr(int(one, 16))
         digits, size = (two, 4) if two else (four, 8)
         if digits is None:
-            return "\\" if found.group() == "\\\\" else ""
+            return "\\" if match.group() == "\\\\" else ""
         codes = [int(digits[k : k + size], 16) for k in range(0, len(digits), size)]
         if any(code >= BEYOND or 0xD800 <= code < 0xE000 for code in codes):
-            self.fail(f"a string has {found.group()[:40]}, which is no character")
+            self.fail(f"a string has {match.group()[:40]}, which is no character")
         return "".join(map(chr, codes))
 
 
@@ -313,7 +313,7 @@ class Edge:
     ends: tuple[int, int]
     places: tuple[Point, Point]
     strands: tuple[Strand, ...]
-    off: float
+    gap: float
     bend: Parabola | None = None
 
     @property
@@ -327,10 +327,10 @@ class Edge:
         one, other = self.places
         return self.ends[0] if one.z < other.z else self.ends[1]
 
-    def place_at(self, z: float) -> complex:
+    def section_point(self, z: float) -> complex:
         """Where an edge between two heights is at one of them [mm]."""
         if self.bend is not None:
-            return self.bend.place_at(z)
+            return self.bend.section_point(z)
         one, other = self.places
         share = (z - one.z) / (other.z - one.z)
         return (1.0 - share) * one.place + share * other.place
@@ -367,7 +367,7 @@ class Face:
     loops: tuple[tuple[Use, ...], ...]
 
     @property
-    def told(self) -> str:
+    def label(self) -> str:
         """Its number and name in messages."""
         return f"face #{self.number}" + (f" ({self.name[:40]})" if self.name else "")
 
@@ -396,44 +396,48 @@ class Face:
         return isinstance(self.surface, Cone)
 
     @property
-    def looks_up(self) -> bool:
+    def is_upward(self) -> bool:
         """Whether the normal of a level one points upwards."""
         return isinstance(self.surface, Plane) and (self.surface.normal.z > 0.0) == self.same
 
-    def distance_from(self, edge: Edge) -> float:
+    def edge_distance(self, edge: Edge) -> float:
         """How far [mm] an edge of it is from its surface."""
         surface = self.surface
         if edge.bend is not None:
             # By how much a cone misses it is of the fourth degree: it vanishes if five values do.
-            points = [edge.bend.at(share) for share in (0.0, 0.25, 0.5, 0.75, 1.0)]
+            points = [edge.bend.evaluate(share) for share in (0.0, 0.25, 0.5, 0.75, 1.0)]
         elif not edge.strands:
             one, other = edge.places
             points = [one, Point(0.5 * (one.place + other.place), 0.5 * (one.z + other.z)), other]
         else:
             points = list(edge.places)
-        off = [off_surface(surface, point.place, point.z) for point in points]
+        distances = [surface_distance(surface, point.place, point.z) for point in points]
         for strand in edge.strands:
             if isinstance(surface, Extrusion):
-                off.append(_off_extrusion(surface, strand))
+                distances.append(_extrusion_distance(surface, strand))
             elif isinstance(strand, Arc):
-                off.append(off_surface(surface, _middle(strand), edge.z))
+                distances.append(surface_distance(surface, _middle(strand), edge.z))
             elif isinstance(surface, Cylinder | Cone):
-                off.append(math.inf)  # no spline follows a circle
+                distances.append(math.inf)  # no spline follows a circle
             else:
-                off += [off_surface(surface, each, edge.z) for each in strand.controls.tolist()]
+                distances += [
+                    surface_distance(surface, control, edge.z)
+                    for control in strand.controls.tolist()
+                ]
         if isinstance(surface, Extrusion) and not edge.strands:
             ends = (surface.curve.start, surface.curve.end)
-            off.append(min(abs(end - edge.places[0].place) for end in ends))
-        return max(off)
+            distances.append(min(abs(end - edge.places[0].place) for end in ends))
+        return max(distances)
 
-    def has_up_on_left_of(self, strand: Strand) -> bool:
+    def rises_to_left(self, strand: Strand) -> bool:
         """Whether up is on the left of a strand seen from outside the face."""
         surface = self.surface
         if isinstance(surface, Extrusion):
             ahead = isinstance(strand, CubicSpline) and (
-                apart(surface.curve, strand) <= apart(surface.curve, strand.reversed())
+                spline_distance(surface.curve, strand)
+                <= spline_distance(surface.curve, strand.reversed())
             )
-            return (surface.up > 0.0) == (self.same == ahead)
+            return (surface.sense > 0.0) == (self.same == ahead)
         place, heading = strand.start, strand.end - strand.start
         if isinstance(strand, Arc):
             place = _middle(strand)
@@ -442,10 +446,12 @@ class Face:
         return ((normal.conjugate() * heading).imag > 0.0) == self.same
 
 
-def _off_extrusion(surface: Extrusion, strand: Strand) -> float:
+def _extrusion_distance(surface: Extrusion, strand: Strand) -> float:
     if isinstance(strand, Arc):
         return math.inf
-    return min(apart(surface.curve, strand), apart(surface.curve, strand.reversed()))
+    return min(
+        spline_distance(surface.curve, strand), spline_distance(surface.curve, strand.reversed())
+    )
 
 
 def _middle(arc: Arc) -> complex:
@@ -475,13 +481,13 @@ class Solid:
     faces: tuple[Face, ...]
 
     @classmethod
-    def of(cls, data: bytes) -> Solid:
+    def from_bytes(cls, data: bytes) -> Solid:
         """The only one of a file; FileError if there are others, or it is not an upright one."""
-        model = Model.of(exchange_of(data))
-        others = model.all_of(*OTHERS)
+        model = Model.from_exchange(read_exchange(data))
+        others = model.entities(*OTHERS)
         if others:
             raise others[0].fault("only files of one solid, in its own place, can be read")
-        solids = model.all_of(*SOLIDS)
+        solids = model.entities(*SOLIDS)
         if len(solids) != 1:
             raise FileError(f"{len(solids)} solids (MANIFOLD_SOLID_BREP), expected one")
         (solid,) = solids
@@ -490,7 +496,7 @@ class Solid:
         shell = model.entity(solid.ref(1), "CLOSED_SHELL")
         builder = _Builder(Geometry(model, unit, _angle(model, context)))
         faces = tuple(builder.face(ref) for ref in shell.refs(1))
-        products = tuple(each.text(1) for each in model.all_of("PRODUCT"))
+        products = tuple(product.text(1) for product in model.entities("PRODUCT"))
         return cls(solid.number, solid.text(0), products, unit, _uncertainty(model, context), faces)
 
     @property
@@ -502,9 +508,9 @@ class Solid:
 def _context(model: Model, solid: int) -> int:
     """The context of the representation that holds the solid."""
     holders = [
-        each
-        for each in model.all_of("ADVANCED_BREP_SHAPE_REPRESENTATION", "SHAPE_REPRESENTATION")
-        if solid in each.refs(1)
+        holder
+        for holder in model.entities("ADVANCED_BREP_SHAPE_REPRESENTATION", "SHAPE_REPRESENTATION")
+        if solid in holder.refs(1)
     ]
     if len(holders) != 1:
         raise FileError(f"#{solid}: {len(holders)} representations hold the solid, expected one")
@@ -534,16 +540,16 @@ def _millimetres(model: Model, ref: int) -> float:
     """Millimetres in a unit of length."""
     factor = 1.0
     for _ in range(CONVERTED):
-        found = model.entity(ref, "SI_UNIT", "CONVERSION_BASED_UNIT")
-        if found.kind == "SI_UNIT":
-            prefix = None if found.values[:1] == (None,) else found.word(0)
-            if found.word(1) != "METRE" or prefix not in PREFIXES:
-                raise found.fault("is not a unit of length that can be read")
+        entity = model.entity(ref, "SI_UNIT", "CONVERSION_BASED_UNIT")
+        if entity.kind == "SI_UNIT":
+            prefix = None if entity.values[:1] == (None,) else entity.word(0)
+            if entity.word(1) != "METRE" or prefix not in PREFIXES:
+                raise entity.fault("is not a unit of length that can be read")
             size = factor * PREFIXES[prefix]
             if not 1e-6 <= size <= 1e6:
-                raise found.fault(f"is {size:g} mm")
+                raise entity.fault(f"is {size:g} mm")
             return size
-        measure = model.entity(found.ref(1), "LENGTH_MEASURE_WITH_UNIT", "MEASURE_WITH_UNIT")
+        measure = model.entity(entity.ref(1), "LENGTH_MEASURE_WITH_UNIT", "MEASURE_WITH_UNIT")
         factor *= measure.measure(0)
         ref = measure.ref(1)
     raise FileError(f"#{ref}: units are stated by units more than {CONVERTED} times")
@@ -554,9 +560,9 @@ def _uncertainty(model: Model, context: int) -> float | None:
     if not model.is_a(context, "GLOBAL_UNCERTAINTY_ASSIGNED_CONTEXT"):
         return None
     for ref in model.entity(context, "GLOBAL_UNCERTAINTY_ASSIGNED_CONTEXT").refs(0):
-        found = model.entity(ref, "UNCERTAINTY_MEASURE_WITH_UNIT")
-        if model.is_a(found.ref(1), "LENGTH_UNIT"):
-            return found.measure(0) * _millimetres(model, found.ref(1))
+        measure = model.entity(ref, "UNCERTAINTY_MEASURE_WITH_UNIT")
+        if model.is_a(measure.ref(1), "LENGTH_UNIT"):
+            return measure.measure(0) * _millimetres(model, measure.ref(1))
     return None
 
 
@@ -570,12 +576,12 @@ class _Builder:
 
     def face(self, ref: int) -> Face:
         self._once(ref)
-        found = self.geometry.model.entity(ref, "ADVANCED_FACE", "FACE_SURFACE")
-        surface = self.geometry.surface(found.ref(2))
-        loops = tuple(self._loop(bound) for bound in found.refs(1))
+        entity = self.geometry.model.entity(ref, "ADVANCED_FACE", "FACE_SURFACE")
+        surface = self.geometry.surface(entity.ref(2))
+        loops = tuple(self._loop(bound) for bound in entity.refs(1))
         if not loops:
-            raise found.fault("has no bounds")
-        return Face(ref, found.text(0), surface, found.flag(3), loops)
+            raise entity.fault("has no bounds")
+        return Face(ref, entity.text(0), surface, entity.flag(3), loops)
 
     def _once(self, ref: int) -> None:
         """Raise FileError if a part of the shell is there for the second time."""
@@ -587,7 +593,7 @@ class _Builder:
         self._once(ref)
         bound = self.geometry.model.entity(ref, "FACE_OUTER_BOUND", "FACE_BOUND")
         loop = self.geometry.model.entity(bound.ref(1), "EDGE_LOOP")
-        uses = tuple(self._use(each) for each in loop.refs(1))
+        uses = tuple(self._use(edge) for edge in loop.refs(1))
         if not uses:
             raise loop.fault("has no edges")
         if bound.flag(2):
@@ -596,23 +602,23 @@ class _Builder:
 
     def _use(self, ref: int) -> Use:
         self._once(ref)
-        found = self.geometry.model.entity(ref, "ORIENTED_EDGE")
-        number = found.ref(3)
+        entity = self.geometry.model.entity(ref, "ORIENTED_EDGE")
+        number = entity.ref(3)
         if number not in self.edges:
             self.edges[number] = self._edge(number)
-        return Use(self.edges[number], found.flag(4))
+        return Use(self.edges[number], entity.flag(4))
 
     def _edge(self, ref: int) -> Edge:
-        found = self.geometry.model.entity(ref, "EDGE_CURVE")
-        ends = (int(found.ref(1)), int(found.ref(2)))
+        entity = self.geometry.model.entity(ref, "EDGE_CURVE")
+        ends = (int(entity.ref(1)), int(entity.ref(2)))
         places = (self._vertex(ends[0]), self._vertex(ends[1]))
         start, end = places
-        curve, same = self.geometry.curve(found.ref(3)), found.flag(4)
+        curve, same = self.geometry.curve(entity.ref(3)), entity.flag(4)
         if abs(end.z - start.z) > STEEP * abs(end.place - start.place):
-            off = off_rising(curve, *places, same=same)
-            return Edge(ref, ends, places, (), off, curve if isinstance(curve, Parabola) else None)
-        strands, off = strands_of(curve, start, end, same=same)
-        return Edge(ref, ends, places, strands, max(off, abs(end.z - start.z)))
+            gap = rising_gap(curve, *places, same=same)
+            return Edge(ref, ends, places, (), gap, curve if isinstance(curve, Parabola) else None)
+        strands, gap = edge_strands(curve, start, end, same=same)
+        return Edge(ref, ends, places, strands, max(gap, abs(end.z - start.z)))
 
     def _vertex(self, ref: int) -> Point:
         return self.geometry.point(self.geometry.model.entity(ref, "VERTEX_POINT").ref(1))
@@ -638,13 +644,13 @@ class Parabola:
     middle: Point
     end: Point
 
-    def at(self, share: float) -> Point:
+    def evaluate(self, share: float) -> Point:
         """The point at a parameter from 0 to 1."""
         weights = ((1.0 - share) ** 2, 2.0 * share * (1.0 - share), share**2)
         points = (self.start, self.middle, self.end)
         return Point(
-            sum(weight * each.place for weight, each in zip(weights, points, strict=True)),
-            sum(weight * each.z for weight, each in zip(weights, points, strict=True)),
+            sum(weight * point.place for weight, point in zip(weights, points, strict=True)),
+            sum(weight * point.z for weight, point in zip(weights, points, strict=True)),
         )
 
     @property
@@ -665,14 +671,16 @@ class Parabola:
         low, high = sorted((self.start.z, self.end.z))
         return low < self.middle.z < high and not low <= self.turning <= high
 
-    def place_at(self, z: float) -> complex:
+    def section_point(self, z: float) -> complex:
         """Where it is at a height [mm] between its ends, if it is monotonic."""
         square, along = self._heights
-        up = z - self.start.z
-        root = math.sqrt(max(along**2 + 4.0 * square * up, 0.0))
-        return self.at(2.0 * up / (along + math.copysign(root, self.end.z - self.start.z))).place
+        height = z - self.start.z
+        root = math.sqrt(max(along**2 + 4.0 * square * height, 0.0))
+        return self.evaluate(
+            2.0 * height / (along + math.copysign(root, self.end.z - self.start.z))
+        ).place
 
-    def off_ends(self, start: Point, end: Point) -> float:
+    def distance_to_ends(self, start: Point, end: Point) -> float:
         """How far [mm] points are from its ends; infinite if it rises and falls."""
         if not self.is_monotonic:
             return math.inf
@@ -758,7 +766,7 @@ class Cone:
     z: float
     rise: float
 
-    def radius_at(self, z: float) -> float:
+    def section_radius(self, z: float) -> float:
         """Radius at a height [mm]."""
         return self.radius + self.rise * (z - self.z)
 
@@ -770,7 +778,7 @@ class Extrusion:
     """
 
     curve: CubicSpline
-    up: float
+    sense: float
 
 
 Surface = Plane | Cylinder | Cone | Extrusion
@@ -791,82 +799,84 @@ class Geometry:
 
     def direction(self, ref: int) -> Point:
         """A direction of length 1."""
-        found = self.model.entity(ref, "DIRECTION")
-        x, y, z = self._triple(found)
+        entity = self.model.entity(ref, "DIRECTION")
+        x, y, z = self._triple(entity)
         size = math.hypot(x, y, z)
         if not size > 0.0:
-            raise found.fault("is of length 0")
+            raise entity.fault("is of length 0")
         return Point(complex(x / size, y / size), z / size)
 
     def axes(self, ref: int) -> tuple[Point, Point]:
         """Origin and third axis of a placement, which without one stands along Z; where the first
         one points does not matter here.
         """
-        found = self.model.entity(ref, "AXIS2_PLACEMENT_3D")
+        entity = self.model.entity(ref, "AXIS2_PLACEMENT_3D")
         axis, first = (
-            self.direction(found.ref(place)) if found.values[place : place + 1] != (None,) else None
+            self.direction(entity.ref(place))
+            if entity.values[place : place + 1] != (None,)
+            else None
             for place in (2, 3)
         )
         axis = axis or Point(0j, 1.0)
         if first is not None:
             along = (first.place * axis.place.conjugate()).real + first.z * axis.z
             if not abs(along) < 1.0 - ALIGNED:
-                raise found.fault("has its first axis along its third")
-        return self.point(found.ref(1)), axis
+                raise entity.fault("has its first axis along its third")
+        return self.point(entity.ref(1)), axis
 
     def curve(self, ref: int) -> Curve:
         """The curve of an edge; that of a curve on surfaces is its own in space."""
-        found = self.model.entity(
+        entity = self.model.entity(
             ref, "LINE", "CIRCLE", "B_SPLINE_CURVE_WITH_KNOTS", "SURFACE_CURVE", "SEAM_CURVE"
         )
-        if found.kind in ("SURFACE_CURVE", "SEAM_CURVE"):
-            found = self.model.entity(found.ref(1), "LINE", "CIRCLE", "B_SPLINE_CURVE_WITH_KNOTS")
-        if found.kind == "LINE":
-            vector = self.model.entity(found.ref(2), "VECTOR")
-            return Line(self.point(found.ref(1)), self.direction(vector.ref(1)))
-        if found.kind == "CIRCLE":
-            centre, axis = self.axes(found.ref(1))
+        if entity.kind in ("SURFACE_CURVE", "SEAM_CURVE"):
+            entity = self.model.entity(entity.ref(1), "LINE", "CIRCLE", "B_SPLINE_CURVE_WITH_KNOTS")
+        if entity.kind == "LINE":
+            vector = self.model.entity(entity.ref(2), "VECTOR")
+            return Line(self.point(entity.ref(1)), self.direction(vector.ref(1)))
+        if entity.kind == "CIRCLE":
+            centre, axis = self.axes(entity.ref(1))
             if abs(axis.place) > ALIGNED:
-                raise found.fault("is not level: only upright solids can be read")
-            return Circle(centre, self._radius(found), math.copysign(1.0, axis.z))
-        return self._spline(found.number)
+                raise entity.fault("is not level: only upright solids can be read")
+            return Circle(centre, self._radius(entity), math.copysign(1.0, axis.z))
+        return self._spline(entity.number)
 
     def surface(self, ref: int) -> Surface:
         """The surface of a face."""
-        found = self.model.entity(
+        entity = self.model.entity(
             ref, "PLANE", "CYLINDRICAL_SURFACE", "CONICAL_SURFACE", "SURFACE_OF_LINEAR_EXTRUSION"
         )
-        if found.kind == "SURFACE_OF_LINEAR_EXTRUSION":
-            way = self.direction(self.model.entity(found.ref(2), "VECTOR").ref(1))
+        if entity.kind == "SURFACE_OF_LINEAR_EXTRUSION":
+            way = self.direction(self.model.entity(entity.ref(2), "VECTOR").ref(1))
             if abs(way.place) > ALIGNED:
-                raise found.fault("is not drawn out along Z")
-            curve = self.curve(found.ref(1))
+                raise entity.fault("is not drawn out along Z")
+            curve = self.curve(entity.ref(1))
             if not isinstance(curve, Spline):
-                raise found.fault("is not of a spline")
+                raise entity.fault("is not of a spline")
             return Extrusion(curve.curve, math.copysign(1.0, way.z))
-        origin, axis = self.axes(found.ref(1))
-        if found.kind == "PLANE":
+        origin, axis = self.axes(entity.ref(1))
+        if entity.kind == "PLANE":
             return Plane(origin, axis)
         if abs(axis.place) > ALIGNED:
-            raise found.fault("does not stand along Z: only upright solids can be read")
-        if found.kind == "CYLINDRICAL_SURFACE":
-            return Cylinder(origin.place, self._radius(found))
-        angle = found.number_at(3) * self.angle
+            raise entity.fault("does not stand along Z: only upright solids can be read")
+        if entity.kind == "CYLINDRICAL_SURFACE":
+            return Cylinder(origin.place, self._radius(entity))
+        angle = entity.real(3) * self.angle
         if not 0.0 < angle < 0.5 * math.pi:
-            raise found.fault("is no cone between a cylinder and a plane")
-        radius = found.number_at(2) * self.scale
+            raise entity.fault("is no cone between a cylinder and a plane")
+        radius = entity.real(2) * self.scale
         return Cone(origin.place, radius, origin.z, math.copysign(math.tan(angle), axis.z))
 
-    def _triple(self, found: Entity) -> list[float]:
-        numbers = found.numbers(1)
+    def _triple(self, entity: Entity) -> list[float]:
+        numbers = entity.numbers(1)
         if len(numbers) != 3:
-            raise found.fault("does not have three coordinates")
+            raise entity.fault("does not have three coordinates")
         return numbers
 
-    def _radius(self, found: Entity) -> float:
-        radius = found.number_at(2) * self.scale
+    def _radius(self, entity: Entity) -> float:
+        radius = entity.real(2) * self.scale
         if not radius > 0.0:
-            raise found.fault("has no radius above 0")
+            raise entity.fault("has no radius above 0")
         return radius
 
     def _spline(self, ref: int) -> Spline | Parabola | Line:
@@ -881,21 +891,21 @@ class Geometry:
             weights = self.model.entity(ref, "RATIONAL_B_SPLINE_CURVE").numbers(0)
             if not weights or max(weights) - min(weights) > RATIONAL * max(map(abs, weights)):
                 raise knots.fault("is rational: its weights differ")
-        points = [self.point(each) for each in shape.refs(first + 1)]
+        points = [self.point(ref) for ref in shape.refs(first + 1)]
         heights = [point.z for point in points] or [0.0]
         if max(heights) - min(heights) > ALIGNED:
-            form = [shape.number_at(first), *knots.numbers(place), len(points)]
+            form = [shape.real(first), *knots.numbers(place), len(points)]
             if form == [2, 3, 3, 3]:
                 return Parabola(*points)
             if form == [1, 2, 2, 2]:
                 return _through(*points)
             raise knots.fault("is not level: only upright solids can be read")
-        counts = [int(each) for each in knots.numbers(place)]
+        counts = [int(count) for count in knots.numbers(place)]
         values = knots.numbers(place + 1)
         whole = min(counts, default=0) >= 1 and sum(counts) <= KNOTS
         if len(counts) != len(values) or not whole:
             raise knots.fault("does not have as many knots as multiplicities above 0")
-        degree = int(shape.number_at(first))
+        degree = int(shape.real(first))
         try:
             curve = CubicSpline.of(
                 degree,
@@ -909,12 +919,12 @@ class Geometry:
 
 def _through(one: Point, other: Point) -> Line:
     """The line through two points of different heights."""
-    along, up = other.place - one.place, other.z - one.z
-    size = math.hypot(abs(along), up)
-    return Line(one, Point(along / size, up / size))
+    along, rise = other.place - one.place, other.z - one.z
+    size = math.hypot(abs(along), rise)
+    return Line(one, Point(along / size, rise / size))
 
 
-def strands_of(
+def edge_strands(
     curve: Curve, start: Point, end: Point, *, same: bool
 ) -> tuple[tuple[Strand, ...], float]:
     """The pieces of a level edge from `start` to `end`, arcs of half a turn at most, and how far
@@ -925,34 +935,34 @@ def strands_of(
     """
     if isinstance(curve, Line):
         along = end.place - start.place
-        off = max(_off_line(curve, each) for each in (start, end))
+        gap = max(_line_distance(curve, point) for point in (start, end))
         backwards = (along * curve.way.place.conjugate()).real < 0.0
         if backwards == same:  # it runs the other way
-            off = math.inf
-        return (Arc(start.place, end.place, 0.0, 0j),), off
+            gap = math.inf
+        return (Arc(start.place, end.place, 0.0, 0j),), gap
     if isinstance(curve, Parabola):
         return (Arc(start.place, end.place, 0.0, 0j),), math.inf
     if isinstance(curve, Spline):
-        found = curve.curve if same else curve.curve.reversed()
-        off = max(
-            abs(found.start - start.place),
-            abs(found.end - end.place),
+        spline = curve.curve if same else curve.curve.reversed()
+        gap = max(
+            abs(spline.start - start.place),
+            abs(spline.end - end.place),
             abs(curve.z - start.z),
             abs(curve.z - end.z),
         )
-        return (found.between(start.place, end.place),), off
-    return _arcs_of(curve, start, end, same=same)
+        return (spline.between(start.place, end.place),), gap
+    return _circle_arcs(curve, start, end, same=same)
 
 
-def _arcs_of(
+def _circle_arcs(
     circle: Circle, start: Point, end: Point, *, same: bool
 ) -> tuple[tuple[Strand, ...], float]:
     centre = circle.centre.place
     turns = circle.turns if same else -circle.turns
     arms = (start.place - centre, end.place - centre)
-    off = max(
+    gap = max(
         *(abs(abs(arm) - circle.radius) for arm in arms),
-        *(abs(each.z - circle.centre.z) for each in (start, end)),
+        *(abs(point.z - circle.centre.z) for point in (start, end)),
     )
     if not min(map(abs, arms)) > 0.0:
         raise FileError("an edge ends in the centre of its circle")
@@ -964,10 +974,10 @@ def _arcs_of(
         for k in range(1, count)
     ]
     places = pairwise([start.place, *inner, end.place])
-    return tuple(Arc(a, b, turns * sweep / count, centre) for a, b in places), off
+    return tuple(Arc(a, b, turns * sweep / count, centre) for a, b in places), gap
 
 
-def _off_line(line: Line, point: Point) -> float:
+def _line_distance(line: Line, point: Point) -> float:
     """Distance [mm] of a point from a line."""
     place, z = point.place - line.origin.place, point.z - line.origin.z
     way = line.way
@@ -975,31 +985,31 @@ def _off_line(line: Line, point: Point) -> float:
     return math.hypot(abs(place - along * way.place), z - along * way.z)
 
 
-def off_rising(line: Curve, start: Point, end: Point, *, same: bool) -> float:
+def rising_gap(line: Curve, start: Point, end: Point, *, same: bool) -> float:
     """How far [mm] the ends of an edge between two heights are from its line; infinite if it has
     none, or if the line runs the other way.
     """
     if isinstance(line, Parabola):
-        return line.off_ends(*((start, end) if same else (end, start)))
+        return line.distance_to_ends(*((start, end) if same else (end, start)))
     if not isinstance(line, Line) or ((end.z - start.z) * line.way.z > 0.0) != same:
         return math.inf
-    return max(_off_line(line, each) for each in (start, end))
+    return max(_line_distance(line, point) for point in (start, end))
 
 
-def off_surface(surface: Surface, place: complex, z: float) -> float:
+def surface_distance(surface: Surface, place: complex, z: float) -> float:
     """Distance [mm] of a point from a surface; of an extrusion see `apart`."""
     if isinstance(surface, Plane):
-        apart, normal = place - surface.origin.place, surface.normal
-        return abs((apart * normal.place.conjugate()).real + (z - surface.origin.z) * normal.z)
+        offset, normal = place - surface.origin.place, surface.normal
+        return abs((offset * normal.place.conjugate()).real + (z - surface.origin.z) * normal.z)
     if isinstance(surface, Cylinder):
         return abs(abs(place - surface.centre) - surface.radius)
     if isinstance(surface, Cone):
-        across = abs(abs(place - surface.centre) - surface.radius_at(z))
+        across = abs(abs(place - surface.centre) - surface.section_radius(z))
         return across / math.hypot(1.0, surface.rise)
     return 0.0
 
 
-def apart(one: CubicSpline, other: CubicSpline) -> float:
+def spline_distance(one: CubicSpline, other: CubicSpline) -> float:
     """Bound of the distance [mm] between two splines with the same knots; infinite otherwise."""
     if len(one.knots) != len(other.knots) or len(one.controls) != len(other.controls):
         return math.inf
@@ -1029,39 +1039,39 @@ class Entity:
         """An error that names it."""
         return FileError(f"#{self.number}, {self.kind}: {message}")
 
-    def _of(self, place: int, kind: type[Kind], what: str) -> Kind:
-        found = self.values[place] if place < len(self.values) else None
-        if not isinstance(found, kind):
+    def _typed_value(self, place: int, kind: type[Kind], what: str) -> Kind:
+        value = self.values[place] if place < len(self.values) else None
+        if not isinstance(value, kind):
             raise self.fault(f"parameter {place + 1} is not {what}")
-        return found
+        return value
 
     def ref(self, place: int) -> Ref:
         """A reference."""
-        return self._of(place, Ref, "a reference")
+        return self._typed_value(place, Ref, "a reference")
 
     def text(self, place: int) -> str:
         """A text."""
-        return self._of(place, str, "a text")
+        return self._typed_value(place, str, "a text")
 
     def word(self, place: int) -> str:
         """An enumeration."""
-        return self._of(place, Word, "an enumeration")
+        return self._typed_value(place, Word, "an enumeration")
 
     def flag(self, place: int) -> bool:
         """A truth value."""
-        found = self.word(place)
-        if found not in ("T", "F"):
+        word = self.word(place)
+        if word not in ("T", "F"):
             raise self.fault(f"parameter {place + 1} is not .T. or .F.")
-        return found == "T"
+        return word == "T"
 
-    def number_at(self, place: int) -> float:
+    def real(self, place: int) -> float:
         """A number."""
         return self._number(self.values[place] if place < len(self.values) else None, place)
 
     def measure(self, place: int) -> float:
         """The number in a measure that names its type."""
-        found = self._of(place, Record, "a measure")
-        return self._number(found.values[0] if len(found.values) == 1 else None, place)
+        record = self._typed_value(place, Record, "a measure")
+        return self._number(record.values[0] if len(record.values) == 1 else None, place)
 
     def _number(self, value: Any, place: int) -> float:
         if isinstance(value, Ref) or not isinstance(value, int | float):
@@ -1070,18 +1080,18 @@ class Entity:
 
     def row(self, place: int) -> tuple[Any, ...]:
         """A list."""
-        return self._of(place, tuple, "a list")
+        return self._typed_value(place, tuple, "a list")
 
     def refs(self, place: int) -> tuple[Ref, ...]:
         """A list of references."""
-        found = self.row(place)
-        if not all(isinstance(each, Ref) for each in found):
+        members = self.row(place)
+        if not all(isinstance(member, Ref) for member in members):
             raise self.fault(f"parameter {place + 1} is not a list of references")
-        return found
+        return members
 
     def numbers(self, place: int) -> list[float]:
         """A list of numbers."""
-        return [self._number(each, place) for each in self.row(place)]
+        return [self._number(member, place) for member in self.row(place)]
 
 
 @dataclass(frozen=True, slots=True)
@@ -1091,7 +1101,7 @@ class Model:
     instances: dict[int, tuple[Record, ...]]
 
     @classmethod
-    def of(cls, exchange: Exchange) -> Model:
+    def from_exchange(cls, exchange: Exchange) -> Model:
         """The model of a file; FileError if an instance refers to one that is not there."""
         for number, records in exchange.instances.items():
             for ref in references(records):
@@ -1111,7 +1121,7 @@ class Model:
         """Whether an instance is of a type."""
         return any(record.kind == kind for record in self.instances[ref])
 
-    def all_of(self, *kinds: str) -> list[Entity]:
+    def entities(self, *kinds: str) -> list[Entity]:
         """All instances of these types, in the order of the file."""
         return [
             Entity(number, record.kind, record.values)
@@ -1125,10 +1135,10 @@ def references(records: tuple[Record, ...]) -> Iterator[Ref]:
     """All references in the parameters of records."""
     left: list[Any] = list(records)
     while left:
-        each = left.pop()
-        if isinstance(each, Ref):
-            yield each
-        elif isinstance(each, tuple):
-            left.extend(each)
-        elif isinstance(each, Record):
-            left.extend(each.values)
+        value = left.pop()
+        if isinstance(value, Ref):
+            yield value
+        elif isinstance(value, tuple):
+            left.extend(value)
+        elif isinstance(value, Record):
+            left.extend(value.values)

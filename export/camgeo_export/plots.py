@@ -89,12 +89,12 @@ class Picture(Page):
     """A figure of matplotlib that a notebook shows, also where pyplot has not been imported."""
 
     def _repr_mimebundle_(self, include: object = None, exclude: object = None) -> Any:
-        width, height = (round(ON_SCREEN * each) for each in self.get_size_inches())
+        width, height = (round(ON_SCREEN * side) for side in self.get_size_inches())
         kind = "image/png"
         return {kind: self._repr_png_()}, {kind: {"width": width, "height": height}}
 
     def _repr_png_(self) -> bytes:
-        return saved(self, ".png")
+        return page_bytes(self, ".png")
 
 
 def render(figure: Figure, suffix: str) -> bytes:
@@ -105,17 +105,17 @@ def render(figure: Figure, suffix: str) -> bytes:
     ValueError
         If `suffix` is not ".svg", ".png" or ".pdf".
     """
-    return saved(drawn(figure), suffix)
+    return page_bytes(draw_page(figure), suffix)
 
 
 @rc_context(RC)
-def saved(made: Page, suffix: str) -> bytes:
+def page_bytes(page: Page, suffix: str) -> bytes:
     """A page as a file of kind `suffix`; raises like `render`."""
     kind = suffix.removeprefix(".")
     if kind not in METADATA:
         raise ValueError(f"no figures of kind {suffix}; there are .svg, .png and .pdf")
     stream = io.BytesIO()
-    made.savefig(stream, format=kind, dpi=RESOLUTION, metadata=METADATA[kind])
+    page.savefig(stream, format=kind, dpi=RESOLUTION, metadata=METADATA[kind])
     return stream.getvalue()
 
 
@@ -123,22 +123,22 @@ def plot(design: Design, names: Sequence[str]) -> Picture:
     """The plots of those names, as `camgeo plot` draws them; see
     `camgeo.design.design.Design.plot`.
     """
-    return drawn(of_design(design, names)[0])
+    return draw_page(of_design(design, names)[0])
 
 
 @rc_context(RC)
-def drawn(figure: Figure) -> Picture:
+def draw_page(figure: Figure) -> Picture:
     """The figure as a page, to be saved in any kind of file."""
-    made = Picture(figsize=figure.size)
-    FigureCanvasAgg(made)
+    page = Picture(figsize=figure.size)
+    FigureCanvasAgg(page)
     if figure.rows:
         heights = [row.size[1] for row in figure.rows]
-        places = made.subfigures(len(heights), 1, height_ratios=heights, hspace=0.0, squeeze=False)
+        places = page.subfigures(len(heights), 1, height_ratios=heights, hspace=0.0, squeeze=False)
         for row, place in zip(figure.rows, places[:, 0], strict=True):
             _fill(place, row)
     else:
-        _fill(made, figure)
-    return made
+        _fill(page, figure)
+    return page
 
 
 def _fill(place: Page | SubFigure, figure: Figure) -> None:
@@ -182,20 +182,22 @@ def _panel(axes: Axes, panel: Panel) -> None:
 
 
 def _axis(axes: Axes, axis: Axis, name: Literal["x", "y"]) -> None:
-    own = axes.xaxis if name == "x" else axes.yaxis
+    mpl_axis = axes.xaxis if name == "x" else axes.yaxis
     if axis.log:
         axes.set(**{f"{name}scale": "log"})
     axes.set(**{f"{name}lim": axis.limits})
     if axis.ticks is not None:
-        own.set_ticks(axis.ticks, axis.names)
+        mpl_axis.set_ticks(axis.ticks, axis.names)
     if axis.powers is not None:
         axes.ticklabel_format(axis=name, style="sci", scilimits=axis.powers)
     if not axis.numbered:
         axes.tick_params(axis=name, labelbottom=False, labelleft=False)
-    own.set_label_text(axis.label, fontsize=axis.label_size)
+    mpl_axis.set_label_text(axis.label, fontsize=axis.label_size)
     if axis.label_place is not None:
-        away = axis.label_place * axes.figure.dpi / axes.bbox.width
-        own.set_label_coords(1.0 + away if str(own.get_label_position()) == "right" else -away, 0.5)
+        offset = axis.label_place * axes.figure.dpi / axes.bbox.width
+        mpl_axis.set_label_coords(
+            1.0 + offset if str(mpl_axis.get_label_position()) == "right" else -offset, 0.5
+        )
 
 
 def _further(axes: Axes, axis: Axis, name: Literal["x", "y"]) -> None:
@@ -343,13 +345,13 @@ def _band(mark: Band, axes: Axes) -> PolyCollection:
 
 @draw.register
 def _(mark: Field, axes: Axes) -> None:
-    within = _band(mark.within, axes)
-    within.remove()
+    clip = _band(mark.within, axes)
+    clip.remove()
     field = axes.contourf(
         mark.x, mark.y, mark.values,
         levels=list(mark.between), colors=[mark.style.face], zorder=mark.layer,
     )  # fmt: skip
-    field.set_clip_path(Path.make_compound_path(*within.get_paths()), axes.transData)
+    field.set_clip_path(Path.make_compound_path(*clip.get_paths()), axes.transData)
     axes.add_patch(Rectangle((0.0, 0.0), 0.0, 0.0, **_area(mark.style)))  # empty, keeps the bytes
 
 
@@ -387,8 +389,8 @@ class PictureWriter:
         """The picture; no tolerance applies to it."""
         known = product.pictured.known
         if PAGE not in known:
-            known[PAGE] = drawn(stacked(product, ["cam"]))
-        return Written(saved(known[PAGE], self.format.suffix))
+            known[PAGE] = draw_page(stacked(product, ["cam"]))
+        return Written(page_bytes(known[PAGE], self.format.suffix))
 
     def measure(self, product: Product, data: bytes) -> None:
         """None: a picture is not meant to be measured."""

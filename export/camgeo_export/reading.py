@@ -19,10 +19,10 @@ AnyContour = Contour | SplineContour
 
 TOKEN: Final = re.compile(r"""[^\s,;()<>="']+|[,;()<>="']""")
 
-COMPUTED: Final = 1e-9
+NUMBER_SLACK: Final = 1e-9
 """Share of its size, or of 1, by which a number of a file may differ on another processor."""
 
-OF_ARCS: Final = 1e-5
+ARC_SLACK: Final = 1e-5
 """The same where arcs have centres or radii: last digits of the ends of flat ones move them."""
 
 
@@ -61,21 +61,21 @@ def layer_name(edge: Edge, scale: float) -> str:
     if edge.below:
         words.append(BELOW)
     if edge.height:
-        by = edge.height / scale
-        words.append(np.format_float_positional(by, DIGITS, fractional=False, trim="-"))
+        depth = edge.height / scale
+        words.append(np.format_float_positional(depth, DIGITS, fractional=False, trim="-"))
     return "_".join(words)
 
 
-def layered(product: Product) -> dict[str, tuple[Boundary, ...]]:
+def boundaries_by_layer(product: Product) -> dict[str, tuple[Boundary, ...]]:
     """The boundaries of the part by layers, CUT first."""
-    found: dict[str, tuple[Boundary, ...]] = {CUT: ()}
+    layers: dict[str, tuple[Boundary, ...]] = {CUT: ()}
     for edge in part_edges(product.drawn.part):
         name = layer_name(edge, MM_PER[product.unit])
-        found[name] = (*found.get(name, ()), edge.boundary)
-    return found
+        layers[name] = (*layers.get(name, ()), edge.boundary)
+    return layers
 
 
-def of_the_part(layers: Iterable[str]) -> set[str]:
+def part_layers(layers: Iterable[str]) -> set[str]:
     """Those of `layers` that are named like layers of a part's edges."""
     heads = tuple(f"{word}_" for word in WORDS.values())
     known = (CUT, *WORDS.values())

@@ -100,7 +100,7 @@ def render(report: Report) -> bytes:
 <body>
 <header>
 <h1>{name}</h1>
-<p>{escape(findings_summary(each.finding for each in report.advised))}.</p>
+<p>{escape(findings_summary(entry.finding for entry in report.advised))}.</p>
 <p>camgeo {escape(__version__)}, scene {escape(report.scene.made)}</p>
 <nav aria-label="Sections"><ul>{links}</ul></nav>
 <noscript><p>Diagrams and the turning mechanism need scripts.</p></noscript>
@@ -123,10 +123,10 @@ def _data(report: Report) -> str:
     prices = None
     if report.prices is not None:
         unit = report.scene.unit
-        drawn = accuracy.figure(report.prices, title="", computing=False, length=unit)
+        figure = accuracy.figure(report.prices, title="", computing=False, length=unit)
         sentence = in_unit(advice(report.prices.knee), unit)
-        prices = {"figure": drawn.to_data(), "sentence": sentence}
-    found = {
+        prices = {"figure": figure.to_data(), "sentence": sentence}
+    content = {
         "animation": None if report.animation is None else report.animation.to_data(),
         "charts": [
             {"figure": figure_data(chart.figure), "sentence": chart.sentence}
@@ -135,18 +135,18 @@ def _data(report: Report) -> str:
         "prices": prices,
         "solids": [{"places": triangles(data)} for data in report.solids.values()],
     }
-    text = json.dumps(_rounded(found), ensure_ascii=False, allow_nan=False, separators=(",", ":"))
-    for each in "<>&\u2028\u2029":
-        text = text.replace(each, f"\\u{ord(each):04x}")
+    text = json.dumps(_rounded(content), ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+    for character in "<>&\u2028\u2029":
+        text = text.replace(character, f"\\u{ord(character):04x}")
     return text
 
 
 def _rounded(value: Any) -> Any:
     """The same with numbers of at most DIGITS digits."""
     if isinstance(value, dict):
-        return {key: _rounded(each) for key, each in value.items()}
+        return {key: _rounded(member) for key, member in value.items()}
     if isinstance(value, list):
-        return [_rounded(each) for each in value]
+        return [_rounded(element) for element in value]
     if isinstance(value, float):
         number = float(f"{value:.{DIGITS}g}")
         return int(number) if number == int(number) else number
@@ -166,8 +166,8 @@ def _mechanism(report: Report) -> str:
 def _controls() -> str:
     """The cam angle, which the mechanism and all diagrams share."""
     speeds = "".join(
-        f'<option value="{each}"{" selected" if each == SPEED else ""}>a turn in {each} s</option>'
-        for each in SPEEDS
+        f'<option value="{time}"{" selected" if time == SPEED else ""}>a turn in {time} s</option>'
+        for time in SPEEDS
     )
     return f"""<div class="controls" role="group" aria-label="Cam angle">
 <button type="button" id="play" aria-pressed="false">Play</button>
@@ -183,18 +183,18 @@ def _controls() -> str:
 
 def _findings(report: Report) -> str:
     rows = [
-        f'<tr><td class="severity {each.finding.severity}">{MARKS[each.finding.verdict]}</td>'
+        f'<tr><td class="severity {entry.finding.severity}">{MARKS[entry.finding.verdict]}</td>'
         + "".join(
             f"<td>{escape(text)}</td>"
             for text in (
-                each.subject,
-                each.finding.name,
-                each.finding.sentence,
-                each.step or "none",
+                entry.subject,
+                entry.finding.name,
+                entry.finding.sentence,
+                entry.step or "none",
             )
         )
         + "</tr>"
-        for each in report.advised
+        for entry in report.advised
     ]
     heads = ("verdict", "of", "finding", "in words", "next step")
     cures = [cure.statement for cure in report.check.cures]
@@ -215,19 +215,19 @@ def _readings(chart: Chart) -> str:
         return ""
     heads = ("curve", "smallest", "at", "largest", "at", "limits drawn")
     rows = []
-    for each in chart.readings:
-        limits = "; ".join(f"{name}: {shown(value)}" for name, value in each.limits)
+    for reading in chart.readings:
+        limits = "; ".join(f"{name}: {shown(value)}" for name, value in reading.limits)
         numbers = (
-            shown(each.low), f"{math.degrees(each.low_at):.1f}°",
-            shown(each.high), f"{math.degrees(each.high_at):.1f}°",
+            shown(reading.low), f"{math.degrees(reading.low_at):.1f}°",
+            shown(reading.high), f"{math.degrees(reading.high_at):.1f}°",
         )  # fmt: skip
-        rows.append(f"<tr><td>{escape(plain(each.name))}</td>{_numbers(numbers)}"
+        rows.append(f"<tr><td>{escape(plain(reading.name))}</td>{_numbers(numbers)}"
                     f"<td>{escape(limits)}</td></tr>")  # fmt: skip
     table = _table(f"Extremes, {chart.title}", heads, rows)
     return f"<details><summary>Extremes as a table</summary>{table}</details>"
 
 
-def _solids(found: Mapping[str, bytes]) -> str:
+def _solids(solids: Mapping[str, bytes]) -> str:
     """A canvas for each body, with buttons for what dragging does."""
     buttons = "".join(
         f'<button type="button" value="{value}">{name}</button>' for value, name in VIEWS
@@ -237,7 +237,7 @@ def _solids(found: Mapping[str, bytes]) -> str:
         f' aria-label="The solid of {escape(name)}"></canvas><div class="views" role="group"'
         f' aria-label="View of {escape(name)}">{buttons}</div><figcaption>{escape(name)}, as camgeo'
         ' build makes it, coarser.<span class="live"> Drag to turn it.</span></figcaption></figure>'
-        for number, name in enumerate(found)
+        for number, name in enumerate(solids)
     )
 
 
@@ -283,24 +283,24 @@ def _prices(survey: Survey, unit: LengthUnit) -> str:
 
 
 def _certificate(report: Report) -> str:
-    found = report.certificate
-    if found is None:
+    certificate = report.certificate
+    if certificate is None:
         return ""
     unit = report.scene.unit
     mm = MM_PER[unit]
     heads = ("file", "format", "bytes", f"tolerance [{unit}]", f"proved deviation [{unit}]",
              "SHA-256")  # fmt: skip
     rows = []
-    for each in found["files"]:
-        deviation = each["deviation_mm"]
+    for file in certificate["files"]:
+        deviation = file["deviation_mm"]
         numbers = (
-            f"{each['bytes']:,}", f"{each['tolerance_mm'] / mm:.6g}",
+            f"{file['bytes']:,}", f"{file['tolerance_mm'] / mm:.6g}",
             "-" if deviation is None else f"{deviation / mm:.3g}",
         )  # fmt: skip
-        names = f"<td>{escape(each['file'])}</td><td>{escape(each['format'])}</td>"
-        digest = f'<td class="hash">{escape(each["sha256"])}</td>'
+        names = f"<td>{escape(file['file'])}</td><td>{escape(file['format'])}</td>"
+        digest = f'<td class="hash">{escape(file["sha256"])}</td>'
         rows.append(f"<tr>{names}{_numbers(numbers)}{digest}</tr>")
-    text = escape(json.dumps(found, indent=2, ensure_ascii=False))
+    text = escape(json.dumps(certificate, indent=2, ensure_ascii=False))
     table = _table("Table of files", heads, rows)
     return (
         "<p>The files that the scene asks for were made, read back and measured; <code>camgeo"
@@ -312,7 +312,7 @@ def _certificate(report: Report) -> str:
 
 def _table(label: str, heads: Sequence[str], rows: Iterable[str]) -> str:
     """A table; no other on the page has its `label`."""
-    head = "".join(f'<th scope="col">{escape(each)}</th>' for each in heads)
+    head = "".join(f'<th scope="col">{escape(heading)}</th>' for heading in heads)
     return (
         f'<div class="wide" tabindex="0" role="region" aria-label="{escape(label)}">'
         f"<table><thead><tr>{head}</tr></thead><tbody>{''.join(rows)}</tbody></table></div>"
@@ -320,9 +320,9 @@ def _table(label: str, heads: Sequence[str], rows: Iterable[str]) -> str:
 
 
 def _numbers(cells: Iterable[str]) -> str:
-    return "".join(f'<td class="number">{escape(each)}</td>' for each in cells)
+    return "".join(f'<td class="number">{escape(cell)}</td>' for cell in cells)
 
 
 def _items(texts: Sequence[str]) -> str:
-    listed = "".join(f"<li>{escape(each)}</li>" for each in texts)
+    listed = "".join(f"<li>{escape(text)}</li>" for text in texts)
     return f"<ul>{listed}</ul>" if listed else ""

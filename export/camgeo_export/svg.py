@@ -29,7 +29,7 @@ from camgeo.part.part import written_contour
 from camgeo.reading import CONTOURS, Limits, beyond, check_size, parse_number
 from camgeo.scene.formats.format import CUT_SVG
 from camgeo.units import LengthUnit, counted
-from camgeo_export.reading import CUT, layered, of_the_part
+from camgeo_export.reading import CUT, boundaries_by_layer, part_layers
 from camgeo_export.verify.plane import deviation
 
 SVG: Final = Limits("SVG drawing", 16_000_000)
@@ -67,34 +67,34 @@ class CutSvgWriter:
         effort = product.drawn.effort
         layers: dict[str, list[Contour]] = {
             name: [
-                written_contour(each, "arcs", effort, tolerance, WIDEST).contour
-                for each in boundaries
+                written_contour(boundary, "arcs", effort, tolerance, WIDEST).contour
+                for boundary in boundaries
             ]
-            for name, boundaries in layered(product).items()
+            for name, boundaries in boundaries_by_layer(product).items()
         }
         curves = [contour for contours in layers.values() for contour in contours]
         pieces = sum(map(len, curves))
         if pieces > SVG_PIECES:
-            found = f"the drawing would have {counted(pieces, 'piece')}"
+            total = f"the drawing would have {counted(pieces, 'piece')}"
             raise FileError(
-                f"{found}; at most {SVG_PIECES:,} are allowed in a drawing that is read; a larger"
+                f"{total}; at most {SVG_PIECES:,} are allowed in a drawing that is read; a larger"
                 " tolerance needs fewer"
             )
         side = math.ceil(max(map(largest_radius, curves)) + MARGIN)
         size = f'width="{2 * side}mm" height="{2 * side}mm"'
         box = f'viewBox="{-side} {-side} {2 * side} {2 * side}"'
-        made = f"camgeo {product.version}; scene {product.scene_hash}"
+        origin = f"camgeo {product.version}; scene {product.scene_hash}"
         lines = [
             '<?xml version="1.0" encoding="UTF-8"?>',
             f'<svg xmlns="http://www.w3.org/2000/svg" version="1.1" {size} {box}>',
             f"<title>{escape(display_title(product))}</title>",
-            f"<desc>{made}; tolerance {tolerance!r} mm</desc>",
+            f"<desc>{origin}; tolerance {tolerance!r} mm</desc>",
         ]
         for name, contours in layers.items():
             colour = THROUGH if name == CUT else NOT_THROUGH
             lines += [
                 f'<g id="{name}" fill="none" stroke="{colour}" stroke-width="{HAIRLINE}">',
-                *(f'<path d="{path_of(contour)}"/>' for contour in contours),
+                *(f'<path d="{path_data(contour)}"/>' for contour in contours),
                 "</g>",
             ]
         arcs = sum(contour.arc_count for contour in curves)
@@ -108,8 +108,8 @@ class CutSvgWriter:
 
         Raises FileError if the drawing is incomplete, foreign or not at true size.
         """
-        drawing = drawing_of(data)
-        layers = layered(product)
+        drawing = read_drawing(data)
+        layers = boundaries_by_layer(product)
         if drawing.scale != 1.0:
             raise FileError(f"a unit of the drawing is {drawing.scale:g} mm, not 1 mm")
         foreign = [name for name in drawing.layers if name not in layers]
@@ -122,7 +122,7 @@ class CutSvgWriter:
         )
 
 
-def path_of(contour: Contour) -> str:
+def path_data(contour: Contour) -> str:
     """The data of a path, in millimetres, y downward."""
     pieces = zip(
         contour.ends.tolist(), contour.sweeps.tolist(), contour.radii.tolist(), strict=True
@@ -171,7 +171,7 @@ LENGTH: Final = re.compile(r"\s*([-+.0-9eE]{1,60}?)\s*([a-z]{0,2})\s*")
 
 TOKEN: Final = re.compile(r"[A-Za-z]|[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
 
-BETWEEN: Final = re.compile(r"[\s,]*")
+SEPARATOR: Final = re.compile(r"[\s,]*")
 
 COUNTS: Final = {"M": 2, "L": 2, "H": 1, "V": 1, "A": 7, "Z": 0}
 """Numbers after each letter of a path."""
@@ -205,18 +205,20 @@ class SvgDrawing:
     @property
     def contours(self) -> tuple[Contour, ...]:
         """All contours."""
-        return tuple(each for contours in self.layers.values() for each in contours)
+        return tuple(contour for contours in self.layers.values() for contour in contours)
 
 
-def drawing_of(data: bytes, name: str = "the drawing") -> SvgDrawing:
+def read_drawing(data: bytes, name: str = "the drawing") -> SvgDrawing:
     """The drawing in the file `name`; FileError if it is not an SVG that is read."""
     root = _root(data, name)
     scale = _scale(root, name)
-    found = SvgDrawing(scale, next((each.text or "" for each in root.iter(f"{NAMESPACE}desc")), ""))
+    drawing = SvgDrawing(
+        scale, next((element.text or "" for element in root.iter(f"{NAMESPACE}desc")), "")
+    )
     pieces = count = 0
-    for layer, item in _shown(root, "", name):
+    for layer, item in _visible_elements(root, "", name):
         for contour in _contours(item, scale, name):
-            found.layers.setdefault(layer, []).append(contour)
+            drawing.layers.setdefault(layer, []).append(contour)
             count, pieces = count + 1, pieces + len(contour)
             if count > CONTOURS:
                 raise beyond(name, counted(count, "closed contour"), CONTOURS, SVG)
@@ -224,9 +226,9 @@ def drawing_of(data: bytes, name: str = "the drawing") -> SvgDrawing:
                 raise beyond(
                     name, counted(pieces, "line or arc", "lines and arcs"), SVG_PIECES, SVG
                 )
-    if not found.layers:
+    if not drawing.layers:
         raise FileError(f"{name}: no contour found; read are paths, polygons and circles")
-    return found
+    return drawing
 
 
 def check_xml(data: bytes, name: str) -> None:
@@ -276,18 +278,18 @@ def _scale(root: ET.Element, name: str) -> float:
 
 def _length(text: str, key: str, name: str) -> float:
     """A length [mm] of the root."""
-    found = LENGTH.fullmatch(text) if len(text) <= 100 else None
-    number = None if found is None else parse_number(found[1])
-    if found is None or number is None or found[2] not in MM_PER_UNIT or number <= 0.0:
+    match = LENGTH.fullmatch(text) if len(text) <= 100 else None
+    number = None if match is None else parse_number(match[1])
+    if match is None or number is None or match[2] not in MM_PER_UNIT or number <= 0.0:
         raise FileError(f"{name}: states no {key} as a length: {text[:40]!r}")
-    return number * MM_PER_UNIT[found[2]]
+    return number * MM_PER_UNIT[match[2]]
 
 
-def _shown(root: ET.Element, layer: str, name: str) -> Iterator[tuple[str, ET.Element]]:
+def _visible_elements(root: ET.Element, layer: str, name: str) -> Iterator[tuple[str, ET.Element]]:
     """The elements that are drawn, each with the id of the innermost group that has one."""
     waiting = [(layer, root)]
     while waiting:
-        own, element = waiting.pop()
+        group, element = waiting.pop()
         for item in element:
             kind = str(item.tag).removeprefix(NAMESPACE)
             if kind.rpartition("}")[2] in SILENT:
@@ -295,9 +297,9 @@ def _shown(root: ET.Element, layer: str, name: str) -> Iterator[tuple[str, ET.El
             if item.get("transform", "").strip() or "transform" in item.get("style", ""):
                 raise FileError(f"{name}: {kind} has a transformation, which is not read")
             if kind == "g":
-                waiting.append((item.get("id", own), item))
+                waiting.append((item.get("id", group), item))
             elif kind in ("path", "polygon", "circle"):
-                yield own, item
+                yield group, item
             else:
                 allowed = "paths, polygons and circles"
                 raise FileError(f"{name}: {kind[:40]} is not read; only {allowed} are")
@@ -318,7 +320,7 @@ def _contours(item: ET.Element, scale: float, name: str) -> Iterator[Contour]:
         corners = [complex(x, y) for x, y in zip(numbers[::2], numbers[1::2], strict=True)]
         yield _contour(corners, [0.0] * len(corners), scale, name)
     else:
-        for points, sweeps in _runs(_words(item.get("d", ""), name), name):
+        for points, sweeps in _subpaths(_words(item.get("d", ""), name), name):
             yield _contour(points, sweeps, scale, name)
 
 
@@ -328,17 +330,17 @@ def _contour(
     vertices: ComplexArray = np.conj(np.array(points, dtype=np.complex128)) * np.complex128(scale)
     if len(points) < 2:
         raise FileError(f"{name}: a contour encloses nothing")
-    found = Contour.through(vertices, -np.array(sweeps))
-    if not math.isfinite(found.area) or found.area == 0.0:
+    contour = Contour.through(vertices, -np.array(sweeps))
+    if not math.isfinite(contour.area) or contour.area == 0.0:
         raise FileError(f"{name}: a contour encloses no area")
-    return found.counter_clockwise()
+    return contour.counter_clockwise()
 
 
 def _words(text: str, name: str) -> list[str]:
     """The letters and numbers of path data."""
     words, place = [], 0
     for token in TOKEN.finditer(text):
-        gap = BETWEEN.match(text, place)
+        gap = SEPARATOR.match(text, place)
         if gap is None or gap.end() < token.start():
             break
         words.append(token[0])
@@ -350,7 +352,7 @@ def _words(text: str, name: str) -> list[str]:
     return words
 
 
-def _runs(words: Sequence[str], name: str) -> Iterator[tuple[list[complex], list[float]]]:
+def _subpaths(words: Sequence[str], name: str) -> Iterator[tuple[list[complex], list[float]]]:
     """Vertices and sweeps of each closed subpath, y downward, in units of the drawing."""
     points: list[complex] = []
     sweeps: list[float] = []
@@ -364,25 +366,25 @@ def _runs(words: Sequence[str], name: str) -> Iterator[tuple[list[complex], list
             raise FileError(
                 f"{name}: {letter or 'a number'} in a path is not read; M L H V A Z are"
             )
-        numbers = [_number(each, kind, name) for each in words[place : place + COUNTS[kind]]]
+        numbers = [_number(word, kind, name) for word in words[place : place + COUNTS[kind]]]
         if len(numbers) < COUNTS[kind]:
             raise FileError(f"{name}: {letter} in a path needs {counted(COUNTS[kind], 'number')}")
         place += COUNTS[kind]
         if kind == "Z":
-            yield from _closed(points, sweeps, here, start, name, ended=True)
+            yield from _close_subpath(points, sweeps, here, start, name, ended=True)
             here, points, sweeps = start, [start], []
             letter = ""
             continue
         end = _end(kind, numbers, here if relative else 0j, here)
         if kind == "M":
-            yield from _closed(points, sweeps, here, start, name, ended=False)
+            yield from _close_subpath(points, sweeps, here, start, name, ended=False)
             start, points, sweeps = end, [end], []
             letter = "l" if relative else "L"  # of further numbers
         elif end != here:
             sweeps.append(_sweep(numbers, here, end, name) if kind == "A" else 0.0)
             points.append(end)
         here = end
-    yield from _closed(points, sweeps, here, start, name, ended=False)
+    yield from _close_subpath(points, sweeps, here, start, name, ended=False)
 
 
 def _end(kind: str, numbers: Sequence[float], origin: complex, here: complex) -> complex:
@@ -393,7 +395,7 @@ def _end(kind: str, numbers: Sequence[float], origin: complex, here: complex) ->
     return origin + complex(*numbers[-2:])
 
 
-def _closed(
+def _close_subpath(
     points: list[complex],
     sweeps: list[float],
     here: complex,
@@ -433,17 +435,17 @@ def _sweep(numbers: Sequence[float], start: complex, end: complex, name: str) ->
 
 
 def _number(text: str, what: str, name: str) -> float:
-    found = parse_number(text)
-    if found is None:
+    number = parse_number(text)
+    if number is None:
         raise FileError(f"{name}: {what} has {text[:40]!r}, which is not a number of a drawing")
-    return found
+    return number
 
 
 def _numbers(text: str, what: str, name: str) -> list[float]:
     words = text.replace(",", " ").split()
     if len(words) > 2 * SVG_PIECES:
         raise beyond(name, f"many numbers in {what}", 2 * SVG_PIECES, SVG)
-    return [_number(each, what, name) for each in words]
+    return [_number(word, what, name) for word in words]
 
 
 # -- contours -------------------------------------------------------------------------------------
@@ -469,19 +471,21 @@ class SvgReader:
         Raises FileError if the drawing is not read, has no such group, or a unit is given: its size
         is stated.
         """
-        drawing = drawing_of(data, name)
+        drawing = read_drawing(data, name)
         if unit is not None:
             raise FileError(f"{name}: an SVG drawing states its size; leave out the unit {unit}")
         if layer is not None and layer not in drawing.layers:
-            known = ", ".join(repr(each) for each in sorted(drawing.layers) if each) or "none"
+            known = ", ".join(repr(group) for group in sorted(drawing.layers) if group) or "none"
             raise FileError(f"{name}: has no contour in a group {layer!r}; groups: {known[:200]}")
         names = set(drawing.layers) if layer is None else {layer}
         if CUT in names:
-            names = of_the_part(names)
-        found = [each for name in names for each in drawing.layers[name]]
+            names = part_layers(names)
+        contours = [contour for name in names for contour in drawing.layers[name]]
         # Which of two equal ones is first, their first vertices say.
-        found.sort(key=lambda each: (-each.area, each.vertices[0].real, each.vertices[0].imag))
-        return Outlines(tuple(found))
+        contours.sort(
+            key=lambda curve: (-curve.area, curve.vertices[0].real, curve.vertices[0].imag)
+        )
+        return Outlines(tuple(contours))
 
 
 READER = SvgReader()

@@ -90,12 +90,12 @@ def _difference(
     rows: Sequence[Sequence[str]], expected: FloatArray, lengths: BoolArray, what: str
 ) -> float:
     try:
-        found = np.array(rows, dtype=np.float64)
+        values = np.array(rows, dtype=np.float64)
     except ValueError as error:
         raise FileError(f"{what} holds something that is not a number: {error}") from None
-    if not np.array_equal(found[:, ~lengths], expected[:, ~lengths]):
+    if not np.array_equal(values[:, ~lengths], expected[:, ~lengths]):
         raise FileError(f"{what}'s angles, ratios or radii differ from this scene's")
-    away = abs(found[:, lengths] - expected[:, lengths])
+    away = abs(values[:, lengths] - expected[:, lengths])
     if not np.all(np.isfinite(away)):
         raise FileError(f"{what} holds a length that is not a finite number")
     return float(away.max(initial=0.0))

@@ -19,7 +19,7 @@ from websockets.sync.client import ClientConnection, connect
 from camgeo.app.designing.children import Job, Result
 from camgeo.app.designing.desk import Desk
 from camgeo.app.designing.work import Recent, run
-from camgeo_export.designer.serve import Address, Keys, application, listening, server_of
+from camgeo_export.designer.serve import Address, Keys, application, listening, make_server
 from camgeo_export.designer.session import Jobs, Session, body
 from tests.waiting import PATIENCE
 
@@ -148,7 +148,7 @@ def served(folder: Path, name: str | None = None, compute: Compute = computed) -
         address = Address("127.0.0.1", socket.getsockname()[1])
         jobs = Jobs(desk, lambda job, most: Result(body(compute(job, most))), cancel)
         session = Session(desk, jobs)
-        server = server_of(application(session, address, keys))
+        server = make_server(application(session, address, keys))
 
         async def serve() -> None:
             working = asyncio.create_task(session.run())

@@ -202,9 +202,9 @@ def test_the_host_is_one_of_the_server(host: str, stated: str, meant: bool) -> N
 
 def test_port_80_needs_no_number() -> None:
     assert Address("127.0.0.1", 80).is_meant("127.0.0.1")
-    assert Address("127.0.0.1", 80).shown == "127.0.0.1"
-    assert Address("::", 81).shown == "127.0.0.1:81"
-    assert Address("::1", 81).shown == "[::1]:81"
+    assert Address("127.0.0.1", 80).netloc == "127.0.0.1"
+    assert Address("::", 81).netloc == "127.0.0.1:81"
+    assert Address("::1", 81).netloc == "[::1]:81"
 
 
 @pytest.mark.parametrize(

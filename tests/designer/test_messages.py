@@ -18,9 +18,9 @@ from camgeo_export.designer.session import (
     Message,
     MessageError,
     Page,
-    Said,
+    PageMessage,
     body,
-    understood,
+    parse_message,
 )
 
 JSON = st.recursive(
@@ -50,7 +50,9 @@ def test_messages_of_the_page_are_understood(
 ) -> None:
     if arguments is None:
         arguments = {key: value for key, value in message.items() if key != "kind"}
-    assert understood(json.dumps({**message, "id": 7})) == Said(message["kind"], 7, arguments)
+    assert parse_message(json.dumps({**message, "id": 7})) == PageMessage(
+        message["kind"], 7, arguments
+    )
 
 
 @pytest.mark.parametrize(
@@ -84,19 +86,19 @@ def test_messages_of_the_page_are_understood(
 )
 def test_others_are_answered_with_a_sentence(text: str, sentence: str) -> None:
     with pytest.raises(MessageError, match=sentence):
-        understood(text)
+        parse_message(text)
 
 
 def test_an_answer_has_the_id_of_its_message() -> None:
     with pytest.raises(MessageError) as refused:
-        understood('{"kind": "nonsense", "id": "a7"}')
+        parse_message('{"kind": "nonsense", "id": "a7"}')
     assert refused.value.id == "a7"
 
 
 @given(st.text(max_size=20) | JSON.map(json.dumps))
 def test_any_text_is_understood_or_refused(text: str) -> None:
     with contextlib.suppress(MessageError):
-        assert understood(text).kind in KINDS
+        assert parse_message(text).kind in KINDS
 
 
 NAMES = ("id", "text", "to", "edits", "path", "cure", "handle", "segment", "gesture")
@@ -105,8 +107,8 @@ NAMES = ("id", "text", "to", "edits", "path", "cure", "handle", "segment", "gest
 @given(st.sampled_from(sorted(KINDS)), st.dictionaries(st.sampled_from(NAMES), JSON))
 def test_any_arguments_are_understood_or_refused(kind: str, given: dict[str, Any]) -> None:
     with contextlib.suppress(MessageError):
-        said = understood(json.dumps({"kind": kind, **given}))
-        assert said.arguments.keys() <= KINDS[kind].keys()
+        message = parse_message(json.dumps({"kind": kind, **given}))
+        assert message.arguments.keys() <= KINDS[kind].keys()
 
 
 # To pages -----------------------------------------------------------------------------------------
@@ -139,21 +141,21 @@ def test_of_what_a_page_does_not_take_the_latest_waits() -> None:
     found = page()
     for number in range(1000):
         for kind in ("state", "curves", "findings", "solid"):
-            found.put(Message(kind, {"revision": number}))
+            found.enqueue(Message(kind, {"revision": number}))
     assert {(each["kind"], each["revision"]) for each in waiting(found)} == {
         (kind, 999) for kind in ("state", "curves", "findings", "solid")
     }
     for number in range(1000):
-        found.put(Message("told", {"message": str(number)}))
+        found.enqueue(Message("told", {"message": str(number)}))
     assert len(waiting(found)) == MOST_WAITING
 
 
 def test_the_latest_says_what_only_the_earlier_one_said() -> None:
     found = page()
-    found.put(Message("curves", {"revision": 1, "answers": 7}))
-    found.put(Message("curves", {"revision": 2, "answers": None}))
-    found.put(Message("state", {"revision": 1, "text": "a"}))
-    found.put(Message("state", {"revision": 2}))
+    found.enqueue(Message("curves", {"revision": 1, "answers": 7}))
+    found.enqueue(Message("curves", {"revision": 2, "answers": None}))
+    found.enqueue(Message("state", {"revision": 1, "text": "a"}))
+    found.enqueue(Message("state", {"revision": 2}))
     assert waiting(found) == [
         {"kind": "curves", "revision": 2, "answers": 7},
         {"kind": "state", "revision": 2, "text": "a"},
@@ -177,7 +179,7 @@ def test_a_page_that_is_slow_still_gets_the_last_word() -> None:
         found.socket.application_state = found.socket.client_state.CONNECTED
         sending = asyncio.create_task(found.send())
         for number in range(50):
-            found.put(Message("curves", {"revision": number}))
+            found.enqueue(Message("curves", {"revision": number}))
             if number in (0, 20, 49):
                 await begins.get()  # it is being sent, and what follows waits
             if number in (19, 40):

@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 from camgeo.app.designing.children import Job, Refused, Result
 from camgeo.app.designing.desk import Desk
 from camgeo_export.designer import session
-from camgeo_export.designer.session import Jobs, NamedFiles, head_of
+from camgeo_export.designer.session import Jobs, NamedFiles, read_head
 from tests.designer.served import Client, Clock, Served, computed, served
 from tests.waiting import happened, until
 
@@ -416,11 +416,11 @@ def test_the_head_is_what_stands_before(
     text = json.dumps(table, separators=separators).encode()
     keys = [*table]
     expected = keys[: keys.index(last) + 1] if last in table else keys
-    assert head_of(text, (last,)) == {key: table[key] for key in expected}
+    assert read_head(text, (last,)) == {key: table[key] for key in expected}
 
 
 def test_what_follows_the_head_is_not_read() -> None:
-    assert head_of(b'{"faults": [], "text": "a", "label": "b", nonsense', ("label",)) == {
+    assert read_head(b'{"faults": [], "text": "a", "label": "b", nonsense', ("label",)) == {
         "faults": [], "text": "a", "label": "b",
     }  # fmt: skip
 
@@ -454,10 +454,10 @@ def test_a_job_that_takes_too_long_is_given_up_for_a_newer_one(
         for kind in ("findings", *["solid"] * other):
             await asyncio.to_thread(happened, kind, begun[kind])
         clock.now += 5.0
-        jobs.give_up("findings", 5.0)
+        jobs.cancel_overdue("findings", 5.0)
         assert cancelled == []
         clock.now += 0.5
-        jobs.give_up("findings", 5.0, unless="solid")
+        jobs.cancel_overdue("findings", 5.0, unless="solid")
         if other:
             ended.set()
             await asyncio.gather(*more)

@@ -20,7 +20,7 @@ from random import Random
 from typing import Final
 
 from camgeo.milling.machine import load
-from camgeo_export.interpreter.moves import Run
+from camgeo_export.interpreter.moves import ProgramRun
 from camgeo_export.interpreter.run import run
 from tests.draws.run import Case, parser_of, run_cases
 from tests.judges import grbl, rs274
@@ -325,7 +325,7 @@ CONTROLS: Final[dict[str, tuple[Callable[[], str], Callable[[str], Verdict]]]] =
 """By profile: why a control is not there, and what it makes of a program."""
 
 
-def ours(found: Run, control: str) -> tuple[int | None, str, int | None]:
+def ours(found: ProgramRun, control: str) -> tuple[int | None, str, int | None]:
     """The line that we say is refused, why, and the first that is outside what is read."""
     by_line = sorted(found.findings, key=lambda each: each.line or math.inf)
     unread = next((each.line for each in by_line if each.rule in UNREAD), None)

@@ -27,7 +27,7 @@ from camgeo.scene.formats.gcode import FORMAT
 from camgeo.scene.scene import parse_scene
 from camgeo_export.gcode.writer import WRITER
 from camgeo_export.interpreter.run import run
-from camgeo_export.verify.gcode import bench_of
+from camgeo_export.verify.gcode import program_bench
 from tests.long_form import LONG
 
 FOLDER: Final = Path(__file__).parents[2] / "fixtures" / "milling"
@@ -114,6 +114,6 @@ PAIRS: Final = [
 def test_nothing_is_found_on_any_controller(path: Path, machine: str, folder: Path) -> None:
     profile = machines.load(machine)
     for product, data in programs_for(folder, path, machine):
-        assert run(data, profile, bench_of(product, profile)).findings == ()
+        assert run(data, profile, program_bench(product, profile)).findings == ()
         if LONG or not profile.tool_change.change:  # then of several programs, each by itself
             assert WRITER.measure(product, data) <= COARSE

@@ -8,16 +8,16 @@ import pytest
 from camgeo.geometry.contour.contour import Contour
 from camgeo.units import MM_PER
 from camgeo_export.part21 import Solid
-from camgeo_export.verify.step import bounds_of, volume_of
+from camgeo_export.verify.step import level_bounds, volume_by_levels
 from tests.end_to_end.built import Built
 
 
 def test_volume_areas_and_centroids_are_those_of_the_cam(built: Built) -> None:
     """Of all loops of all flat faces; the volume is stated for the arcs of the file."""
-    solid = Solid.of(built.file(".step").read_bytes())
+    solid = Solid.from_bytes(built.file(".step").read_bytes())
     assert solid.unit == MM_PER[built.design.scene.unit]
-    bounds = bounds_of(solid)
-    volume = volume_of(bounds, ())
+    bounds = level_bounds(solid)
+    volume = volume_by_levels(bounds, ())
     assert volume == pytest.approx(built.record(".step")["volume_mm3"], rel=1e-12)
     assert volume == pytest.approx(built.volume, abs=built.tolerance * built.length * built.height)
     for _, contour in bounds:

@@ -28,10 +28,10 @@ from camgeo.part.boundaries import CurveBoundary, spline_deviation
 from camgeo.part.part import WRITTEN_SHARE, Layer, Part
 from camgeo.scene.formats.dxf import DxfSpec
 from camgeo.units import MM_PER, LengthUnit
-from camgeo_export.dxf.reader import READER, drawing_of
+from camgeo_export.dxf.reader import READER, read_drawing
 from camgeo_export.dxf.writer import WRITER
 from camgeo_export.svg import WRITER as SVG_WRITER
-from camgeo_export.svg import drawing_of as svg_drawing_of
+from camgeo_export.svg import read_drawing as svg_drawing_of
 from camgeo_export.verify.svg import VERIFIER as SVG_VERIFIER
 from tests.contour.cams import flank
 from tests.effects.scenes import SCENES
@@ -77,7 +77,7 @@ def test_ezdxf_finds_nothing_to_mend(product: StubProduct) -> None:
 def test_entities_layers_and_units() -> None:
     product = StubProduct()
     data = WRITER.write(product, 0.01).data
-    drawing = drawing_of(data)
+    drawing = read_drawing(data)
     kinds = [(item.layer, item.kind) for item in drawing.items]
     assert kinds == [
         ("CUT", "LWPOLYLINE"),
@@ -89,7 +89,7 @@ def test_entities_layers_and_units() -> None:
     ]
     assert drawing.value("$ACADVER") == "AC1024"
     assert (drawing.value("$INSUNITS"), drawing.value("$MEASUREMENT")) == ("4", "1")
-    inch = drawing_of(WRITER.write(replace(product, unit="inch"), 0.01).data)
+    inch = read_drawing(WRITER.write(replace(product, unit="inch"), 0.01).data)
     assert (inch.value("$INSUNITS"), inch.value("$MEASUREMENT")) == ("1", "0")
     assert dict(opened(data).header.custom_vars) == {
         "camgeo": product.version,
@@ -100,7 +100,7 @@ def test_entities_layers_and_units() -> None:
 
 def test_edges_that_do_not_go_through_are_on_a_layer_with_their_depth() -> None:
     data = WRITER.write(StubProduct(groove=True), 0.01).data
-    drawing = drawing_of(data)
+    drawing = read_drawing(data)
     layers = [item.layer for item in drawing.items]
     assert layers[:4] == ["CUT", "CUT", "BLIND_3", "BLIND_3"]
     assert [record.text(2) for record in drawing.layers].count("BLIND_3") == 1
@@ -109,13 +109,13 @@ def test_edges_that_do_not_go_through_are_on_a_layer_with_their_depth() -> None:
     rim, bore = drawing.contours("CUT")
     assert rim.area > math.pi * 59.0**2
     assert bore.area < math.pi * 11.0**2
-    inch = drawing_of(WRITER.write(StubProduct(groove=True, unit="inch"), 0.01).data)
+    inch = read_drawing(WRITER.write(StubProduct(groove=True, unit="inch"), 0.01).data)
     assert "BLIND_0.11811" in {item.layer for item in inch.items}
 
 
 def test_single_lines_and_arcs_are_those_of_the_polylines() -> None:
     drawings = [
-        drawing_of(WRITER.write(StubProduct(dxf=DxfSpec(entity)), 0.01).data)
+        read_drawing(WRITER.write(StubProduct(dxf=DxfSpec(entity)), 0.01).data)
         for entity in ("arcs", "lines-and-arcs")
     ]
     kinds = {item.kind for item in drawings[1].items if item.layer == "CUT"}
@@ -268,7 +268,7 @@ def test_ezdxf_reads_the_same_curves(product: StubProduct) -> None:
     data = WRITER.write(product, FINE).data
     entities = opened(data).modelspace().query("SPLINE")
     ours = next(
-        curve for curve in drawing_of(data).contours("CUT") if isinstance(curve, SplineContour)
+        curve for curve in read_drawing(data).contours("CUT") if isinstance(curve, SplineContour)
     )
     assert len(entities) == len(ours.splines) == 5
     for entity, spline in zip(entities, ours.splines, strict=True):
@@ -291,14 +291,14 @@ def test_facts_state_what_is_drawn() -> None:
         "arcs": 4,
         "lines": 0,
     }
-    kinds = [(item.layer, item.kind) for item in drawing_of(written.data).items]
+    kinds = [(item.layer, item.kind) for item in read_drawing(written.data).items]
     # Two dwells and the two halves of the bore.
     assert sorted(kinds) == sorted([("CUT", "SPLINE")] * 5 + [("CUT", "ARC")] * 4)
 
 
 def test_the_foreign_reader_takes_our_drawings() -> None:
     data = WRITER.write(FLANKED, FINE).data
-    outline, bore = drawing_of(data).contours(None)
+    outline, bore = read_drawing(data).contours(None)
     assert isinstance(outline, SplineContour)
     assert isinstance(bore, Contour)
     assert spline_deviation(FLANK, outline) <= FINE

@@ -30,7 +30,7 @@ from camgeo.geometry.contour.spline import CubicSpline, SplineContour
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.units import LengthUnit
 from camgeo_export.contour_csv import READER as CSV
-from camgeo_export.dxf.reader import NEAR, PLACED, READER, drawing_of
+from camgeo_export.dxf.reader import NEAR, PLACED, READER, read_drawing
 from camgeo_export.reading import AnyContour
 from camgeo_export.svg import READER as SVG
 from tests.measuring import Outline
@@ -173,7 +173,7 @@ def test_what_is_no_dxf(data: bytes, message: str) -> None:
 
 
 def read_curves(data: bytes, gap: float = 1e-9) -> tuple[AnyContour, ...]:
-    return drawing_of(data, "a.dxf").contours(None, gap)
+    return read_drawing(data, "a.dxf").contours(None, gap)
 
 
 BOW = [(10.0, 0.0), (10.0, 10.0), (-10.0, 10.0), (-10.0, 0.0)]

@@ -38,10 +38,10 @@ from camgeo_export.gcode.writer import (
     Setup,
     Speller,
     budget,
-    numbered,
-    written,
+    number_lines,
+    write_program,
 )
-from camgeo_export.interpreter.moves import Run
+from camgeo_export.interpreter.moves import ProgramRun
 from camgeo_export.interpreter.run import run
 from camgeo_export.verify.gcode import VERIFIER
 from tests.export.stub_product import SECOND_TOOL, TOOL, StubProduct
@@ -61,7 +61,7 @@ NAMES = machines.names()
 TOLERANCES = [0.05, 0.01, 1e-3, 1e-6]
 
 
-def program_of(product: StubProduct, tolerance: float) -> tuple[str, Run]:
+def program_of(product: StubProduct, tolerance: float) -> tuple[str, ProgramRun]:
     text = WRITER.write(product, tolerance).data.decode()
     return text, run(text, LINUXCNC)
 
@@ -411,7 +411,7 @@ def test_lines_and_comments_are_as_the_controller_reads_them(name: str, unit: Le
 def test_numbers_of_blocks() -> None:
     haas = machines.load("haas")
     text = replace(haas.text, line_numbers=5)
-    lines = numbered(["%", "O0001 (X)", "(Y)", "G21", "M30", "%"], replace(haas, text=text))
+    lines = number_lines(["%", "O0001 (X)", "(Y)", "G21", "M30", "%"], replace(haas, text=text))
     assert lines == ["%", "O0001 (X)", "(Y)", "N5 G21", "N10 M30", "%"]
 
 
@@ -432,7 +432,7 @@ def test_a_program_for_a_machine_without_a_tool_change_has_one_tool() -> None:
 
 def printed(path: Toolpath, machine: Machine, coolant: str = "off") -> Program:
     setup = Setup("x", "mm", "G54", coolant, 0.0)
-    return written(path, machine, budget(machine, "mm", 0.01), setup, ())
+    return write_program(path, machine, budget(machine, "mm", 0.01), setup, ())
 
 
 def test_a_stop_lifts_the_tool_and_comes_back_from_above() -> None:

@@ -52,7 +52,7 @@ from camgeo.studies.sweep.sweep import sweep
 from camgeo_export.browser.bundles import bundle
 from camgeo_export.notebook.display import BADGES, FIRST_ROWS, LAST_ROWS
 from camgeo_export.notebook.viewer import viewer
-from camgeo_export.plots import Picture, saved
+from camgeo_export.plots import Picture, page_bytes
 from camgeo_export.report import DIGITS
 from camgeo_export.report import render as page_of
 from tests import kept
@@ -289,7 +289,7 @@ def test_plots_are_those_of_the_command(tmp_path: Path) -> None:
     made = design("plate_translating").plot("motion", "curvature")
     assert isinstance(made, matplotlib.figure.Figure)
     assert isinstance(made, Picture)
-    assert saved(made, ".svg") == picture.read_bytes()
+    assert page_bytes(made, ".svg") == picture.read_bytes()
     with pytest.raises(SceneError, match='did you mean "motion"'):
         design("plate_translating").plot("motions")
     with pytest.raises(SceneError, match="names no effect"):

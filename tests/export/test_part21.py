@@ -22,7 +22,7 @@ from camgeo.design.product import Product
 from camgeo.errors import FileError
 from camgeo.reading import COORDINATE
 from camgeo.scene.formats.step import StepSpec
-from camgeo_export.part21 import Model, Record, Solid, exchange_of
+from camgeo_export.part21 import Model, Record, Solid, read_exchange
 from camgeo_export.part21 import Ref as ReadRef
 from camgeo_export.part21 import Word as ReadWord
 from camgeo_export.step.writer import (
@@ -33,8 +33,8 @@ from camgeo_export.step.writer import (
     Ref,
     Typed,
     flag,
+    parameter_text,
     real,
-    spelled,
 )
 from tests.export.test_dxf import SPLINES
 from tests.export.test_step import product
@@ -45,12 +45,12 @@ TAIL = "ENDSEC;\nEND-ISO-10303-21;\n"
 
 
 def read(*lines: str) -> dict[int, tuple[Record, ...]]:
-    return exchange_of("\n".join((HEAD, *lines, TAIL)).encode()).instances
+    return read_exchange("\n".join((HEAD, *lines, TAIL)).encode()).instances
 
 
 @given(st.text(st.characters(exclude_categories=["Cs"]), max_size=40))
 def test_any_text_makes_the_round_trip(text: str) -> None:
-    line = f"#1=A({spelled(text)});"
+    line = f"#1=A({parameter_text(text)});"
     assert line.isascii()
     assert read(line)[1][0].values == (text,)
 
@@ -119,7 +119,7 @@ def test_what_breaks_the_syntax_is_told_with_its_line(line: str, what: str) -> N
 def test_a_reference_to_nothing_is_told() -> None:
     data = "\n".join((HEAD, "#1=A((1,B(#7)));", TAIL)).encode()
     with pytest.raises(FileError, match="#1 refers to #7, which is not there"):
-        Model.of(exchange_of(data))
+        Model.from_exchange(read_exchange(data))
 
 
 def test_the_reader_shares_no_code_with_the_writer() -> None:
@@ -350,7 +350,7 @@ def test_the_same_solid_otherwise_said_is_measured_alike(edit: str) -> None:
 )  # fmt: skip
 def test_units_of_the_si(prefix: str, size: float, name: str) -> None:
     whole = written("circle and flat").replace("SI_UNIT(.MILLI.,", f"SI_UNIT({prefix},")
-    solid = Solid.of(whole.encode())
+    solid = Solid.from_bytes(whole.encode())
     assert (solid.unit, solid.unit_name) == (size, name)
     assert solid.uncertainty == pytest.approx(1e-7 * size, rel=1e-12)
     heights = {use.edge.places[0].z for face in solid.faces for loop in face.loops for use in loop}
@@ -371,7 +371,7 @@ def test_units_of_the_si(prefix: str, size: float, name: str) -> None:
     ],
 )
 def test_units_that_are_stated_by_others(factors: tuple[float, ...], name: str) -> None:
-    assert Solid.of(edited("circle and flat", by_factors(*factors))).unit_name == name
+    assert Solid.from_bytes(edited("circle and flat", by_factors(*factors))).unit_name == name
 
 
 def by_factors(*factors: float) -> Callable[[Lines], None]:
@@ -400,7 +400,7 @@ def by_factors(*factors: float) -> Callable[[Lines], None]:
 def test_units_have_limits(factors: tuple[float, ...], message: str) -> None:
     """Two are stated by others, a third is not; none is beyond a kilometre or a nanometre."""
     with pytest.raises(FileError, match=message):
-        Solid.of(edited("circle and flat", by_factors(*factors)))
+        Solid.from_bytes(edited("circle and flat", by_factors(*factors)))
 
 
 @pytest.mark.parametrize(
@@ -412,7 +412,7 @@ def test_units_have_limits(factors: tuple[float, ...], message: str) -> None:
 )
 def test_without_an_uncertainty_none_is_told(pattern: str) -> None:
     data = re.sub(pattern, "", written("circle and flat")).encode()
-    assert Solid.of(data).uncertainty is None
+    assert Solid.from_bytes(data).uncertainty is None
 
 
 # Faults -------------------------------------------------------------------------------------------

@@ -50,7 +50,7 @@ from camgeo.pictures.model import (
 from camgeo.pictures.plots import OWN, find, stacked
 from camgeo.units import LengthUnit
 from camgeo_export import plots
-from camgeo_export.plots import PNG, SVG, drawn, render, saved
+from camgeo_export.plots import PNG, SVG, draw_page, page_bytes, render
 from camgeo_export.table import WRITER as CSV
 from tests.export.stub_product import StubProduct, there_and_back
 
@@ -73,7 +73,7 @@ CURVE: Final = over([0.1, 0.4, 0.9], [0.2, 0.7, 0.3])
 def page(*marks: Mark | Inset, **keys: Any) -> tuple[Page, Axes]:
     """A figure of one panel with these marks, drawn."""
     axis = Axis((0.0, 2.0))
-    made = drawn(
+    made = draw_page(
         Figure((4.0, 3.0), (replace(Panel((0.1, 0.2, 0.9, 0.8), axis, axis, marks), **keys),))
     )
     return made, made.axes[0]
@@ -190,7 +190,7 @@ def test_texts_are_where_they_are_stated(of: Any, offset: Any) -> None:
         return  # only texts of panels have one
     made: Page
     if of == "figure":
-        made = drawn(Figure((4.0, 3.0), (), (text,)))
+        made = draw_page(Figure((4.0, 3.0), (), (text,)))
         (found,) = made.texts
         place = np.array([0.4 * 4.0, 0.3 * 3.0]) * made.dpi
     else:
@@ -238,7 +238,7 @@ LEGEND: Final = Legend(
 
 @pytest.mark.parametrize("whole", [False, True])
 def test_legends_have_their_entries_at_their_place(whole: bool) -> None:
-    made = drawn(Figure((4.0, 3.0), legend=LEGEND)) if whole else page(legend=LEGEND)[0]
+    made = draw_page(Figure((4.0, 3.0), legend=LEGEND)) if whole else page(legend=LEGEND)[0]
     (found,) = made.legends if whole else made.axes[0].findobj(LegendBox)
     for line, style in zip(found.get_lines(), STYLES[1:3], strict=True):
         lined(line, style)
@@ -321,16 +321,16 @@ def test_figures_stand_in_rows_and_files_are_of_their_kind() -> None:
     axis = Axis((0.0, 1.0))
     one = Figure((4.0, 1.0), (Panel((0.0, 0.0, 1.0, 1.0), axis, axis, ()),))
     other = Figure((4.0, 3.0), one.panels)
-    made = drawn(Figure((4.0, 4.0), rows=(one, other)))
+    made = draw_page(Figure((4.0, 4.0), rows=(one, other)))
     low, high = (each.get_window_extent() for each in made.axes)
     found = np.array([low.y0, low.height, high.y0, high.height]) / made.dpi
     assert found == pytest.approx(np.array([3.0, 1.0, 0.0, 3.0]), rel=1e-6, abs=1e-8)
-    assert saved(made, ".pdf").startswith(b"%PDF")
+    assert page_bytes(made, ".pdf").startswith(b"%PDF")
     with pytest.raises(ValueError, match=r"no figures of kind .gif; there are .svg, .png and .pdf"):
-        saved(made, ".gif")
+        page_bytes(made, ".gif")
     data, told = made._repr_mimebundle_()
     assert told["image/png"] == {"width": 384, "height": 384}
-    assert data["image/png"] == saved(made, ".png")
+    assert data["image/png"] == page_bytes(made, ".png")
 
 
 # Files of pictures and tables ---------------------------------------------------------------------

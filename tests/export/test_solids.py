@@ -39,13 +39,13 @@ from camgeo.units import LengthUnit
 from camgeo_export.part21 import Cone
 from camgeo_export.part21 import Solid as StepSolid
 from camgeo_export.solid import prism
-from camgeo_export.solid.prism import FIT_SHARE, PIECE, body, of_polygons, triangulated
+from camgeo_export.solid.prism import FIT_SHARE, PIECE, body, polygon_gaps, triangulate
 from camgeo_export.step.writer import WRITER as STEP
 from camgeo_export.stl import WRITER as STL
 from camgeo_export.threemf.writer import WRITER as THREEMF
 from camgeo_export.verify.body import _sections, body_checks, measure, polygon, solid_checks, volume
 from camgeo_export.verify.plane import paired
-from camgeo_export.verify.step import bounds_of, volume_of
+from camgeo_export.verify.step import level_bounds, volume_by_levels
 from camgeo_export.verify.stl import FACET
 from tests.effects.scenes import design
 from tests.export.stub_product import CircleBoundary, StubProduct
@@ -325,13 +325,13 @@ def test_step_files_have_cones(unit: LengthUnit) -> None:
     written = read_back(STEP, product, least=0.0)
     assert written.facts["volume_mm3"] == pytest.approx(VOLUME, rel=1e-12)
     assert Solid.from_part(PART).volume == pytest.approx(VOLUME, rel=1e-13)
-    read = StepSolid.of(written.data)
+    read = StepSolid.from_bytes(written.data)
     leaning = [face for face in read.faces if face.is_inclined]
     assert {face.name for face in leaning} == {each.edge.name for each in PART.bevels}
     assert all(isinstance(face.surface, Cone) for face in leaning)
     assert (written.facts["faces"], written.facts["cones"]) == (12, 6)
     assert len(read.faces) == 12
-    assert volume_of(bounds_of(read), read.faces) == pytest.approx(VOLUME, rel=1e-12)
+    assert volume_by_levels(level_bounds(read), read.faces) == pytest.approx(VOLUME, rel=1e-12)
 
 
 def test_step_files_have_inclined_planes_on_lines() -> None:
@@ -409,8 +409,8 @@ def test_step_files_have_parabolas_at_corners(bore: ExactBoundary, unit: LengthU
     assert measured(STEP, product, written.data) <= 1e-9
     volume = Solid.from_part(part).volume
     assert written.facts["volume_mm3"] == pytest.approx(volume, rel=1e-13)
-    read = StepSolid.of(written.data)
-    assert volume_of(bounds_of(read), read.faces) == pytest.approx(volume, rel=1e-12)
+    read = StepSolid.from_bytes(written.data)
+    assert volume_by_levels(level_bounds(read), read.faces) == pytest.approx(volume, rel=1e-12)
     edges = {use.edge.number: use.edge for face in read.faces for loop in face.loops
              for use in loop}  # fmt: skip
     bends = [each.bend for each in edges.values() if each.bend is not None]
@@ -420,7 +420,7 @@ def test_step_files_have_parabolas_at_corners(bore: ExactBoundary, unit: LengthU
         z = 0.5 * (bend.start.z + bend.end.z)
         width = min(z, 8.0 - z)
         vertices = bore.inset(width, "section").exact.vertices
-        assert min(abs(vertices - bend.place_at(z))) <= 1e-12 * 25.4
+        assert min(abs(vertices - bend.section_point(z))) <= 1e-12 * 25.4
 
 
 def require_faults(product: StubProduct, pattern: bytes, new: bytes) -> set[str]:
@@ -736,14 +736,14 @@ def require_face(rings: list[ComplexArray], found: IntArray) -> None:
 
 @given(faces(), st.integers(3, 40))
 def test_triangles_cover_the_face_once(rings: list[ComplexArray], most: int) -> None:
-    require_face(rings, triangulated(rings, most))
+    require_face(rings, triangulate(rings, most))
 
 
 @given(faces())
 def test_a_small_face_is_left_to_the_ears(rings: list[ComplexArray]) -> None:
     seen = prism._tilted(rings)
     ears = manifold3d.triangulate([np.column_stack((each.real, each.imag)) for each in seen])
-    np.testing.assert_array_equal(triangulated(rings), ears)
+    np.testing.assert_array_equal(triangulate(rings), ears)
 
 
 def toothed(count: int, radius: float, teeth: int) -> ComplexArray:
@@ -767,7 +767,7 @@ def test_ears_are_cut_from_few_points(
     """So that the time grows as the number of points, not as its square."""
     counted = Mock(wraps=manifold3d.triangulate)
     monkeypatch.setattr(manifold3d, "triangulate", counted)
-    found = triangulated(rings)
+    found = triangulate(rings)
     assert max(sum(map(len, each.args[0])) for each in counted.call_args_list) <= PIECE
     require_face(rings, found)
 
@@ -776,13 +776,13 @@ def test_a_spiral_is_divided_across_its_arm() -> None:
     turn = np.linspace(0.1, 30.0, 300)
     wound = turn * np.exp(1j * turn)
     rings = [np.concatenate((wound + 0.4 * np.exp(1j * turn), wound[::-1]))]
-    require_face(rings, triangulated(rings, 20))
+    require_face(rings, triangulate(rings, 20))
 
 
 def test_a_face_without_a_proved_diagonal_stays_whole(monkeypatch: pytest.MonkeyPatch) -> None:
     rings = [toothed(60, 40.0, 3), toothed(30, 8.0, 0)[::-1]]
     monkeypatch.setattr(prism, "_clear", lambda *_: False)
-    np.testing.assert_array_equal(triangulated(rings, 20), triangulated(rings))
+    np.testing.assert_array_equal(triangulate(rings, 20), triangulate(rings))
 
 
 # How near polygons come: the verdict of shapely ---------------------------------------------------
@@ -801,7 +801,7 @@ def test_nearest_is_the_distance_if_within_the_tolerance(
     radius: float, one: int, other: int, tolerance: float
 ) -> None:
     rings = {"one": ring_of(5.0, one), "other": 0.3 + ring_of(radius, other)}
-    found = of_polygons(rings, tolerance)("one", "other")
+    found = polygon_gaps(rings, tolerance)("one", "other")
     distance = shapely.distance(line(rings["one"]), line(rings["other"]))
     if distance > tolerance:
         assert found is None

@@ -44,7 +44,7 @@ from camgeo.scene.formats.step import StepSpec
 from camgeo_export.part21 import Solid as StepSolid
 from camgeo_export.step import writer
 from camgeo_export.step.writer import WRITER
-from camgeo_export.verify.step import bounds_of, volume_of
+from camgeo_export.verify.step import level_bounds, volume_by_levels
 from tests.export.stub_product import CircleBoundary, StubProduct
 from tests.export.test_dxf import SPLINES
 from tests.export.test_solids import BODIES, BORE, POCKETS, RIM
@@ -470,7 +470,9 @@ def test_random_layers_are_one_solid_or_are_refused(slices: list[tuple[str, str]
     assert WRITER.measure(product, written.data) <= 0.1
     areas = {SOLID: 0.0, OPEN: 25.0, RINGED: 25.0 - 4.0}
     volume = 2.0 * math.pi * sum(1600.0 - sum(areas[kind] for kind in kinds) for kinds in slices)
-    assert volume_of(bounds_of(StepSolid.of(written.data)), ()) == pytest.approx(volume, rel=0.01)
+    assert volume_by_levels(level_bounds(StepSolid.from_bytes(written.data)), ()) == pytest.approx(
+        volume, rel=0.01
+    )
 
 
 def test_names_are_those_of_the_part_in_any_script() -> None:
@@ -478,7 +480,7 @@ def test_names_are_those_of_the_part_in_any_script() -> None:
     data = WRITER.write(product, TOLERANCE).data
     assert data.isascii()
     assert rb"\X2\00FC\X0\r \X2\00D8\X0\8, \X2\51F88F6E\X0\ ''\X4\0001D6FC\X0\'' \\ a" in data
-    solid = StepSolid.of(data)
+    solid = StepSolid.from_bytes(data)
     assert (solid.name, solid.products) == (product.name, (product.name,))
     assert {face.name for face in solid.faces} == {"lower face", "upper face", "outline", "bore"}
     assert WRITER.measure(product, data) <= TOLERANCE

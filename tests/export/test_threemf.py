@@ -34,7 +34,13 @@ from camgeo_export.step.writer import WRITER as STEP
 from camgeo_export.stl import WRITER as STL
 from camgeo_export.threemf.writer import WRITER
 from camgeo_export.verify import threemf
-from camgeo_export.verify.threemf import VERIFIER, check_bodies, package_checks, packed, parts_of
+from camgeo_export.verify.threemf import (
+    VERIFIER,
+    check_bodies,
+    package_checks,
+    packed,
+    unpack_parts,
+)
 from tests.contour.cams import SCENES
 from tests.export.stub_product import StubProduct
 from tests.export.test_solids import BODIES
@@ -248,7 +254,7 @@ NOT_UNPACKED: dict[str, tuple[bytes, str]] = {
 def test_what_may_not_be_unpacked(name: str) -> None:
     data, message = NOT_UNPACKED[name]
     with pytest.raises(FileError, match=message):
-        parts_of(data)
+        unpack_parts(data)
 
 
 def test_what_is_no_xml_may_hold_anything() -> None:
@@ -256,8 +262,8 @@ def test_what_is_no_xml_may_hold_anything() -> None:
         "a.png": b"\0<!DOCTYPE", "b.xml": b"\xef\xbb\xbf<?xml version='1.0' encoding='UTF-8'?><a/>",
         "c.model": b" <?xml encoding=\"utf8\"?><a/>", "d.rels": b"<a/>",
     }  # fmt: skip
-    assert parts_of(package(harmless, zipfile.ZIP_DEFLATED)) == harmless
-    assert parts_of(packed(harmless)) == harmless
+    assert unpack_parts(package(harmless, zipfile.ZIP_DEFLATED)) == harmless
+    assert unpack_parts(packed(harmless)) == harmless
 
 
 def build(*objects: str, items: str = '<item objectid="1"/>') -> dict[str, bytes]:
@@ -299,7 +305,7 @@ def test_as_much_as_the_limit_is_read_and_no_more(
         monkeypatch.setattr(threemf, "LONG", re.compile(rb"<[^<>!?][^<>]{%d}" % most))
 
     def check(count: int) -> None:
-        found = parts_of(package(make(count)))
+        found = unpack_parts(package(make(count)))
         if limit in ("OBJECTS", "FACETS"):
             check_bodies(found)
 
@@ -323,12 +329,12 @@ def test_the_ratio_of_small_parts_does_not_matter(monkeypatch: pytest.MonkeyPatc
     for allowed, fits in ((math.ceil(ratio), True), (math.ceil(ratio) - 1, False)):
         monkeypatch.setattr(threemf, "RATIO", allowed)
         if fits:
-            assert len(parts_of(data)["a"]) == 5_000
+            assert len(unpack_parts(data)["a"]) == 5_000
             continue
         with pytest.raises(FileError, match=f"unpacks to {ratio:,.0f} times its size; allowed: "):
-            parts_of(data)
+            unpack_parts(data)
     monkeypatch.setattr(threemf, "SMALL", 5_000)
-    assert len(parts_of(data)["a"]) == 5_000
+    assert len(unpack_parts(data)["a"]) == 5_000
 
 
 @pytest.mark.parametrize(
@@ -742,10 +748,10 @@ def said(data: bytes) -> str:
     damage = VERIFIER.origin(data).damage
     if damage:
         return damage
-    unit = re.search(rb' unit="([^"]*)"', parts_of(data)[MODEL])
+    unit = re.search(rb' unit="([^"]*)"', unpack_parts(data)[MODEL])
     if unit is not None and unit[1] != b"millimeter":
         return f"{unit[1].decode()!r} is not a unit"  # which is a check of its own
-    return "".join(each.note for each in package_checks(parts_of(data))
+    return "".join(each.note for each in package_checks(unpack_parts(data))
                    if each.ok is False)  # fmt: skip
 
 

@@ -46,8 +46,8 @@ from camgeo_export.threemf.writer import WRITER as THREEMF
 from camgeo_export.verify.body import solid_checks
 from camgeo_export.verify.dxf import VERIFIER as DXF_VERIFIER
 from camgeo_export.verify.gcode import VERIFIER as GCODE_VERIFIER
-from camgeo_export.verify.gcode import simulation_checks, traced
-from camgeo_export.verify.plane import contour_checks, farthest, joints_of, shapes_of
+from camgeo_export.verify.gcode import simulation_checks, trace_program
+from camgeo_export.verify.plane import boundary_shapes, contour_checks, contour_joints, farthest
 from camgeo_export.verify.step import VERIFIER as STEP_VERIFIER
 from camgeo_export.verify.stl import FACET, PREFIX
 from camgeo_export.verify.stl import VERIFIER as STL_VERIFIER
@@ -315,12 +315,12 @@ def test_kinks_of_lines_and_arcs(turn: float, sweep: float, left: bool) -> None:
         np.array([0.0, sign * sweep, 0.0]),
         np.array([0j, centre, 0j]),
     )
-    joints = joints_of(contour)
+    joints = contour_joints(contour)
     assert joints.kinks[1] == pytest.approx(abs(turn), abs=1e-14)
     last = tangent * np.exp(1j * sign * sweep)
     assert joints.kinks[2] == pytest.approx(abs(np.angle((-3.0 - end) * np.conj(last))), abs=1e-13)
-    assert joints.before[1] == 3.0
-    assert joints.after[1] == pytest.approx(2.0 * sweep)
+    assert joints.previous_length[1] == 3.0
+    assert joints.next_length[1] == pytest.approx(2.0 * sweep)
 
 
 def test_kinks_of_splines() -> None:
@@ -329,7 +329,7 @@ def test_kinks_of_splines() -> None:
     knots = np.array([0.0, 0, 0, 0, 1, 1, 1, 2, 2, 2, 2])
     spline = CubicSpline(knots, controls)
     back = Arc(3 + 3j, 0j, math.pi, 1.5 + 1.5j)
-    joints = joints_of(SplineContour((spline, back)))
+    joints = contour_joints(SplineContour((spline, back)))
     assert joints.places == pytest.approx(np.array([0, 3, 3 + 3j]))
     # The half circle leaves at right angles to the diagonal and comes back so.
     assert joints.kinks == pytest.approx(np.radians([45.0, 90.0, 45.0]))
@@ -425,7 +425,7 @@ def kink(contour: Contour) -> Check:
     cut = ROUNDING * math.tan(0.5 * turn)
     vertices = np.ravel(np.column_stack((ends - cut * np.roll(along, 1), ends + cut * along)))
     exact = Contour.through(vertices, np.tile([turn, 0.0], SIDES))
-    (shape,) = shapes_of((ExactBoundary("outline", hole=False, exact=exact),), 150.0, COARSE)
+    (shape,) = boundary_shapes((ExactBoundary("outline", hole=False, exact=exact),), 150.0, COARSE)
     found = contour_checks(shape, contour, COARSE)
     return {check.name: check for check in found}["kink"]
 
@@ -846,7 +846,7 @@ PROGRAM = GCODE.write(PRODUCT, TOLERANCE).data.decode()
 
 def runs_in(text: str) -> list[ToolRun]:
     program = run_program(text, load("linuxcnc"))
-    return [each.run for each in traced(PRODUCT, program, PRODUCT.milled.cuts)]
+    return [each.run for each in trace_program(PRODUCT, program, PRODUCT.milled.cuts)]
 
 
 def test_moves_are_those_of_the_program() -> None:

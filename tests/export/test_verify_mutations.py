@@ -21,7 +21,7 @@ from camgeo_export.verify.threemf import (
     PRODUCTION,
     RELATIONSHIPS_PATH,
     packed,
-    parts_of,
+    unpack_parts,
 )
 from camgeo_export.verify.threemf import VERIFIER as THREEMF_VERIFIER
 from tests.export.stub_product import StubProduct
@@ -233,7 +233,7 @@ def test_a_package_that_is_as_good(kind: str) -> None:
 )
 def test_the_model_is_the_one_that_a_package_leads_to(old: str, new: str) -> None:
     """It need not have the usual name, and another one may have that."""
-    parts = {path: part.decode() for path, part in parts_of(PACKAGE).items()}
+    parts = {path: part.decode() for path, part in unpack_parts(PACKAGE).items()}
     good = parts[MODEL].replace("camgeo 0.0.test", "another program")
     bad = good.replace(old, new, 1)
     assert bad != good
@@ -250,7 +250,7 @@ def test_the_model_is_the_one_that_a_package_leads_to(old: str, new: str) -> Non
 
 def test_an_item_of_another_part_is_not_taken_for_one_of_the_model() -> None:
     """Both have an object of that number, and programs that know the extension build the other."""
-    parts = {path: part.decode() for path, part in parts_of(PACKAGE).items()}
+    parts = {path: part.decode() for path, part in unpack_parts(PACKAGE).items()}
     good = parts[MODEL].replace("camgeo 0.0.test", "another program")
     item = f'<item xmlns:p="{PRODUCTION}" p:path="/3D/other.model" '
     other = re.sub("<build>.*</build>", "<build />", good)

@@ -44,8 +44,8 @@ from camgeo_export.dxf import writer as dxf_writer
 from camgeo_export.dxf.writer import WRITER as DXF
 from camgeo_export.gcode import writer as gcode_writer
 from camgeo_export.gcode.writer import WRITER as GCODE
-from camgeo_export.gcode.writer import ascii_of
-from camgeo_export.part21 import Extrusion, Solid, exchange_of
+from camgeo_export.gcode.writer import to_ascii
+from camgeo_export.part21 import Extrusion, Solid, read_exchange
 from camgeo_export.solid import prism
 from camgeo_export.step import writer as step_writer
 from camgeo_export.step.writer import WRITER as STEP
@@ -57,8 +57,8 @@ from camgeo_export.table import COLUMNS, POINTS, AscWriter
 from camgeo_export.table import WRITER as CSV
 from camgeo_export.threemf.writer import WRITER as THREEMF
 from camgeo_export.verify import stl, threemf
-from camgeo_export.verify.gcode import stated
-from camgeo_export.verify.threemf import MODEL_PATH, parts_of
+from camgeo_export.verify.gcode import parse_notes
+from camgeo_export.verify.threemf import MODEL_PATH, unpack_parts
 from tests.export.stub_product import PIECES, StubProduct, StubScene
 from tests.export.test_solids import ENGRAVED
 from tests.export.verified import TOLERANCE, measured, read_back
@@ -138,7 +138,7 @@ def test_walls_of_letters_are_splines_where_step_files_have_splines() -> None:
         for each in ENGRAVED.boundaries
         if text_name(each.name)
     )
-    found = Solid.of(data)
+    found = Solid.from_bytes(data)
     assert sum(isinstance(each.surface, Extrusion) for each in found.faces) >= curved
 
 
@@ -181,7 +181,7 @@ def of_3mf(data: bytes) -> str:
     model.QueryReader("3mf").ReadFromBuffer(data)
     objects = model.GetMeshObjects()
     assert objects.MoveNext()
-    assert TITLE in parts_of(data)[MODEL_PATH].decode("utf-8")
+    assert TITLE in unpack_parts(data)[MODEL_PATH].decode("utf-8")
     name: str = objects.GetCurrentMeshObject().GetName()
     return name
 
@@ -230,7 +230,7 @@ def test_a_title_states_nothing_of_a_program() -> None:
         [line.strip("()") for line in text.splitlines() if line.startswith("(")]
         for text in (plain, told)
     ]
-    assert astuple(stated(notes[0])) == astuple(stated(notes[1]))
+    assert astuple(parse_notes(notes[0])) == astuple(parse_notes(notes[1]))
 
 
 def test_the_table_is_utf8_and_its_own_headings_are_ascii() -> None:
@@ -242,12 +242,12 @@ def test_the_table_is_utf8_and_its_own_headings_are_ascii() -> None:
     ("Kurvenscheibe Å – ⌀8", "Kurvenscheibe Aa - dia. 8"), ("カム", "??"), ("u\u0308", "ue"),
 ])  # fmt: skip
 def test_how_characters_are_spelled(text: str, plain: str) -> None:
-    assert ascii_of(text) == plain
+    assert to_ascii(text) == plain
 
 
 @given(st.text())
 def test_everything_is_spelled_in_ascii(text: str) -> None:
-    found = ascii_of(text)
+    found = to_ascii(text)
     assert found.isascii()
     if text.isascii():
         assert found == text
@@ -349,11 +349,11 @@ STEPPED = STEP.write(DISC, COARSE).data
 
 
 def read_step() -> None:
-    exchange_of(STEPPED)
+    read_exchange(STEPPED)
 
 
 def read_drawing() -> None:
-    dxf_reader.drawing_of(DXF.write(DISC, COARSE).data).contours("CUT")
+    dxf_reader.read_drawing(DXF.write(DISC, COARSE).data).contours("CUT")
 
 
 LIMITS: dict[str, tuple[object, str, int, Callable[[], object], str]] = {
@@ -363,9 +363,9 @@ LIMITS: dict[str, tuple[object, str, int, Callable[[], object], str]] = {
     "contours of a dxf": (dxf_reader, "CONTOURS", 2, read_drawing, "2 closed contours"),
     "svg": (svg_writer, "SVG_PIECES", 2 * PIECES,
             lambda: SVG.write(DISC, COARSE), "would have 24 pieces"),
-    "contours of an svg": (svg_writer, "CONTOURS", 5, lambda: svg_writer.drawing_of(squares(5)),
+    "contours of an svg": (svg_writer, "CONTOURS", 5, lambda: svg_writer.read_drawing(squares(5)),
                            "5 closed contours"),
-    "pieces of an svg": (svg_writer, "SVG_PIECES", 20, lambda: svg_writer.drawing_of(squares(5)),
+    "pieces of an svg": (svg_writer, "SVG_PIECES", 20, lambda: svg_writer.read_drawing(squares(5)),
                          "20 lines and arcs"),
     "entities of a step": (part21, "INSTANCES", STEPPED.count(b"\n#"), read_step,
                            "more entities"),

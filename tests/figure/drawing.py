@@ -7,7 +7,7 @@ from matplotlib.figure import Figure as Page
 
 from camgeo.pictures.model import Figure
 from camgeo_export.plots import RC
-from camgeo_export.plots import drawn as page
+from camgeo_export.plots import draw_page as page
 
 
 def drawn(figure: Figure) -> Page:

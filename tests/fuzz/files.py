@@ -21,7 +21,7 @@ from camgeo.pictures import plots
 from camgeo.scene.formats.format import FORMATS
 from camgeo.scene.scene import load_scene
 from camgeo.studies.inspection import Align
-from camgeo_export.verify.threemf import parts_of
+from camgeo_export.verify.threemf import unpack_parts
 from tests.fuzz.case import SCENE, Case, Step
 from tests.fuzz.drawn import WORDS
 from tests.fuzz.scenes import FIXTURES, fixtures
@@ -85,7 +85,7 @@ def _built(rng: Random) -> Case:
     files = dict(outputs(name))
     target = rng.choice(tuple(files))
     packs = target.endswith(".3mf") and rng.random() < 0.8
-    damaged = repacked(parts_of(files[target]), rng) if packs else mutated(files[target], rng)
+    damaged = repacked(unpack_parts(files[target]), rng) if packs else mutated(files[target], rng)
     scene = (FIXTURES / "scenes" / f"{name}.toml").read_bytes()
     kept = {SCENE: scene, target: damaged}
     for other in files:

@@ -21,7 +21,7 @@ from pathlib import Path
 from random import Random
 from typing import Any, Final
 
-from camgeo_export.verify.threemf import parts_of
+from camgeo_export.verify.threemf import unpack_parts
 from tests.hostile.inputs import (
     Named,
     bodies,
@@ -115,7 +115,7 @@ def measured(reader: str, name: str, data: bytes) -> dict[str, Any]:
 
 def mutants(reader: str, sample: bytes, seeds: range) -> Named:
     """Mutations of a good file; of packages, half of the mutations are of what is packed."""
-    parts = parts_of(sample) if reader == "3mf" else {}
+    parts = unpack_parts(sample) if reader == "3mf" else {}
     for seed in seeds:
         chance = Random(seed)
         data = repacked(parts, chance) if parts and seed % 2 else mutated(sample, chance)

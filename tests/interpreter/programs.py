@@ -17,9 +17,9 @@ from camgeo.errors import FileError
 from camgeo.milling.machine import load
 from camgeo.scene.scene import parse_scene
 from camgeo_export.gcode.writer import WRITER
-from camgeo_export.interpreter.moves import Event, Run
+from camgeo_export.interpreter.moves import Event, ProgramRun
 from camgeo_export.interpreter.run import LINTER, run
-from camgeo_export.verify.gcode import VERIFIER, bench_of
+from camgeo_export.verify.gcode import VERIFIER, program_bench
 
 # Good programs ------------------------------------------------------------------------------------
 
@@ -208,10 +208,10 @@ def failing(product: Product, data: bytes, tolerance: float = TOLERANCE) -> list
     return [check for check in checks if check.ok is False]
 
 
-def require_clean(product: Product, data: bytes) -> Run:
+def require_clean(product: Product, data: bytes) -> ProgramRun:
     """That nothing is found in a program, and it measures and verifies."""
     profile = load(product.milled.gcode.machine)
-    found = run(data, profile, bench_of(product, profile))
+    found = run(data, profile, program_bench(product, profile))
     assert found.findings == ()
     assert WRITER.measure(product, data) <= TOLERANCE
     assert failing(product, data) == []

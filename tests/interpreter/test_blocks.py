@@ -20,7 +20,7 @@ from hypothesis import strategies as st
 from camgeo.errors import FileError
 from camgeo.milling.machine import load, names
 from camgeo.numeric.arrays import phase
-from camgeo_export.interpreter.moves import RULES, CutterMove, Run
+from camgeo_export.interpreter.moves import RULES, CutterMove, ProgramRun
 from camgeo_export.interpreter.run import run
 from tests.interpreter.programs import GOOD
 from tests.long_form import examples
@@ -335,7 +335,7 @@ def test_a_corner_is_rounded_by_a_tangent_arc() -> None:
     assert (told.line, told.rule) == (11, "unsupported")
 
 
-def with_block(machine: str, block: str, mark: str = "G1 Y-5.0\n") -> Run:
+def with_block(machine: str, block: str, mark: str = "G1 Y-5.0\n") -> ProgramRun:
     """The good program of a machine with a block before `mark`, in its middle."""
     good = GOOD[machine]
     assert mark in good
@@ -561,7 +561,7 @@ WORDS = (
 )  # fmt: skip
 
 
-def check(found: Run, text: str) -> None:
+def check(found: ProgramRun, text: str) -> None:
     lines = len(re.split(r"\r\n|\r|\n", text))
     for each in found.findings:
         assert 0 <= each.line <= lines

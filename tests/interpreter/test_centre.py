@@ -21,9 +21,9 @@ from camgeo_export.interpreter.moves import (
     Findings,
     Kind,
     Parallel,
-    Run,
-    centres,
-    judge,
+    ProgramRun,
+    centre_path,
+    check_compensation,
     meeting,
 )
 from camgeo_export.interpreter.run import run
@@ -102,7 +102,7 @@ def test_the_cutter_touches_both(
             place = each.move.centre + (each.move.start - each.move.centre) * turned
         assert abs(point - place) == pytest.approx(RADIUS, abs=1e-9)
         if share > 0.0:
-            assert abs(each.beside(place) - point) == pytest.approx(0.0, abs=1e-6)
+            assert abs(each.offset_point(place) - point) == pytest.approx(0.0, abs=1e-6)
 
 
 def test_an_arc_has_room_for_smaller_cutters_only() -> None:
@@ -131,12 +131,12 @@ END: Final = "G0 Z5\nM5\nM2\n"
 EDGE: Final = "G1 G41 D1 X0 Y0\nG1 X20 Y0\n{}G1 G40 X40 Y40\n"
 
 
-def of(body: str, machine: str = "linuxcnc") -> Run:
+def of(body: str, machine: str = "linuxcnc") -> ProgramRun:
     return run(HEAD + body + END, load(machine))
 
 
-def ends(found: Run, radius: float) -> list[complex]:
-    moves = centres(found.moves, lambda _: radius)
+def ends(found: ProgramRun, radius: float) -> list[complex]:
+    moves = centre_path(found.moves, lambda _: radius)
     return [move.end for move in moves if move.kind != "rapid" and move.start != move.end]
 
 
@@ -167,7 +167,7 @@ def test_an_inner_corner_is_cut_where_the_parallels_meet_and_an_outer_one_is_rou
     assert ends(found, radius) == pytest.approx(expected)
     made = [
         (move.centre, move.sweep)
-        for move in centres(found.moves, lambda _: radius)
+        for move in centre_path(found.moves, lambda _: radius)
         if move.kind == "arc"
     ]
     assert made == [pytest.approx(each) for each in arcs]
@@ -176,7 +176,7 @@ def test_an_inner_corner_is_cut_where_the_parallels_meet_and_an_outer_one_is_rou
 def test_arcs_keep_their_centre_and_change_their_radius() -> None:
     """Inside, outside, and with a corner between line and arc."""
     found = of(EDGE.format("G3 X30 Y10 I0 J10\nG2 X40 Y20 I10 J0\nG1 X50 Y20\n"))
-    moves = [move for move in centres(found.moves, lambda _: 2.0) if move.kind == "arc"]
+    moves = [move for move in centre_path(found.moves, lambda _: 2.0) if move.kind == "arc"]
     inner, outer = moves
     assert [abs(inner.start - inner.centre), abs(inner.end - inner.centre)] == pytest.approx([8, 8])
     assert [abs(outer.start - outer.centre), abs(outer.end - outer.centre)] == pytest.approx(
@@ -188,10 +188,10 @@ def test_arcs_keep_their_centre_and_change_their_radius() -> None:
 
 def test_moves_along_z_stay_beside_the_path_and_without_an_offset_nothing_changes() -> None:
     found = of(EDGE.format("G1 Z-2\nG1 X20 Y20\n"))
-    moves = centres(found.moves, lambda _: 2.0)
+    moves = centre_path(found.moves, lambda _: 2.0)
     (down,) = (move for move in moves if move.z_end == -2.0 != move.z_start)
     assert down.start == down.end
-    unchanged = centres(found.moves, lambda _: 0.0)
+    unchanged = centre_path(found.moves, lambda _: 0.0)
     assert all(one is other for one, other in zip(unchanged, found.moves, strict=True))
     assert found.compensated is not None
     assert found.centred(lambda _: 2.0).compensated is None
@@ -204,8 +204,8 @@ def test_what_a_controller_refuses_depends_on_the_offset(radius: float, rules: l
     """The way on is 10 mm long, the arc has 10 mm, to the left."""
     moves = of(EDGE.format("G3 X30 Y10 I0 J10\nG1 X30 Y30\n")).moves
     findings = Findings(10)
-    judge(moves, lambda _: radius, findings)
-    assert [finding.rule for finding in findings.found][: len(rules) or 1] == rules
+    check_compensation(moves, lambda _: radius, findings)
+    assert [finding.rule for finding in findings.reported][: len(rules) or 1] == rules
 
 
 def test_arcs_whose_radii_are_rounded_have_no_corners() -> None:
@@ -220,8 +220,8 @@ G2 X29.000 Y-50.229 I-30.903 J42.579
 G1 G40 X10 Y-60
 """
     findings = Findings(10)
-    judge(of(body).moves, lambda _: 0.216, findings)
-    assert [finding.rule for finding in findings.found] == []
+    check_compensation(of(body).moves, lambda _: 0.216, findings)
+    assert [finding.rule for finding in findings.reported] == []
 
 
 @pytest.mark.parametrize(

@@ -21,8 +21,8 @@ from camgeo.app.cli.main import main
 from camgeo.design.linting import Bench, LineFinding
 from camgeo.milling.machine import MEANINGS, load
 from camgeo_export.gcode.writer import WRITER
-from camgeo_export.interpreter.controller import COMMON, GROUP_OF
-from camgeo_export.interpreter.moves import RULES, Run
+from camgeo_export.interpreter.controller import COMMON, MODAL_GROUPS
+from camgeo_export.interpreter.moves import RULES, ProgramRun
 from camgeo_export.interpreter.run import run
 from camgeo_export.verify.gcode import VERIFIER
 from tests.answers.documents import RING, UNHELD, document
@@ -33,7 +33,7 @@ from tests.kept import compare_documents
 CLEARANCE = 5.0
 
 
-def linted(text: str, machine: str, radii: tuple[tuple[int, float], ...] = ()) -> Run:
+def linted(text: str, machine: str, radii: tuple[tuple[int, float], ...] = ()) -> ProgramRun:
     return run(text, load(machine), Bench(clearance=CLEARANCE, radii=radii))
 
 
@@ -429,9 +429,9 @@ def test_most_rules_are_broken_by_a_foolish_program() -> None:
 
 
 def test_meanings_are_in_groups() -> None:
-    assert set(COMMON.values()) <= GROUP_OF.keys()
+    assert set(COMMON.values()) <= MODAL_GROUPS.keys()
     assert (
-        set(MEANINGS) - {"not read"} == GROUP_OF.keys()
+        set(MEANINGS) - {"not read"} == MODAL_GROUPS.keys()
     )  # profiles name what the interpreter knows
 
 

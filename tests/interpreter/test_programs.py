@@ -28,9 +28,9 @@ from camgeo.milling.milling import CORNERS, HEIGHTS, GcodeSpec
 from camgeo.scene.scene import parse_scene
 from camgeo.units import LengthUnit
 from camgeo_export.gcode.writer import WRITER
-from camgeo_export.interpreter.moves import CutterMove, Run
+from camgeo_export.interpreter.moves import CutterMove, ProgramRun
 from camgeo_export.interpreter.run import run
-from camgeo_export.verify.gcode import VERIFIER, bench_of
+from camgeo_export.verify.gcode import VERIFIER, program_bench
 from tests.export.stub_product import TOOL, StubProduct
 from tests.interpreter.programs import (
     CAM,
@@ -131,7 +131,7 @@ def written_within(product: Product, asked: float) -> tuple[bytes, float]:
     return WRITER.write(product, reached).data, reached
 
 
-def lifted(program: Run) -> set[str]:
+def lifted(program: ProgramRun) -> set[str]:
     """Operations that do not make all their cuts one after the other."""
     parts = groupby(program.moves, lambda move: (move.operation, move.kind == "rapid"))
     counts = Counter(name for (name, rapid), _ in parts if not rapid)
@@ -153,7 +153,7 @@ def test_programs_of_fixture_scenes_are_clean_and_verify(
     profile = load(machine)
     for product in products(folder, scene, machine):
         data, kept = written_within(product, tolerance or product.scene.output.tolerance)
-        found = run(data, profile, bench_of(product, profile))
+        found = run(data, profile, program_bench(product, profile))
         assert found.findings == ()
         assert lifted(found) <= {cut.name for cut in product.milled.cuts if cut.strategy == "drill"}
         if not (LONG or machine == VERIFIED):  # to measure the path takes half a second
@@ -194,7 +194,7 @@ def test_programs_of_held_blanks_are_clean_and_verify(held: str, machine: str) -
     product = product_of(text)
     found = require_clean(product, written(text))
     assert {move.coolant for move in found.moves if move.kind != "rapid"} == {"flood"}
-    bench = bench_of(product, load(machine))
+    bench = program_bench(product, load(machine))
     assert bench.stock_top == (1.0 if held == "screws" else 0.0)
 
 
@@ -378,8 +378,8 @@ def scene_from(machine: str = "linuxcnc", zero: str = "axis", height: str = "par
     return f'{COARSE}machine = "{machine}"\nzero = "{zero}"\nzero_height = "{height}"\n{PLATE}'
 
 
-def read(text: str, machine: str) -> Run:
-    return run(written(text), load(machine), bench_of(product_of(text), load(machine)))
+def read(text: str, machine: str) -> ProgramRun:
+    return run(written(text), load(machine), program_bench(product_of(text), load(machine)))
 
 
 def test_all_corners_and_faces_are_where_they_say() -> None:
@@ -547,7 +547,7 @@ def bad(mode: str, machine: str, text: str) -> list[str]:
     return [check.name for check in failing(product(mode, machine), text.encode())]
 
 
-def compensated(found: Run) -> list[CutterMove]:
+def compensated(found: ProgramRun) -> list[CutterMove]:
     return [move for move in found.moves if move.compensation]
 
 
@@ -571,7 +571,7 @@ def test_without_wear_the_path_is_the_computed_one(machine: str) -> None:
     """What is programmed for wear is the centre's path; only the leads differ."""
     disc, profile = product("wear", machine), load(machine)
     plain = Design(disc.scene.with_values({"output.gcode.compensation": "computed"})).discs[0]
-    bench = bench_of(disc, profile)
+    bench = program_bench(disc, profile)
     own = run(WRITER.write(plain, TOLERANCE).data.decode(), profile, bench)
     worn = run(program("wear", machine), profile, bench)
     for name in FINISHES["wear"]:

@@ -7,7 +7,7 @@ import math
 from collections import defaultdict
 from dataclasses import dataclass
 
-from camgeo_export.interpreter.moves import CutterMove, Run
+from camgeo_export.interpreter.moves import CutterMove, ProgramRun
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class Leg:
     feed: float = math.nan
 
 
-def difference(found: Run, legs: list[Leg]) -> float:
+def difference(found: ProgramRun, legs: list[Leg]) -> float:
     """The largest distance [mm] of an end or a centre, over all moves; they must be of one kind.
 
     Moves to places that a program does not state, such as the machine's reference, are left out.

@@ -54,7 +54,7 @@ from camgeo.part.spec import (
     din_6885_1,
 )
 from camgeo.scene.schema import schema
-from camgeo_export.reading import layer_name, of_the_part
+from camgeo_export.reading import layer_name, part_layers
 from tests.contour.cams import flank, outline, polyline
 from tests.contour.paths import cut_off_lobe, swallow_tail
 from tests.draws.walls import misses
@@ -361,7 +361,7 @@ def test_edges_of_hubs_pockets_and_holes() -> None:
         "lower hub": "RAISED_BELOW_7",
     }
     assert layer_name(found["pocket"], 25.4) == "BLIND_0.246063"
-    assert of_the_part(["0", *names.values(), "BLIND", "BLINDS", "PITCH_CURVE"]) == {
+    assert part_layers(["0", *names.values(), "BLIND", "BLINDS", "PITCH_CURVE"]) == {
         *names.values(),
         "BLIND",
     }

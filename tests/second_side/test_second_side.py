@@ -30,7 +30,7 @@ from camgeo.pictures.model import Area
 from camgeo.scene.scene import parse_scene
 from camgeo_export.gcode.writer import WRITER, budget
 from camgeo_export.interpreter.run import run
-from camgeo_export.verify.gcode import bench_of
+from camgeo_export.verify.gcode import program_bench
 from tests.answers.documents import validator
 from tests.draws.jobs import read
 from tests.interpreter.programs import failing
@@ -80,7 +80,7 @@ def clean_and_verified(machine: str, tables: str, about: str) -> None:
     assert len({each.name for each in pieces}) == len(pieces) >= 2
     for piece in pieces:
         text = written(piece)
-        assert run(text, profile, bench_of(piece, profile)).findings == ()
+        assert run(text, profile, program_bench(piece, profile)).findings == ()
         assert WRITER.measure(piece, text.encode()) <= TOLERANCE
         assert failures(disc, text) == []
 
@@ -135,7 +135,7 @@ def test_a_program_read_back_is_the_planned_path(about: str, mode: str) -> None:
     product = compensated(about, mode)
     machine, zero = load("linuxcnc"), product.milled.zero
     assert zero.turned == about
-    found = run(written(product), machine, bench_of(product, machine))
+    found = run(written(product), machine, program_bench(product, machine))
     planned = arcs_of(product, budget(machine, "mm", TOLERANCE).fit)
     printed = [move for move in found.moves if move.kind == "arc"]
     inside = [move for move in found.in_the_part(zero).moves if move.kind == "arc"]

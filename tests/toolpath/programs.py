@@ -278,7 +278,7 @@ def document(name: str) -> dict[str, Any]:
     deepest: dict[int, list[float]] = {}
     for each in depths(setup, runs):
         before = deepest.get(each.run, [0.0, 0.0])
-        deepest[each.run] = [max(before[0], each.ahead), max(before[1], each.beside)]
+        deepest[each.run] = [max(before[0], each.ahead), max(before[1], each.engagement)]
     areas = any(isinstance(cut, AreaCut) for cut in cuts)
     plots = () if areas else plotted(plan, setup.blank, setup.top, 0.05)
     return {

@@ -538,7 +538,7 @@ def found(*runs: ToolRun, setup: Setup = PLATE) -> list[Depth]:
 
 def worst(*runs: ToolRun) -> tuple[float, float]:
     each = found(*runs)
-    return max(d.ahead for d in each), max(d.beside for d in each)
+    return max(d.ahead for d in each), max(d.engagement for d in each)
 
 
 def test_a_slot_and_its_passes() -> None:
@@ -552,7 +552,7 @@ def test_along_a_wall_that_is_roughed_nothing_stands_ahead() -> None:
     rough, finish = run(*along(0.0, -4.0)), run(*along(0.3, -4.0))
     second = [each for each in found(rough, finish) if each.run == 1]
     assert max(each.ahead for each in second) == 0.0
-    assert max(each.beside for each in second) == 4.0
+    assert max(each.engagement for each in second) == 4.0
 
 
 def test_air_is_no_material() -> None:

@@ -32,7 +32,9 @@ def _with_lines(faults: tuple[Fault, ...], text: str) -> tuple[Fault, ...]:
         return faults
     lines = key_lines(text.replace("\r\n", "\n"))  # only a text that is TOML has faults with keys
     return tuple(
-        fault if fault.line else replace(fault, line=nearest_line(parse_path(fault.key) or (), lines))
+        fault
+        if fault.line
+        else replace(fault, line=nearest_line(parse_path(fault.key) or (), lines))
         for fault in faults
     )
 

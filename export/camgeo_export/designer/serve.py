@@ -57,18 +57,20 @@ class Connection(H11Protocol):
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]  # uvicorn narrows it too
         super().connection_made(transport)
-        self.made = self.loop.time()
-        self.loop.call_later(PATIENCE, self._give_up)
+        self.opened = self.loop.time()
+        self.loop.call_later(PATIENCE, self._close_if_idle)
         if len(self.connections) > MOST_CONNECTIONS:
-            found = (each for each in self.connections if isinstance(each, Connection))
-            min(found, key=lambda each: each.made).abort()
+            connections = (
+                connection for connection in self.connections if isinstance(connection, Connection)
+            )
+            min(connections, key=lambda connection: connection.opened).abort()
 
     def abort(self) -> None:
         """Close it at once, whatever it is doing."""
         self.transport.abort()
         self.connections.discard(self)
 
-    def _give_up(self) -> None:
+    def _close_if_idle(self) -> None:
         if self in self.connections and not self.headers:  # None until there is a request
             self.abort()
 
@@ -77,22 +79,22 @@ def listening(host: str, port: int) -> socket.socket:
     """A socket that listens at host and port; CamgeoError if it cannot."""
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
     # With its protocol stated, asyncio sends each message at once, not 40 ms later.
-    found = socket.socket(family, socket.SOCK_STREAM, socket.IPPROTO_TCP)
+    listener = socket.socket(family, socket.SOCK_STREAM, socket.IPPROTO_TCP)
     try:
-        found.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        found.bind((host, port))
-        found.listen(BACKLOG)
+        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        listener.bind((host, port))
+        listener.listen(BACKLOG)
     except OSError as error:
-        found.close()
+        listener.close()
         raise CamgeoError(f"cannot listen at {host}, port {port}: {unreadable(error)}") from error
-    return found
+    return listener
 
 
 def serve(
     desk: Desk,
     host: str,
     port: int,
-    tell: Callable[[str, bool], None],
+    announce: Callable[[str, bool], None],
     *,
     notes: Sequence[str] = (),
     browser: bool = True,
@@ -111,26 +113,26 @@ def serve(
     CamgeoError
         If it cannot listen there.
     """
-    with contextlib.closing(desk), listening(host, port) as found, Children() as children:
-        address = Address(host, found.getsockname()[1])
+    with contextlib.closing(desk), listening(host, port) as listener, Children() as children:
+        address = Address(host, listener.getsockname()[1])
         jobs = Jobs(desk, children.submit, children.cancel)
         keys = Keys()
-        url = f"http://{address.shown}/?token="
+        url = f"http://{address.netloc}/?token="
 
         def ready() -> None:
-            tell(f"{url}{keys.token}", is_loopback(host))
+            announce(f"{url}{keys.token}", is_loopback(host))
             if browser and _has_screen():
                 # The end does not wait for this thread: some browsers keep it while they run.
                 threading.Thread(target=_open, args=(url + keys.lend(),), daemon=True).start()
 
-        asyncio.run(_serve(Session(desk, jobs, notes), address, keys, found, ready))
+        asyncio.run(_serve(Session(desk, jobs, notes), address, keys, listener, ready))
 
 
 LARGEST: Final = 3 * SCENE.size
 """Most bytes of a message: JSON spells some characters of a scene with two or more."""
 
 
-def server_of(app: Guard) -> uvicorn.Server:
+def make_server(app: Guard) -> uvicorn.Server:
     """The server of an application, with all limits. Requests are not logged: one has a token."""
     config = uvicorn.Config(
         app,
@@ -155,15 +157,15 @@ async def _serve(
     session: Session,
     address: Address,
     keys: Keys,
-    found: socket.socket,
+    listener: socket.socket,
     ready: Callable[[], None],
 ) -> None:
-    server = server_of(application(session, address, keys))
+    server = make_server(application(session, address, keys))
     working = asyncio.create_task(session.run())
     working.add_done_callback(lambda _: setattr(server, "should_exit", True))
     ready()
     try:
-        await server.serve(sockets=[found])
+        await server.serve(sockets=[listener])
     finally:
         working.cancel()
         with contextlib.suppress(asyncio.CancelledError):
@@ -209,19 +211,19 @@ PAGE: Final = {
 def application(session: Session, address: Address, keys: Keys) -> Guard:
     """The application of a session at that address."""
 
-    async def socket(found: WebSocket) -> None:
-        await found.accept()
+    async def socket(websocket: WebSocket) -> None:
+        await websocket.accept()
         if session.pages >= MOST_PAGES:
-            await found.close(FULL, "too many pages of this designer are open")
+            await websocket.close(FULL, "too many pages of this designer are open")
             return
         try:
-            await session.serve(Page(found))
+            await session.serve(Page(websocket))
         except WebSocketDisconnect as gone:
             if gone.code == NO_TEXT:
-                await found.close(NO_TEXT, "messages are texts")
+                await websocket.close(NO_TEXT, "messages are texts")
         except Exception:
             LOG.exception("a page of the designer has ended with an error in camgeo")
-            await found.close(BROKEN, "an error in camgeo")
+            await websocket.close(BROKEN, "an error in camgeo")
 
     async def built(request: Request) -> Response:
         name = request.path_params["name"]
@@ -334,9 +336,9 @@ class Keys:
         """Whether a token is valid; a spare one is used up."""
         if _same(token, self.token):
             return True
-        found = next((each for each in self.spare if _same(token, each)), None)
-        self.spare.discard(found or "")
-        return found is not None
+        match = next((candidate for candidate in self.spare if _same(token, candidate)), None)
+        self.spare.discard(match or "")
+        return match is not None
 
     def knows(self, cookie: str) -> bool:
         """Whether a cookie is the one that was set."""
@@ -364,11 +366,11 @@ class Address:
     @property
     def hosts(self) -> frozenset[str]:
         """Names of this server in requests, without the port."""
-        own = (socket.gethostname(),) if self.everywhere else (self.host,)
-        return frozenset(each.lower() for each in (*LOOPBACK, *own))
+        names = (socket.gethostname(),) if self.everywhere else (self.host,)
+        return frozenset(name.lower() for name in (*LOOPBACK, *names))
 
     @property
-    def shown(self) -> str:
+    def netloc(self) -> str:
         """Host and port, as in an address that a browser on this machine can open."""
         return authority(LOOPBACK[0] if self.everywhere else self.host, self.port)
 
@@ -399,13 +401,13 @@ class Guard:
             await send(message)
 
         headers = _headers(scope)
-        found = self._refusal(scope, headers)
-        if found is not None:
-            await _answer(scope, guarded, *found)
+        refusal = self._refusal(scope, headers)
+        if refusal is not None:
+            await _answer(scope, guarded, *refusal)
             return
         token = _token(scope)
         if token is not None and self.keys.takes(token):
-            await self._let_in(guarded, headers)
+            await self._exchange_token(guarded, headers)
         elif self.keys.knows(_cookie(headers, self._cookie)):
             await self.app(scope, receive, guarded)
         else:
@@ -423,7 +425,7 @@ class Guard:
         if len(hosts) != 1 or not self.address.is_meant(hosts[0]):
             return 421, "The request is meant for another host than this designer."
         origins = headers.get("origin", ())
-        if any(each.lower() != f"http://{hosts[0].lower()}" for each in origins):
+        if any(origin.lower() != f"http://{hosts[0].lower()}" for origin in origins):
             return 403, "Pages of other origins have no access to this designer."
         if scope["type"] == "websocket":
             return None if origins else (403, "A WebSocket must name its origin.")
@@ -436,14 +438,14 @@ class Guard:
             return 403, "Pages of other origins have no access to this designer."
         return None
 
-    async def _let_in(self, send: Send, headers: Mapping[str, tuple[str, ...]]) -> None:
+    async def _exchange_token(self, send: Send, headers: Mapping[str, tuple[str, ...]]) -> None:
         """Exchange the token for the cookie, and redirect to the address without it."""
-        given = f"{self._cookie}={self.keys.cookie}; Path=/; HttpOnly; SameSite=Strict"
-        found = [(b"set-cookie", given.encode())]
+        cookie = f"{self._cookie}={self.keys.cookie}; Path=/; HttpOnly; SameSite=Strict"
+        cookie_headers = [(b"set-cookie", cookie.encode())]
         if headers.get("sec-fetch-site", ("none",))[0] == "none":
-            await _reply(send, 303, b"", [*found, (b"location", ENTRY.encode())])
+            await _reply(send, 303, b"", [*cookie_headers, (b"location", ENTRY.encode())])
         else:
-            await _reply(send, 200, BOUNCE, [*found, (b"content-type", b"text/html")])
+            await _reply(send, 200, BOUNCE, [*cookie_headers, (b"content-type", b"text/html")])
 
 
 def authority(host: str, port: int) -> str:
@@ -481,11 +483,11 @@ def _is_literal(name: str) -> bool:
 
 
 def _headers(scope: Scope) -> dict[str, tuple[str, ...]]:
-    found: dict[str, tuple[str, ...]] = {}
+    headers: dict[str, tuple[str, ...]] = {}
     for name, value in scope["headers"]:
         key = name.decode("latin-1").lower()
-        found[key] = (*found.get(key, ()), value.decode("latin-1"))
-    return found
+        headers[key] = (*headers.get(key, ()), value.decode("latin-1"))
+    return headers
 
 
 def _token(scope: Scope) -> str | None:
@@ -497,8 +499,8 @@ def _token(scope: Scope) -> str | None:
 
 
 def _cookie(headers: Mapping[str, tuple[str, ...]], name: str) -> str:
-    for each in ";".join(headers.get("cookie", ())).split(";"):
-        key, _, value = each.partition("=")
+    for pair in ";".join(headers.get("cookie", ())).split(";"):
+        key, _, value = pair.partition("=")
         if key.strip() == name:
             return value.strip()
     return ""

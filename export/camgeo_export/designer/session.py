@@ -62,7 +62,7 @@ class MessageError(CamgeoError, ValueError):
 
 
 @dataclass(frozen=True, slots=True)
-class Said:
+class PageMessage:
     """A message from a page.
 
     Attributes
@@ -76,7 +76,7 @@ class Said:
     id: str | int | None = None
     arguments: Mapping[str, Any] = field(default_factory=dict)
 
-    def replaces(self, waiting: Said) -> bool:
+    def replaces(self, waiting: PageMessage) -> bool:
         """Whether this makes a waiting message unnecessary, as a later place of the same drag."""
         gesture = self.arguments.get("gesture")
         alike = self.kind == waiting.kind and self.arguments.keys() == waiting.arguments.keys()
@@ -180,14 +180,14 @@ WHOLE: Final = ("undo", "redo", "reload", "open", "new")
 TEXTUAL: Final = ("edits", "effect", "segment", "table")
 """Changes that need nothing but the text."""
 
-MOST_ASKED: Final = 100
+MOST_REQUESTS: Final = 100
 """Requests that wait to be done."""
 
 MOST_JOBS: Final = 8
 """Jobs of ANSWERS that wait or are being done."""
 
 
-def understood(text: str) -> Said:
+def parse_message(text: str) -> PageMessage:
     """The message in a text.
 
     Raises
@@ -196,19 +196,19 @@ def understood(text: str) -> Said:
         If it is not JSON, or not as its kind must be.
     """
     try:
-        found = json.loads(text, parse_constant=_no_number)
-        flat = _is_flat(found, DEEPEST)
+        message = json.loads(text, parse_constant=_no_number)
+        flat = _is_flat(message, DEEPEST)
     except (ValueError, RecursionError):
         raise MessageError("a message must be JSON, with finite numbers") from None
-    if not isinstance(found, dict) or not flat:
+    if not isinstance(message, dict) or not flat:
         raise MessageError(f"a message must be a table, at most {DEEPEST} deep, of finite numbers")
-    id_ = found.pop("id", None)
+    id_ = message.pop("id", None)
     if id_ is not None and not (_is_index(id_) or _is_name(id_)):
         raise MessageError("id must be a short text or a whole number")
-    kind = found.pop("kind", None)
+    kind = message.pop("kind", None)
     if not isinstance(kind, str) or kind not in KINDS:
         raise MessageError(f"kind must be one of {', '.join(KINDS)}", id_)
-    for key, value in found.items():
+    for key, value in message.items():
         check = KINDS[kind].get(key)
         if check is None:
             raise MessageError(f"{kind} has no {key[:LONGEST_NAME]!r}", id_)
@@ -216,20 +216,20 @@ def understood(text: str) -> Said:
             continue
         if not check(value):
             raise MessageError(f"{key} of {kind} is not what it must be", id_)
-    given = {key: value for key, value in found.items() if value is not None}
+    arguments = {key: value for key, value in message.items() if value is not None}
     for key in NEEDED.get(kind, ()):
-        if key not in given:
+        if key not in arguments:
             raise MessageError(f"{kind} needs {key}", id_)
     if kind == "change":
-        _check_change(given, id_)
-    return Said(kind, id_, given)
+        _check_change(arguments, id_)
+    return PageMessage(kind, id_, arguments)
 
 
-def _check_change(given: Mapping[str, Any], id_: str | int | None) -> None:
-    stated = [key for key in CHANGES if key in given]
+def _check_change(arguments: Mapping[str, Any], id_: str | int | None) -> None:
+    stated = [key for key in CHANGES if key in arguments]
     if len(stated) != 1:
         raise MessageError(f"change needs one of {', '.join(CHANGES)}", id_)
-    if ("handle" in given) != ("to" in given):
+    if ("handle" in arguments) != ("to" in arguments):
         raise MessageError("a handle needs a place to go to, and only that", id_)
 
 
@@ -238,9 +238,9 @@ def _is_flat(value: Any, depth: int) -> bool:
     if isinstance(value, float):
         return math.isfinite(value)
     if isinstance(value, dict):
-        return depth > 0 and all(_is_flat(each, depth - 1) for each in value.values())
+        return depth > 0 and all(_is_flat(member, depth - 1) for member in value.values())
     if isinstance(value, list):
-        return depth > 0 and all(_is_flat(each, depth - 1) for each in value)
+        return depth > 0 and all(_is_flat(member, depth - 1) for member in value)
     return True
 
 
@@ -281,26 +281,26 @@ SPACE: Final = re.compile(r"[ \t\r\n,:]*")
 """What separates keys and values."""
 
 
-def head_of(text: bytes, last: Container[str]) -> dict[str, Any]:
+def read_head(text: bytes, last: Container[str]) -> dict[str, Any]:
     """The members of a JSON object up to the first whose key is one of `last`, or all.
 
     What follows, pictures say, is not read: that takes longer than all else that is done here.
     """
     decoded = text.decode()
-    found: dict[str, Any] = {}
-    at = _after_space(decoded, decoded.index("{") + 1)
-    while decoded[at] != "}":
-        key, at = DECODER.raw_decode(decoded, at)
-        found[key], at = DECODER.raw_decode(decoded, _after_space(decoded, at))
+    members: dict[str, Any] = {}
+    place = _skip_space(decoded, decoded.index("{") + 1)
+    while decoded[place] != "}":
+        key, place = DECODER.raw_decode(decoded, place)
+        members[key], place = DECODER.raw_decode(decoded, _skip_space(decoded, place))
         if key in last:
             break
-        at = _after_space(decoded, at)
-    return found
+        place = _skip_space(decoded, place)
+    return members
 
 
-def _after_space(text: str, at: int) -> int:
-    found = SPACE.match(text, at)
-    return at if found is None else found.end()
+def _skip_space(text: str, place: int) -> int:
+    match = SPACE.match(text, place)
+    return place if match is None else match.end()
 
 
 class Jobs:
@@ -342,7 +342,7 @@ class Jobs:
             if kind in PICTURES:
                 self._painted = time.monotonic()
 
-    def give_up(self, kind: str, patience: float, *, unless: str = "") -> None:
+    def cancel_overdue(self, kind: str, patience: float, *, unless: str = "") -> None:
         """End jobs of a kind that were begun more than `patience` seconds ago.
 
         Nothing is ended while there is a job `unless`, which the same process does.
@@ -393,7 +393,7 @@ class Session:
         self._jobs = jobs
         self._notes = tuple(notes)
         self._pages: set[Page] = set()
-        self._asked: deque[Asked] = deque()
+        self._requests: deque[PageRequest] = deque()
         self._wake = asyncio.Event()
         self._revision = 0
         self._painted = -1
@@ -424,41 +424,41 @@ class Session:
             while True:
                 text = await page.receive()
                 try:
-                    self._hear(page, understood(text))
+                    self._hear(page, parse_message(text))
                 except MessageError as error:
-                    page.put(refused(error.id, str(error)))
+                    page.enqueue(refusal(error.id, str(error)))
         finally:
             self._pages.discard(page)
             sending.cancel()
 
-    def _hear(self, page: Page, said: Said) -> None:
+    def _hear(self, page: Page, message: PageMessage) -> None:
         """Answer at once what needs no computing; line up the rest."""
-        if said.kind == "hello":
+        if message.kind == "hello":
             self._greet(page)
-        elif said.kind in ANSWERS:
+        elif message.kind in ANSWERS:
             if len(self._tasks) >= MOST_JOBS:
-                raise MessageError("too much is computed at once", said.id)
-            self._begin(self._answer(page, said))
+                raise MessageError("too much is computed at once", message.id)
+            self._begin(self._answer(page, message))
         else:
-            waiting = self._asked[-1] if self._asked else None
-            if waiting is not None and waiting.page is page and said.replaces(waiting.said):
-                self._asked.pop()
-            if len(self._asked) >= MOST_ASKED:
-                raise MessageError("too much is asked at once", said.id)
-            self._asked.append(Asked(page, said))
+            waiting = self._requests[-1] if self._requests else None
+            if waiting is not None and waiting.page is page and message.replaces(waiting.message):
+                self._requests.pop()
+            if len(self._requests) >= MOST_REQUESTS:
+                raise MessageError("too much is asked at once", message.id)
+            self._requests.append(PageRequest(page, message))
             self._wake.set()
-            self._jobs.give_up("curves", PATIENCE)
+            self._jobs.cancel_overdue("curves", PATIENCE)
 
     def _greet(self, page: Page) -> None:
-        page.put(self._state(whole=True))
-        page.put(self._verdict)
+        page.enqueue(self._state(whole=True))
+        page.enqueue(self._verdict)
         if self._painted == self._revision:
-            page.put(self._curves)
+            page.enqueue(self._curves)
         if self._findings is not None:
-            page.put(self._findings)
-        page.put(self._pinned_message())
+            page.enqueue(self._findings)
+        page.enqueue(self._pinned_message())
         for sentence in self._notes:
-            page.put(told(sentence))
+            page.enqueue(notice(sentence))
         self._notes = ()
 
     # -- the scene ---------------------------------------------------------------------------------
@@ -471,8 +471,8 @@ class Session:
             while True:
                 await self._wake.wait()
                 self._wake.clear()
-                while self._asked:
-                    await self._do(self._asked.popleft())
+                while self._requests:
+                    await self._do(self._requests.popleft())
                 if self._painted != self._revision and self._jobs.idle >= PAUSE:
                     await self._paint(None)  # a drag has paused
                 if self._outdated:
@@ -484,42 +484,44 @@ class Session:
                 if task is not None:
                     task.cancel()
 
-    async def _do(self, asked: Asked) -> None:
+    async def _do(self, request: PageRequest) -> None:
         """Do one request; what is wrong with it is told to the page that made it."""
         try:
-            if asked.said.kind == "change":
-                await self._change(asked)
+            if request.message.kind == "change":
+                await self._change(request)
             else:
-                await self._step(asked)
+                await self._step(request)
         except opened.OverwriteError as error:
-            asked.page.put(refused(asked.said.id, str(error), force=True))
+            request.page.enqueue(refusal(request.message.id, str(error), force=True))
         except CamgeoError as error:
-            asked.page.put(refused(asked.said.id, str(error)))
+            request.page.enqueue(refusal(request.message.id, str(error)))
         for sentence in self.desk.take_messages():
-            self._broadcast(told(sentence))
+            self._broadcast(notice(sentence))
 
-    async def _change(self, asked: Asked) -> None:
+    async def _change(self, request: PageRequest) -> None:
         """Change the text as the page asks, by a job that paints the new text too."""
-        arguments = dict(asked.said.arguments)
+        arguments = dict(request.message.arguments)
         gesture = arguments.pop("gesture", "")
         if gesture:
             arguments["moving"] = True
         try:
-            found = await self._jobs.do("change", arguments)
-            data, painting = head_of(found.text, ("label", "refused")), found.text
+            result = await self._jobs.do("change", arguments)
+            data, painting = read_head(result.text, ("label", "refused")), result.text
         except Refused as error:
             data = await asyncio.to_thread(self._changed_here, arguments, error)
             painting = unpainted(error, label=data["label"])
         if "refused" in data or not isinstance(data.get("text"), str):
             sentence = str(data.get("refused") or "this cannot be changed so")
-            asked.page.put(refused(asked.said.id, sentence, faults=data.get("faults", [])))
+            request.page.enqueue(
+                refusal(request.message.id, sentence, faults=data.get("faults", []))
+            )
             return
         label = str(data.get("label") or "change")
         self._apply(lambda: self.desk.change(data["text"], label, gesture))
         moving = data.get("moving") is True
         if not moving:
             self._painted = self._revision
-        self._show(painting, asked, moving=moving)
+        self._show(painting, request, moving=moving)
         self._broadcast(self._state())
 
     def _changed_here(self, arguments: Mapping[str, Any], error: Refused) -> dict[str, Any]:
@@ -527,23 +529,23 @@ class Session:
         desk = self.desk
         if len(desk.text) > QUICK or not any(key in arguments for key in TEXTUAL):
             raise error
-        found = edits.changed(desk.text, desk.name or "", desk.folder, arguments)
-        return {"text": found.text, "label": found.label}
+        change = edits.changed(desk.text, desk.name or "", desk.folder, arguments)
+        return {"text": change.text, "label": change.label}
 
-    async def _step(self, asked: Asked) -> None:
+    async def _step(self, request: PageRequest) -> None:
         """Anything but a change by a job: the text is known at once, and painted if it is new."""
-        said, given, desk = asked.said, asked.said.arguments, self.desk
+        said, arguments, desk = request.message, request.message.arguments, self.desk
         match said.kind:
             case "text":
-                gesture = given.get("gesture", "")
-                self._apply(lambda: desk.change(given["text"], "text", gesture))
+                gesture = arguments.get("gesture", "")
+                self._apply(lambda: desk.change(arguments["text"], "text", gesture))
             case "open":
-                self._apply(lambda: desk.open(given["path"]))
+                self._apply(lambda: desk.open(arguments["path"]))
             case "new":
-                self._apply(lambda: self._new(given["template"]))
+                self._apply(lambda: self._new(arguments["template"]))
             case "save":
-                force = given.get("force", False)
-                await asyncio.to_thread(desk.save, given.get("path"), force=force)
+                force = arguments.get("force", False)
+                await asyncio.to_thread(desk.save, arguments.get("path"), force=force)
             case "pin" | "unpin":
                 if self._painted != self._revision:
                     await self._paint(None)
@@ -554,14 +556,14 @@ class Session:
         self._disk = desk.disk
         self._scenes = list(opened.scenes(desk.folder))
         self._broadcast(self._state(whole=said.kind in WHOLE))
-        if not self._asked and (self._painted != self._revision or said.id is not None):
-            await self._paint(asked)
+        if not self._requests and (self._painted != self._revision or said.id is not None):
+            await self._paint(request)
 
     def _apply(self, change: Callable[[], None]) -> None:
         """Change the desk; a revision is made if text or file have changed."""
-        before = self.desk.text, self.desk.opened
+        previous = self.desk.text, self.desk.opened
         change()
-        if (self.desk.text, self.desk.opened) != before:
+        if (self.desk.text, self.desk.opened) != previous:
             self._revision += 1
             self._unsynced = True
             self._judge()
@@ -573,88 +575,88 @@ class Session:
 
     # -- what is computed --------------------------------------------------------------------------
 
-    async def _paint(self, asked: Asked | None) -> None:
+    async def _paint(self, request: PageRequest | None) -> None:
         """Compute the curves of the present text and show them."""
         painting = body(EMPTY)
         if self.desk.text.strip():
             try:
                 painting = (await self._jobs.do("curves")).text
             except CamgeoError as error:
-                if self._asked:
+                if self._requests:
                     return  # given up for something newer
                 painting = unpainted(error)
         self._painted = self._revision
-        self._show(painting, asked)
+        self._show(painting, request)
         if self._findings is None:
             self._judge()
 
-    def _show(self, painting: bytes, asked: Asked | None, *, moving: bool = False) -> None:
+    def _show(self, painting: bytes, request: PageRequest | None, *, moving: bool = False) -> None:
         """Show curves of the present text to all pages, or only what moves of them."""
         head = {"revision": self._revision, "text": self.desk.text, "answers": None}
         if moving:
             self._results["curves"] = {}  # what can be dragged has no faults
         else:
-            self._tell_verdict("curves", head_of(painting, ("faults",)), self._revision)
+            self._publish_verdict("curves", read_head(painting, ("faults",)), self._revision)
             self._curves = Message("curves", head, painting)
         kind = "moved" if moving else "curves"
         for page in self._pages:
-            answers = asked.said.id if asked is not None and page is asked.page else None
-            page.put(Message(kind, {**head, "answers": answers}, painting))
+            answers = request.message.id if request is not None and page is request.page else None
+            page.enqueue(Message(kind, {**head, "answers": answers}, painting))
 
     def _judge(self) -> None:
         """Compute the findings once nothing has changed for a while."""
         self._findings = None
         self._results = {kind: self._results[kind] for kind in self._results if kind == "curves"}
-        self._jobs.give_up("findings", PATIENCE, unless="solid")
+        self._jobs.cancel_overdue("findings", PATIENCE, unless="solid")
         if self._judging is None or self._judging.done():
             self._judging = asyncio.create_task(self._find())
 
     async def _find(self) -> None:
         revision = -1
-        found = NOTHING
+        findings = NOTHING
         while revision != self._revision:
             while (left := PAUSE - self._jobs.idle) > 0.0:  # a drag goes on
                 await asyncio.sleep(left)
             revision = self._revision
             # What has not been painted of it follows: a page shows findings sooner before it.
             rest = asyncio.get_running_loop().call_later(FIRST, self._wake.set)
-            found = body({"faults": [], "refused": "there is no scene yet"})
+            findings = body({"faults": [], "refused": "there is no scene yet"})
             if self.desk.text.strip():
                 try:
-                    found = (await self._jobs.do("findings")).text
+                    findings = (await self._jobs.do("findings")).text
                 except CamgeoError as error:
-                    found = body({"faults": [], "refused": str(error)})
+                    findings = body({"faults": [], "refused": str(error)})
             rest.cancel()
             self._wake.set()
-        self._findings = Message("findings", {"revision": revision}, found)
-        self._tell_verdict("findings", head_of(found, ("findings",)), revision)
+        self._findings = Message("findings", {"revision": revision}, findings)
+        self._publish_verdict("findings", read_head(findings, ("findings",)), revision)
         self._broadcast(self._findings)
 
-    async def _answer(self, page: Page, said: Said) -> None:
+    async def _answer(self, page: Page, message: PageMessage) -> None:
         """Do a job that one page asks for, and answer it."""
-        arguments = dict(said.arguments)
-        if said.kind in LONG:
-            page.put(Message("busy", {"what": said.kind}))
-        head = {**arguments, "revision": (revision := self._revision), "answers": said.id}
+        arguments = dict(message.arguments)
+        if message.kind in LONG:
+            page.enqueue(Message("busy", {"what": message.kind}))
+        head = {**arguments, "revision": (revision := self._revision), "answers": message.id}
         try:
-            found = await self._jobs.do(said.kind, arguments)
+            result = await self._jobs.do(message.kind, arguments)
         except CamgeoError as error:
-            if said.kind == "build" and isinstance(error, Refused):
-                self._tell_verdict("build", {"refused": str(error)}, revision)
-            page.put(refused(said.id, str(error)))
+            if message.kind == "build" and isinstance(error, Refused):
+                self._publish_verdict("build", {"refused": str(error)}, revision)
+            page.enqueue(refusal(message.id, str(error)))
             return
-        painting = found.text
-        if said.kind == "build":
-            self._tell_verdict("build", {"faults": found.data["faults"]}, revision)
-            painting = body({**found.data, "files": self.files.take(found.data.get("files", ()))})
-        page.put(Message(ANSWERS[said.kind], head, painting))
+        painting = result.text
+        if message.kind == "build":
+            self._publish_verdict("build", {"faults": result.data["faults"]}, revision)
+            painting = body({**result.data, "files": self.files.take(result.data.get("files", ()))})
+        page.enqueue(Message(ANSWERS[message.kind], head, painting))
 
     # -- what pages are told -----------------------------------------------------------------------
 
     def _state(self, *, whole: bool = False) -> Message:
         """The state of the session, `whole` with the text."""
         desk = self.desk
-        found = {
+        state = {
             "revision": self._revision,
             "file": desk.name,
             "saved": desk.saved,
@@ -667,15 +669,15 @@ class Session:
             "templates": TEMPLATE_KINDS,
             "formats": self._formats,
         }
-        return Message("state", {**found, "text": desk.text} if whole else found)
+        return Message("state", {**state, "text": desk.text} if whole else state)
 
-    def _tell_verdict(self, kind: str, result: Mapping[str, Any], revision: int) -> None:
+    def _publish_verdict(self, kind: str, result: Mapping[str, Any], revision: int) -> None:
         """Tell all pages the verdict, now that a job has a `result`, if that is of this text."""
         if revision != self._revision:
             return
         self._results[kind] = result
-        found = scene_verdict(self._results)
-        self._verdict = Message("verdict", {"revision": self._revision, **found})
+        verdict = scene_verdict(self._results)
+        self._verdict = Message("verdict", {"revision": self._revision, **verdict})
         self._broadcast(self._verdict)
 
     def _pinned_message(self) -> Message:
@@ -683,7 +685,7 @@ class Session:
 
     def _broadcast(self, message: Message) -> None:
         for page in self._pages:
-            page.put(message)
+            page.enqueue(message)
 
     def _begin(self, work: Coroutine[Any, Any, None]) -> None:
         task = asyncio.create_task(work)
@@ -706,7 +708,7 @@ class Session:
                 self._disk = disk
                 self._broadcast(self._state())
                 if disk != "same":
-                    self._broadcast(told(f"{self.desk.name} has been {BECOME[disk]}"))
+                    self._broadcast(notice(f"{self.desk.name} has been {BECOME[disk]}"))
 
 
 # -- files ----------------------------------------------------------------------------------------
@@ -729,12 +731,12 @@ class Files:
 
     def take(self, built: Iterable[Mapping[str, Any]]) -> list[dict[str, Any]]:
         """Replace the files by those of a build; return what pages are told about them."""
-        self._data = {str(each["name"]): base64.b64decode(each["bytes"]) for each in built}
+        self._data = {str(file["name"]): base64.b64decode(file["bytes"]) for file in built}
         self._build += 1
         return [
-            {key: value for key, value in each.items() if key != "bytes"}
-            | {"url": f"/files/{quote(str(each['name']))}?build={self._build}"}
-            for each in built
+            {key: value for key, value in file.items() if key != "bytes"}
+            | {"url": f"/files/{quote(str(file['name']))}?build={self._build}"}
+            for file in built
         ]
 
     def get(self, name: str, build: str) -> bytes | None:
@@ -776,8 +778,8 @@ class NamedFiles:
         """
         if text != self._text and len(text) <= LONGEST:
             self._text = text
-            found = await asyncio.to_thread(named_files, text, folder)
-            self._files = self._files if found is None else found
+            paths = await asyncio.to_thread(named_files, text, folder)
+            self._files = self._files if paths is None else paths
         now = {path: stamp(path) for path in self._files}
         seen, self._seen = self._seen, now
         return any(seen.get(path, now[path]) != now[path] for path in now)
@@ -847,18 +849,18 @@ class Message:
         rest = body.lstrip().removeprefix("{")
         return f"{head}{'' if rest.strip() == '}' else ', '}{rest}"
 
-    def after(self, before: Message) -> Message:
+    def merge(self, previous: Message) -> Message:
         """The later one of two messages of a kind, with what only the earlier one says."""
         if self.kind == "state":
-            return replace(self, head={**before.head, **self.head})
+            return replace(self, head={**previous.head, **self.head})
         if self.kind in ("curves", "moved") and self.head.get("answers") is None:
-            return replace(self, head={**self.head, "answers": before.head.get("answers")})
+            return replace(self, head={**self.head, "answers": previous.head.get("answers")})
         return self
 
 
-def body(found: Mapping[str, Any]) -> bytes:
+def body(members: Mapping[str, Any]) -> bytes:
     """A JSON object as the body of a message."""
-    return json.dumps(found, ensure_ascii=False, allow_nan=False).encode()
+    return json.dumps(members, ensure_ascii=False, allow_nan=False).encode()
 
 
 def unpainted(error: Exception, **more: Any) -> bytes:
@@ -866,12 +868,12 @@ def unpainted(error: Exception, **more: Any) -> bytes:
     return body({"faults": [], "refused": f"the picture ({error})", **more})
 
 
-def refused(id_: str | int | None, sentence: str, **more: Any) -> Message:
+def refusal(id_: str | int | None, sentence: str, **more: Any) -> Message:
     """That the message `id_` is not done, and why."""
     return Message("refused", {"id": id_, "message": sentence, **more})
 
 
-def told(sentence: str) -> Message:
+def notice(sentence: str) -> Message:
     """A sentence for the user."""
     return Message("told", {"message": sentence})
 
@@ -885,12 +887,12 @@ class Page:
         self._ready = asyncio.Event()
         self._left, self._seen = BURST, time.monotonic()
 
-    def put(self, message: Message) -> None:
+    def enqueue(self, message: Message) -> None:
         """Send a message as soon as the page takes it; of some kinds only the latest."""
         key: object = message.kind if message.kind in LATEST else object()
-        before = self._waiting.pop(key, None)
-        if before is not None:
-            message = message.after(before)
+        previous = self._waiting.pop(key, None)
+        if previous is not None:
+            message = message.merge(previous)
         if key == message.kind or len(self._waiting) < MOST_WAITING:
             self._waiting[key] = message
         self._ready.set()
@@ -918,8 +920,8 @@ class Page:
 
 
 @dataclass(frozen=True, slots=True)
-class Asked:
+class PageRequest:
     """A request, and the page that it is from."""
 
     page: Page
-    said: Said
+    message: PageMessage

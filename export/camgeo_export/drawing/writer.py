@@ -55,8 +55,8 @@ from camgeo.pictures.sheet.sheet import dashed_stretch, sheets_of
 from camgeo.scene.formats.drawing import FORMAT
 from camgeo.scene.formats.format import Format
 from camgeo.units import MM_PER
-from camgeo_export.dxf.reader import Item, drawing_of
-from camgeo_export.dxf.writer import bytes_of, new_document
+from camgeo_export.dxf.reader import Item, read_drawing
+from camgeo_export.dxf.writer import document_bytes, new_document
 from camgeo_export.verify.plane import deviation
 
 # -- document -------------------------------------------------------------------------------------
@@ -133,24 +133,24 @@ TEXTS: Final = {
 }
 """Of dimensions: how their texts and lines stand, and how wide lines are [1/100 mm]."""
 
-APART: Final = 20.0
+SHEET_GAP: Final = 20.0
 """Between sheets side by side [mm of paper]."""
 
 JUSTIFIED: Final = {"left": "LEFT", "centre": "CENTER", "right": "RIGHT"}
 
 
-def document_of(sheets: Sequence[Sheet], product: Product, tolerance: float) -> Drawing:
+def sheet_document(sheets: Sequence[Sheet], product: Product, tolerance: float) -> Drawing:
     """The document of sheets of a product side by side."""
     document = new_document(product, tolerance)
     drawing = _Drawing(document, sheets[0])
     drawing.tables()
-    for sheet, at in zip(sheets, corners(sheets), strict=True):
+    for sheet, corner in zip(sheets, corners(sheets), strict=True):
         for view in sheet.views:
-            shift = at + view.at / sheet.scale
+            shift = corner + view.at / sheet.scale
             for mark in view.marks:
                 drawing.add(mark, 1.0, shift)
         for mark in sheet.marks:
-            drawing.add(mark, 1.0 / sheet.scale, at)
+            drawing.add(mark, 1.0 / sheet.scale, corner)
     drawing.extents(len(sheets))
     return document
 
@@ -161,7 +161,7 @@ def corners(sheets: Sequence[Sheet]) -> list[complex]:
     """
     first = sheets[0]
     origin = first.views[0].at if first.views else 0j
-    step = first.width + APART
+    step = first.width + SHEET_GAP
     return [(number * step - origin) / first.scale for number in range(len(sheets))]
 
 
@@ -199,7 +199,7 @@ class _Drawing:
         """What programs show when the drawing is opened: all sheets."""
         sheet = self._sheet
         low = self._xy(0j, 1.0 / sheet.scale, corners([sheet])[0])
-        wide = (count * (sheet.width + APART) - APART) * self._paper
+        wide = (count * (sheet.width + SHEET_GAP) - SHEET_GAP) * self._paper
         high = sheet.height * self._paper
         corner = (low[0] + wide, low[1] + high)
         self._space.reset_extents((*low, 0.0), (*corner, 0.0))
@@ -218,7 +218,7 @@ class _Drawing:
         moved = (point * factor + shift) / self._mm
         return moved.real + 0.0, moved.imag + 0.0  # + 0.0 turns -0.0 into 0.0
 
-    def _at(self, point: complex) -> tuple[float, float]:
+    def _point(self, point: complex) -> tuple[float, float]:
         return self._xy(complex(point), self._factor, self._shift)
 
     def _length(self, size: float) -> float:
@@ -232,13 +232,13 @@ class _Drawing:
     def _(self, mark: Chain) -> None:
         attributes = {"layer": mark.layer}
         if len(mark.vertices) == 2 and not mark.closed and not mark.sweeps[0]:
-            start, end = (self._at(each) for each in mark.vertices.tolist())
+            start, end = (self._point(vertex) for vertex in mark.vertices.tolist())
             self._space.add_line(start, end, dxfattribs=attributes)
             return
         bulges = np.tan(mark.sweeps / 4.0) + 0.0
         points = [
-            (*self._at(at), bulge)
-            for at, bulge in zip(mark.vertices.tolist(), bulges.tolist(), strict=True)
+            (*self._point(vertex), bulge)
+            for vertex, bulge in zip(mark.vertices.tolist(), bulges.tolist(), strict=True)
         ]
         polyline = self._space.add_lwpolyline(points, "xyb", close=mark.closed,
                                               dxfattribs=attributes)  # fmt: skip
@@ -246,7 +246,7 @@ class _Drawing:
 
     @_add.register
     def _(self, mark: Round) -> None:
-        centre, radius = self._at(mark.centre), self._length(mark.radius)
+        centre, radius = self._point(mark.centre), self._length(mark.radius)
         self._space.add_circle(centre, radius, dxfattribs={"layer": mark.layer})
 
     @_add.register
@@ -257,11 +257,11 @@ class _Drawing:
             rotation=0.0,
             dxfattribs={"layer": mark.layer, "style": STYLE, "width": NARROWED * mark.squeeze},
         )
-        text.set_placement(self._at(mark.at), align=TextEntityAlignment[JUSTIFIED[mark.across]])
+        text.set_placement(self._point(mark.at), align=TextEntityAlignment[JUSTIFIED[mark.across]])
 
     @_add.register
     def _(self, mark: Filled) -> None:
-        corners = [self._at(each) for each in mark.corners]
+        corners = [self._point(corner) for corner in mark.corners]
         if len(corners) == 4:
             corners[2], corners[3] = corners[3], corners[2]  # of a SOLID they go across
         self._space.add_solid(corners, dxfattribs={"layer": mark.layer})
@@ -273,7 +273,7 @@ class _Drawing:
         pattern = [[45.0, (0.0, 0.0), (-step, step), []]]
         scale = HATCHING * self._paper / ANSI31
         hatch.set_pattern_fill("ANSI31", BY_LAYER, scale=scale, definition=pattern)
-        corners = [self._at(each) for each in mark.corners.tolist()]
+        corners = [self._point(corner) for corner in mark.corners.tolist()]
         hatch.paths.add_polyline_path(corners, is_closed=True)
 
     @_add.register
@@ -283,28 +283,28 @@ class _Drawing:
             names = ["", ""]
             names[mark.bare - 1] = "NONE"
             override |= {"dimsah": 1, "dimblk1": names[0], "dimblk2": names[1]}
-        drawn = self._space.add_linear_dim(
-            base=self._at(mark.line),
-            p1=self._at(mark.first),
-            p2=self._at(mark.second),
+        entity = self._space.add_linear_dim(
+            base=self._point(mark.line),
+            p1=self._point(mark.first),
+            p2=self._point(mark.second),
             angle=math.degrees(mark.angle),
             dimstyle=STYLE,
             override=override,
             dxfattribs={"layer": "DIMENSION"},
         )
         if mark.aside:
-            drawn.shift_text(mark.aside * self._paper, 0.0)
-        self._state(drawn, mark)
+            entity.shift_text(mark.aside * self._paper, 0.0)
+        self._state(entity, mark)
 
     @_add.register
     def _(self, mark: Diameter) -> None:
         text = number_of(mark, self._sheet.unit).replace(DIAMETER, "Ø")
-        own = {"dimtmove": 1, "dimtoh": 1, "dimtad": 1, "dimtofl": 0, "dimcen": 0.0}
-        override = {**self._override(mark), **own}
+        settings = {"dimtmove": 1, "dimtoh": 1, "dimtad": 1, "dimtofl": 0, "dimcen": 0.0}
+        override = {**self._override(mark), **settings}
         reach = self._length(mark.radius) + mark.reach * self._paper
-        centre = self._at(mark.centre)
+        centre = self._point(mark.centre)
         way = (math.cos(mark.angle), math.sin(mark.angle))
-        drawn = self._space.add_diameter_dim(
+        entity = self._space.add_diameter_dim(
             center=centre,
             radius=self._length(mark.radius),
             angle=math.degrees(mark.angle),
@@ -314,13 +314,13 @@ class _Drawing:
             override=override,
             dxfattribs={"layer": "DIMENSION"},
         )
-        self._state(drawn, mark)
-        drawn.dimension.dxf.text = "<>"  # ezdxf would write a second sign before the number
+        self._state(entity, mark)
+        entity.dimension.dxf.text = "<>"  # ezdxf would write a second sign before the number
 
-    def _state(self, drawn: DimStyleOverride, mark: Distance | Diameter) -> None:
+    def _state(self, entity: DimStyleOverride, mark: Distance | Diameter) -> None:
         """Draw a dimension, and state what it measures, which ezdxf does not."""
-        drawn.render()
-        drawn.dimension.dxf.actual_measurement = self._length(mark.measure)
+        entity.render()
+        entity.dimension.dxf.actual_measurement = self._length(mark.measure)
 
     def _override(self, mark: Distance | Diameter) -> dict[str, object]:
         return {"dimdec": mark.decimals, "dimpost": f"{mark.prefix}<>{mark.suffix}"}
@@ -342,20 +342,20 @@ Pieces = list[tuple[complex, complex, float, complex]]
 
 def svg(pages: Sequence[Strokes]) -> bytes:
     """The pages side by side in one picture: letters are defined once and used where they stand."""
-    wide = sum(each.width for each in pages) + APART * (len(pages) - 1)
-    high = max(each.height for each in pages)
+    wide = sum(page.width for page in pages) + SHEET_GAP * (len(pages) - 1)
+    high = max(page.height for page in pages)
     box = f'width="{wide:g}mm" height="{high:g}mm" viewBox="0 0 {_grains(wide)} {_grains(high)}"'
-    found = [
+    lines = [
         '<?xml version="1.0" encoding="UTF-8"?>',
         f'<svg xmlns="http://www.w3.org/2000/svg" {box}>',
         '<rect width="100%" height="100%" fill="#fff"/>',
     ]
     left = 0.0
-    for number, each in enumerate(pages):
+    for number, page in enumerate(pages):
         head = f'<g transform="translate({_grains(left)} 0)">' if number else "<g>"
-        found += [head, *_svg_page(each, number), "</g>"]
-        left += each.width + APART
-    return "\n".join([*found, "</svg>", ""]).encode()
+        lines += [head, *_svg_page(page, number), "</g>"]
+        left += page.width + SHEET_GAP
+    return "\n".join([*lines, "</svg>", ""]).encode()
 
 
 def _grains(length: float) -> int:
@@ -366,41 +366,41 @@ def _svg_page(page: Strokes, number: int) -> Iterator[str]:
     top = _grains(page.height)
     yield '<g fill="none" stroke="#000" stroke-linejoin="round">'
     for width, strokes in sorted(page.lines.items()):
-        path = "".join(_svg_stroke(each, top) for each in strokes)
+        path = "".join(_svg_stroke(stroke, top) for stroke in strokes)
         yield f'<path stroke-width="{_grains(0.01 * width)}" d="{path}"/>'
     yield "</g>"
     yield "<defs>"
     for shape, name in page.shapes.items():
         yield f'<path id="s{number}-{name}" d="{_svg_outline(shape)}"/>'
     yield "</defs>"
-    for name, at in page.places:
-        yield f'<use href="#s{number}-{name}" x="{at.real:.0f}" y="{top - at.imag:.0f}"/>'
+    for name, origin in page.places:
+        yield f'<use href="#s{number}-{name}" x="{origin.real:.0f}" y="{top - origin.imag:.0f}"/>'
 
 
 def _svg_stroke(stroke: Chain, top: int) -> str:
     pieces = _pieces(stroke)
     if not pieces:
         return ""
-    found = [f"M{pieces[0][0].real:.0f} {top - pieces[0][0].imag:.0f}"]
+    commands = [f"M{pieces[0][0].real:.0f} {top - pieces[0][0].imag:.0f}"]
     for start, end, sweep, centre in pieces:
         way = f"{_number(end.real - start.real)}{_signed(start.imag - end.imag)}"
         if sweep:
             radius = f"{abs(start - centre):.0f}"
             flags = f"{int(abs(sweep) > math.pi)} {int(sweep < 0.0)}"
-            found.append(f"a{radius} {radius} 0 {flags} {way}")
+            commands.append(f"a{radius} {radius} 0 {flags} {way}")
         else:
-            found.append(f"l{way}")
-    return "".join([*found, "z"] if stroke.closed else found)
+            commands.append(f"l{way}")
+    return "".join([*commands, "z"] if stroke.closed else commands)
 
 
 def _svg_outline(outline: Outline) -> str:
-    found, at = [], 0j
+    commands, here = [], 0j
     for word, points in outline:
-        found.append(word.lower())
-        ways = [point - at for point in points]
-        found.append("".join(f"{_signed(w.real)}{_signed(-w.imag)}" for w in ways).strip())
-        at = points[-1] if points else at
-    return "".join(found)
+        commands.append(word.lower())
+        ways = [point - here for point in points]
+        commands.append("".join(f"{_signed(w.real)}{_signed(-w.imag)}" for w in ways).strip())
+        here = points[-1] if points else here
+    return "".join(commands)
 
 
 def _number(value: float) -> str:
@@ -415,20 +415,20 @@ def _signed(value: float) -> str:
 
 def _pieces(stroke: Chain) -> Pieces:
     """The pieces of a stroke that are longer than a grain."""
-    points = [rounded(each) for each in stroke.vertices.tolist()]
+    points = [rounded(vertex) for vertex in stroke.vertices.tolist()]
     sweeps = stroke.sweeps.tolist()
     if stroke.closed:
         points.append(points[0])
     exact = [*stroke.vertices.tolist(), complex(stroke.vertices[0])]
-    found: Pieces = []
+    pieces: Pieces = []
     for (start, end), sweep, one, other in zip(pairwise(points), sweeps, exact, exact[1:],
                                                strict=False):  # fmt: skip
         if start != end:
             centre = 0j
             if sweep:
                 centre = 0.5 * (one + other) + 0.5j * (other - one) / math.tan(0.5 * sweep)
-            found.append((start, end, sweep, centre))
-    return found
+            pieces.append((start, end, sweep, centre))
+    return pieces
 
 
 def pdf(pages: Sequence[Strokes]) -> bytes:
@@ -439,25 +439,25 @@ def pdf(pages: Sequence[Strokes]) -> bytes:
         f"<< /Type /Pages /Kids [ {kids} ] /Count {len(pages)} >>".encode(),
         b"<< /Creator (camgeo) >>",
     ]
-    for number, each in enumerate(pages):
-        size = f"{each.width / POINT:.4f} {each.height / POINT:.4f}"
+    for number, page in enumerate(pages):
+        size = f"{page.width / POINT:.4f} {page.height / POINT:.4f}"
         objects.append(
             f"<< /Type /Page /Parent 2 0 R /MediaBox [ 0 0 {size} ] /Resources << >>"
             f" /Contents {5 + 2 * number} 0 R >>".encode()
         )
-        stream = zlib.compress("\n".join(_pdf_page(each)).encode(), 9)
+        stream = zlib.compress("\n".join(_pdf_page(page)).encode(), 9)
         head = f"<< /Length {len(stream)} /Filter /FlateDecode >>\nstream\n".encode()
         objects.append(head + stream + b"\nendstream")
-    found = bytearray(b"%PDF-1.4\n%\xc2\xb5\xc2\xb6\n")
+    data = bytearray(b"%PDF-1.4\n%\xc2\xb5\xc2\xb6\n")
     places = []
     for number, body in enumerate(objects):
-        places.append(len(found))
-        found += f"{number + 1} 0 obj\n".encode() + body + b"\nendobj\n"
-    start = len(found)
+        places.append(len(data))
+        data += f"{number + 1} 0 obj\n".encode() + body + b"\nendobj\n"
+    start = len(data)
     table = "".join(f"{place:010d} 00000 n \n" for place in places)
-    found += f"xref\n0 {len(objects) + 1}\n0000000000 65535 f \n{table}".encode()
-    found += f"trailer\n<< /Size {len(objects) + 1} /Root 1 0 R /Info 3 0 R >>\n".encode()
-    return bytes(found + f"startxref\n{start}\n%%EOF\n".encode())
+    data += f"xref\n0 {len(objects) + 1}\n0000000000 65535 f \n{table}".encode()
+    data += f"trailer\n<< /Size {len(objects) + 1} /Root 1 0 R /Info 3 0 R >>\n".encode()
+    return bytes(data + f"startxref\n{start}\n%%EOF\n".encode())
 
 
 def _pdf_page(page: Strokes) -> Iterator[str]:
@@ -465,12 +465,12 @@ def _pdf_page(page: Strokes) -> Iterator[str]:
     yield f"{grain:.9f} 0 0 {grain:.9f} 0 0 cm 1 j"
     for width, strokes in sorted(page.lines.items()):
         yield f"{_grains(0.01 * width)} w"
-        for each in strokes:
-            yield from _pdf_stroke(each)
+        for stroke in strokes:
+            yield from _pdf_stroke(stroke)
         yield "S"
     shapes = {name: " ".join(_pdf_outline(shape)) for shape, name in page.shapes.items()}
-    for name, at in page.places:
-        yield f"q 1 0 0 1 {_xy(at)} cm {shapes[name]} f Q"
+    for name, origin in page.places:
+        yield f"q 1 0 0 1 {_xy(origin)} cm {shapes[name]} f Q"
 
 
 def _xy(point: complex) -> str:
@@ -490,7 +490,7 @@ def _pdf_stroke(stroke: Chain) -> Iterator[str]:
         turn = sweep / count
         reach = 4.0 / 3.0 * math.tan(0.25 * turn)
         turned = np.exp(1j * turn * np.arange(count + 1))
-        points = [start, *(centre + (start - centre) * each for each in turned[1:-1]), end]
+        points = [start, *(centre + (start - centre) * factor for factor in turned[1:-1]), end]
         for one, other in pairwise(points):
             first = one + reach * 1j * (one - centre)
             second = other - reach * 1j * (other - centre)
@@ -500,15 +500,15 @@ def _pdf_stroke(stroke: Chain) -> Iterator[str]:
 
 
 def _pdf_outline(outline: Outline) -> Iterator[str]:
-    at = 0j
+    here = 0j
     for word, points in outline:
         if word == "Q":  # a quadratic as a cubic
-            points = (at + 2 / 3 * (points[0] - at), points[1] + 2 / 3 * (points[0] - points[1]),
-                      points[1])  # fmt: skip
+            control, end = points
+            points = (here + 2 / 3 * (control - here), end + 2 / 3 * (control - end), end)
         numbers = " ".join(map(_xy, points))
         letter = {"M": "m", "L": "l", "Q": "c", "C": "c", "Z": "h"}[word]
         yield f"{numbers} {letter}".strip()
-        at = points[-1] if points else at
+        here = points[-1] if points else here
 
 
 # -- strokes --------------------------------------------------------------------------------------
@@ -557,10 +557,12 @@ class Strokes:
 
     def fill(self, outline: Iterable[tuple[str, tuple[complex, ...]]]) -> int:
         """A filled outline [grains], whose number is returned."""
-        made = list(outline)
-        origin = made[0][1][0]
-        own = tuple((w, tuple(rounded(each - origin) for each in points)) for w, points in made)
-        number = self.shapes.setdefault(own, len(self.shapes))
+        commands = list(outline)
+        origin = commands[0][1][0]
+        shape = tuple(
+            (w, tuple(rounded(point - origin) for point in points)) for w, points in commands
+        )
+        number = self.shapes.setdefault(shape, len(self.shapes))
         self.places.append((number, rounded(origin)))
         return number
 
@@ -577,21 +579,23 @@ def know_the_font() -> None:
         fonts.font_manager.build([str(folder)], support_dirs=False)
 
 
-def strokes_of(document: Drawing, sheet: Sheet) -> Strokes:
+def sheet_strokes(document: Drawing, sheet: Sheet) -> Strokes:
     """What is drawn on a sheet; `document` has it alone."""
-    found = Strokes(sheet.width, sheet.height)
+    strokes = Strokes(sheet.width, sheet.height)
     views = [(view.marks, view.at, sheet.scale) for view in sheet.views]
-    own = (sheet.marks, 0j, 1.0)
-    for marks, at, scale in (*views, own):
+    frame = (sheet.marks, 0j, 1.0)
+    for marks, origin, scale in (*views, frame):
         for mark in marks:
-            for stroke in _strokes(mark, at, scale):
-                found.add(LAYERS[stroke.layer][2], stroke)
-    for marks, at, scale in (own, *views):
+            for stroke in _strokes(mark, origin, scale):
+                strokes.add(LAYERS[stroke.layer][2], stroke)
+    for marks, origin, scale in (frame, *views):
         for mark in marks:
             if isinstance(mark, Filled):
-                found.fill(_polygon([(at + scale * each) / GRAIN for each in mark.corners]))
+                strokes.fill(
+                    _polygon([(origin + scale * corner) / GRAIN for corner in mark.corners])
+                )
     low = corners([sheet])[0] / MM_PER[sheet.unit]
-    backend = _Taken(found, low, sheet.scale * MM_PER[sheet.unit] / GRAIN)
+    backend = _StrokeBackend(strokes, low, sheet.scale * MM_PER[sheet.unit] / GRAIN)
     config = Configuration(
         color_policy=ColorPolicy.BLACK, background_policy=BackgroundPolicy.OFF,
         min_lineweight=0.0,
@@ -601,24 +605,24 @@ def strokes_of(document: Drawing, sheet: Sheet) -> Strokes:
         finalize=False,
         filter_func=lambda entity: entity.dxftype() in WRITTEN,
     )
-    return found
+    return strokes
 
 
-def _strokes(mark: Mark, at: complex, scale: float) -> Iterator[Chain]:
+def _strokes(mark: Mark, origin: complex, scale: float) -> Iterator[Chain]:
     """The lines of a mark [grains], hidden ones in dashes."""
     if isinstance(mark, Round):
-        points = (at + scale * mark.quarters) / GRAIN
+        points = (origin + scale * mark.quarters) / GRAIN
         yield Chain(points, np.full(4, 0.5 * np.pi), mark.layer, closed=True)
     elif isinstance(mark, Hatched):
         for ends in hatching(mark, HATCHING / scale):
-            points = np.array([(at + scale * end) / GRAIN for end in ends], np.complex128)
+            points = np.array([(origin + scale * end) / GRAIN for end in ends], np.complex128)
             yield Chain(points, np.zeros(2), "HATCH")
     elif isinstance(mark, Chain):
         chains: Iterable[Chain] = (mark,)
         if mark.layer == "HIDDEN":
             chains = dashed_stretch(mark, scale, (HIDDEN[1], -HIDDEN[2]))
-        for each in chains:
-            yield replace(each, vertices=(at + scale * each.vertices) / GRAIN)
+        for chain in chains:
+            yield replace(chain, vertices=(origin + scale * chain.vertices) / GRAIN)
 
 
 def hatching(face: Hatched, step: float) -> Iterator[tuple[complex, complex]]:
@@ -661,21 +665,23 @@ def _polygon(points: list[complex]) -> Iterator[tuple[str, tuple[complex, ...]]]
     yield "Z", ()
 
 
-class _Taken(Backend):
+class _StrokeBackend(Backend):
     """Takes texts and dimensions as lines and outlines."""
 
-    def __init__(self, found: Strokes, low: complex, factor: float) -> None:
+    def __init__(self, strokes: Strokes, low: complex, factor: float) -> None:
         super().__init__()
-        self._found, self._low, self._factor = found, low, factor
+        self._strokes, self._low, self._factor = strokes, low, factor
         self._letters: dict[tuple[bytes, bytes], int] = {}
 
-    def _at(self, point: Vec2) -> complex:
+    def _grain_point(self, point: Vec2) -> complex:
         return (complex(point.x, point.y) - self._low) * self._factor
 
     def draw_line(self, start: Vec2, end: Vec2, properties: BackendProperties) -> None:
         """A line of a dimension."""
-        ends = np.array([self._at(start), self._at(end)], np.complex128)
-        self._found.add(round(100.0 * properties.lineweight), Chain(ends, np.zeros(2), "DIMENSION"))
+        ends = np.array([self._grain_point(start), self._grain_point(end)], np.complex128)
+        self._strokes.add(
+            round(100.0 * properties.lineweight), Chain(ends, np.zeros(2), "DIMENSION")
+        )
 
     def draw_filled_paths(self, paths: Iterable[BkPath2d], properties: BackendProperties) -> None:
         """Letters, each by itself."""
@@ -687,20 +693,27 @@ class _Taken(Backend):
             shape = np.rint(points - points[0]) + 0.0
             key = bytes(path.command_codes()), shape.tobytes()
             if key in self._letters:
-                self._found.places.append((self._letters[key], rounded(complex(points[0]))))
+                self._strokes.places.append((self._letters[key], rounded(complex(points[0]))))
             else:
-                self._letters[key] = self._found.fill(self._outline(path))
+                self._letters[key] = self._strokes.fill(self._outline(path))
 
     def _outline(self, path: BkPath2d) -> Iterator[tuple[str, tuple[complex, ...]]]:
-        yield "M", (self._at(path.start),)
+        yield "M", (self._grain_point(path.start),)
         for element in path.commands():
-            end = self._at(Vec2(element.end))
+            end = self._grain_point(Vec2(element.end))
             if isinstance(element, LineTo):
                 yield "L", (end,)
             elif isinstance(element, Curve3To):
-                yield "Q", (self._at(Vec2(element.ctrl)), end)
+                yield "Q", (self._grain_point(Vec2(element.ctrl)), end)
             elif isinstance(element, Curve4To):
-                yield "C", (self._at(Vec2(element.ctrl1)), self._at(Vec2(element.ctrl2)), end)
+                yield (
+                    "C",
+                    (
+                        self._grain_point(Vec2(element.ctrl1)),
+                        self._grain_point(Vec2(element.ctrl2)),
+                        end,
+                    ),
+                )
             else:
                 yield "Z", ()
                 yield "M", (end,)
@@ -708,7 +721,7 @@ class _Taken(Backend):
 
     def draw_filled_polygon(self, points: BkPoints2d, properties: BackendProperties) -> None:
         """An arrow."""
-        self._found.fill(_polygon([self._at(point) for point in points.vertices()]))
+        self._strokes.fill(_polygon([self._grain_point(point) for point in points.vertices()]))
 
     def draw_point(self, pos: Vec2, properties: BackendProperties) -> None:
         """Points of dimensions are not drawn."""
@@ -726,16 +739,16 @@ class _Taken(Backend):
 # -- writer ---------------------------------------------------------------------------------------
 
 
-def _made(product: Product, tolerance: float) -> tuple[tuple[Sheet, ...], Drawing]:
+def _known_document(product: Product, tolerance: float) -> tuple[tuple[Sheet, ...], Drawing]:
     """The sheets and their document, once for all files of a disc."""
     known = product.pictured.known
     name = f"{FORMAT.name} within {tolerance!r} mm"
     if name not in known:
         sheets = sheets_of(product, tolerance)
         know_the_font()
-        known[name] = sheets, document_of(sheets, product, tolerance)
-    made: tuple[tuple[Sheet, ...], Drawing] = known[name]
-    return made
+        known[name] = sheets, sheet_document(sheets, product, tolerance)
+    entry: tuple[tuple[Sheet, ...], Drawing] = known[name]
+    return entry
 
 
 def _pages(product: Product, tolerance: float) -> tuple[Strokes, ...]:
@@ -743,13 +756,13 @@ def _pages(product: Product, tolerance: float) -> tuple[Strokes, ...]:
     known = product.pictured.known
     name = f"pages of the {FORMAT.name} within {tolerance!r} mm"
     if name not in known:
-        sheets, document = _made(product, tolerance)
+        sheets, document = _known_document(product, tolerance)
         documents = [document]
         if len(sheets) > 1:
-            documents = [document_of([each], product, tolerance) for each in sheets]
-        known[name] = tuple(map(strokes_of, documents, sheets))
-    made: tuple[Strokes, ...] = known[name]
-    return made
+            documents = [sheet_document([sheet], product, tolerance) for sheet in sheets]
+        known[name] = tuple(map(sheet_strokes, documents, sheets))
+    pages: tuple[Strokes, ...] = known[name]
+    return pages
 
 
 def with_pair(product: Product) -> tuple[Product, ...]:
@@ -764,16 +777,16 @@ class PageWriter:
     Attributes
     ----------
     format : with the suffix of the file.
-    written : makes a file of pages.
+    encode : makes a file of pages.
     """
 
     format: Format[None]
-    written: Callable[[Sequence[Strokes]], bytes]
+    encode: Callable[[Sequence[Strokes]], bytes]
     pieces = staticmethod(with_pair)
 
     def write(self, product: Product, tolerance: float) -> Written:
         """The whole sheets, at their scale."""
-        return Written(self.written(_pages(product, tolerance)))
+        return Written(self.encode(_pages(product, tolerance)))
 
     def measure(self, product: Product, data: bytes) -> None:
         """None: the drawing itself is measured."""
@@ -795,13 +808,13 @@ class DrawingWriter:
 
     def write(self, product: Product, tolerance: float) -> Written:
         """The sheet; the edges of the part lie within `tolerance` [mm]."""
-        sheets, document = _made(product, tolerance)
+        sheets, document = _known_document(product, tolerance)
         facts: dict[str, int | float | str] = {
             "scale": sheets[0].ratio,
             "dimensions": sum(len(sheet.dimensions) for sheet in sheets),
         }
-        findings = tuple(each for sheet in sheets for each in sheet.findings())
-        return Written(bytes_of(document), facts, findings)
+        findings = tuple(finding for sheet in sheets for finding in sheet.findings())
+        return Written(document_bytes(document), facts, findings)
 
     def measure(self, product: Product, data: bytes) -> float:
         """Read the sheet back, without ezdxf: edges and dimensions against the part [mm]."""
@@ -833,26 +846,28 @@ def measure(product: Product, data: bytes) -> float:
     Raises FileError if a boundary is missing, or a dimension has a text of its own or does not
     state what its definition points are apart.
     """
-    drawing = drawing_of(data)
+    drawing = read_drawing(data)
     if drawing.scale() != MM_PER[product.unit]:
         raise FileError(f"$INSUNITS does not say {product.unit}")
-    drawn = tuple(item for item in drawing.items if item.layer in EDGES)
-    contours = replace(drawing, items=drawn).contours(None)  # an edge may be hidden in part
+    edges = tuple(item for item in drawing.items if item.layer in EDGES)
+    contours = replace(drawing, items=edges).contours(None)  # an edge may be hidden in part
     largest = deviation(contours, product.drawn.part.boundaries)
     for item in drawing.items:
         if item.kind == "DIMENSION":
-            largest = max(largest, abs(_stated(item) - apart(item)) * drawing.scale())
+            largest = max(
+                largest, abs(_stated_length(item) - measured_length(item)) * drawing.scale()
+            )
     return largest
 
 
-def _stated(item: Item) -> float:
+def _stated_length(item: Item) -> float:
     """What a dimension says that it measures, in units of the drawing."""
     if item.text(1) not in ("", "<>"):
         raise item.fault(f"has the text {item.text(1)!r} instead of what it measures")
     return item.number(42)
 
 
-def apart(item: Item) -> float:
+def measured_length(item: Item) -> float:
     """What the definition points of a dimension measure, in units of the drawing."""
     if int(item.number(70)) & KIND == DIAMETER_SIGN:
         return abs(item.point(10) - item.point(15))

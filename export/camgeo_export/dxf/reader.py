@@ -29,7 +29,7 @@ from camgeo.geometry.contour.spline import CUBIC, Arc, CubicSpline, SplineContou
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from camgeo.reading import CONTOURS, COORDINATE, DRAWING, beyond, check_text, parse_number
 from camgeo.units import MM_PER, TURN, LengthUnit, counted, place_text
-from camgeo_export.reading import CUT, AnyContour, of_the_part
+from camgeo_export.reading import CUT, AnyContour, part_layers
 
 # -- entities -------------------------------------------------------------------------------------
 # The contents of a DXF file: tags, and the entities that they make up.
@@ -97,15 +97,15 @@ class Item:
     vertices: tuple[Item, ...] = ()
 
     @classmethod
-    def of(cls, name: str, tags: list[Tag]) -> Item:
+    def from_tags(cls, name: str, tags: list[Tag]) -> Item:
         """Of its tags, from the one that names its kind to the last of its vertices."""
         firsts = [*(place for place, tag in enumerate(tags) if tag.code == 0), len(tags)]
-        own, *parts = (
+        entity, *parts = (
             cls(name, tags[low].value, tags[low].line, tuple(tags[low + 1 : high]))
             for low, high in pairwise(firsts)
         )
         vertices = tuple(part for part in parts if part.kind == "VERTEX")
-        return cls(name, own.kind, own.line, own.tags, vertices)
+        return cls(name, entity.kind, entity.line, entity.tags, vertices)
 
     @property
     def layer(self) -> str:
@@ -157,11 +157,11 @@ class Items:
         return len(self.places) // 3
 
     def __iter__(self) -> Iterator[Item]:
-        each = iter(self.places)
-        for start, end, line in zip(each, each, each, strict=True):
+        numbers = iter(self.places)
+        for start, end, line in zip(numbers, numbers, numbers, strict=True):
             lines = self.data[start : end - 1].decode("utf-8", "replace").split("\n")
             codes, values = map(int, lines[0::2]), map(str.strip, lines[1::2])
-            yield Item.of(self.name, list(map(Tag, codes, values, count(line + 2, 2))))
+            yield Item.from_tags(self.name, list(map(Tag, codes, values, count(line + 2, 2))))
 
 
 Contents = tuple[dict[str, Tag], Items, Items, dict[str, str], dict[str, tuple[Item, Items]]]
@@ -188,18 +188,20 @@ def read_contents(data: bytes, name: str, progress: Progress = lambda _: None) -
         if section == "BLOCKS" and kind == "BLOCK":
             inner.append(Items(name, data))
         block = heads if kind == "BLOCK" else inner[-1] if inner else None
-        own = {"HEADER": header, "ENTITIES": None if paper else items, "BLOCKS": block}
-        into = own.get(section, layers if kind == "LAYER" else None)
-        if into is not None and (kind != "SECTION" or into is header):
-            into.places.extend(place)
+        targets = {"HEADER": header, "ENTITIES": None if paper else items, "BLOCKS": block}
+        target = targets.get(section, layers if kind == "LAYER" else None)
+        if target is not None and (kind != "SECTION" or target is header):
+            target.places.extend(place)
     if kind != "EOF":
         raise FileError(f"{name}: not a complete DXF file: no EOF at its end")
-    spelled = {_text(each).lower(): _text(each) for each in sorted(written)}
-    spelled |= {each.text(2).lower(): each.text(2) for each in layers}
-    names = {_text(each).lower(): spelled[_text(each).lower()] for each in written}
+    spelled = {_text(layer).lower(): _text(layer) for layer in sorted(written)}
+    spelled |= {record.text(2).lower(): record.text(2) for record in layers}
+    names = {_text(layer).lower(): spelled[_text(layer).lower()] for layer in written}
     pairs = (pair for item in header for pair in pairwise(item.tags))
     variables = {variable.value: value for variable, value in pairs if variable.code == VARIABLE}
-    blocks = {head.text(2).lower(): (head, own) for head, own in zip(heads, inner, strict=True)}
+    blocks = {
+        head.text(2).lower(): (head, entities) for head, entities in zip(heads, inner, strict=True)
+    }
     return variables, items, layers, names, blocks
 
 
@@ -239,8 +241,8 @@ def _tags(data: bytes, name: str, progress: Progress) -> Iterator[tuple[int, int
     """Line of the value, place, group code and value of each tag."""
     known: dict[bytes, int] = {}
     line = place = 0
-    each = iter(io.BytesIO(data))
-    for written, value in zip(each, each, strict=False):
+    lines = iter(io.BytesIO(data))
+    for written, value in zip(lines, lines, strict=False):
         code = known.get(written)
         if code is None:
             if not CODE.fullmatch(written):
@@ -281,7 +283,7 @@ NEAR: Final = 1e-7
 LOOKS: Final = np.array([0.25, 0.5, 0.75])
 """Parameters at which a cubic is compared with the spline that it follows."""
 
-BEFORE: Final = 1e-9
+END_SHARE: Final = 1e-9
 """Share of a span before its end at which its own last derivative is taken."""
 
 MOST_FIT: Final = 1_000
@@ -322,7 +324,7 @@ class Placement:
         """Where z goes."""
         return self.turn * z + self.mirror * z.conjugate() + self.shift
 
-    def after(self, inner: Placement) -> Placement:
+    def compose(self, inner: Placement) -> Placement:
         """First the `inner` map, then this one."""
         turn = self.turn * inner.turn + self.mirror * inner.mirror.conjugate()
         mirror = self.turn * inner.mirror + self.mirror * inner.turn.conjugate()
@@ -354,17 +356,17 @@ class Placement:
         way = 1j * arc.sweep * arm
         return self.point(arc.centre + arm), self.turn * way + self.mirror * way.conjugate()
 
-    def seen(self, item: Item) -> Placement:
+    def oriented(self, item: Item) -> Placement:
         """The same after the axes of an entity, of which x may point the other way (extrusion 0, 0,
         -1); EntityError if they are tilted.
         """
         x, y, z = (item.number(code, default) for code, default in ((210, 0), (220, 0), (230, 1)))
         if max(abs(x), abs(y), abs(abs(z) - 1.0)) > TILTED:
             raise item.fault("does not lie in the plane of the drawing")
-        return self if z > 0.0 else self.after(Placement(0.0j, -1.0 + 0.0j))
+        return self if z > 0.0 else self.compose(Placement(0.0j, -1.0 + 0.0j))
 
 
-def strands_of(item: Item, place: Placement) -> tuple[list[Strand], bool]:
+def entity_strands(item: Item, place: Placement) -> tuple[list[Strand], bool]:
     """The pieces of an entity [mm], possibly none, and whether they are its curve; if not, cubics
     follow that within `NEAR`, or as CAD programs draw it through points.
 
@@ -383,11 +385,11 @@ def strands_of(item: Item, place: Placement) -> tuple[list[Strand], bool]:
         major, ratio = item.point(11), item.number(40)
         if not abs(major) * ratio > 0.0:
             raise item.fault("has an axis of no length")
-        side = ratio * Placement().seen(item).sense
+        side = ratio * Placement().oriented(item).sense
         half = 0.5 * major
-        place = place.after(Placement(half * (1.0 + side), half * (1.0 - side), item.point(10)))
+        place = place.compose(Placement(half * (1.0 + side), half * (1.0 - side), item.point(10)))
     else:
-        place = place.seen(item)
+        place = place.oriented(item)
     exact = place.sense != 0.0 or not any(arc.sweep for arc in arcs)
     return [place.strand(arc) for arc in arcs], exact
 
@@ -435,33 +437,38 @@ def _polyline(item: Item) -> list[Arc]:
     whole = Contour.through(x + 1j * y, 4.0 * np.arctan(bulges))
     columns = (whole.vertices, whole.ends, whole.sweeps, whole.centres)
     pieces = list(map(Arc, *(column.tolist() for column in columns)))
-    drawn = pieces if flags & CLOSED else pieces[:-1]
-    return [piece for piece in drawn if piece.start != piece.end]
+    segments = pieces if flags & CLOSED else pieces[:-1]
+    return [piece for piece in segments if piece.start != piece.end]
 
 
-def _require_count(item: Item, code: int, found: int, *noun: str) -> None:
+def _require_count(item: Item, code: int, count: int, *noun: str) -> None:
     """EntityError unless as many are found as group `code` states, if it does."""
-    if item.number(code, found) != found:
-        raise item.fault(f"has {counted(found, *noun)}, not as many as it states")
+    if item.number(code, count) != count:
+        raise item.fault(f"has {counted(count, *noun)}, not as many as it states")
 
 
 def _spline(item: Item, place: Placement) -> tuple[CubicSpline, bool]:
     """A SPLINE in the axes of the drawing, and whether it is exactly this one."""
     tags = [(tag.code, item.value(tag)) for tag in item.tags if 10 <= tag.code < 80]
 
-    def all_of(code: int) -> FloatArray:
+    def group_values(code: int) -> FloatArray:
         return np.array([value for group, value in tags if group == code])
 
-    def points_of(code: int) -> ComplexArray:
-        x, y, z = (all_of(code + k) for k in (0, 10, 20))
+    def group_points(code: int) -> ComplexArray:
+        x, y, z = (group_values(code + k) for k in (0, 10, 20))
         if len(y) != len(x) or (len(z) and np.ptp(z) > TILTED):
             raise item.fault("does not lie in the plane of the drawing")
         return x + 1j * y
 
-    knots, weights, controls, fit = all_of(40), all_of(41), points_of(10), points_of(11)
+    knots, weights, controls, fit = (
+        group_values(40),
+        group_values(41),
+        group_points(10),
+        group_points(11),
+    )
     if not len(controls):
         return _through(
-            item, fit, [z for code in (12, 13) for z in points_of(code).tolist()]
+            item, fit, [z for code in (12, 13) for z in group_points(code).tolist()]
         ), False
     _require_count(item, 72, len(knots), "knot")
     _require_count(item, 73, len(controls), "control point")
@@ -501,12 +508,12 @@ def _through(item: Item, points: ComplexArray, ways: Sequence[complex]) -> Cubic
     """
     from ezdxf.math import fit_points_to_cad_cv  # few drawings have such splines
 
-    apart = points[np.diff(points, append=np.nan) != 0.0].tolist()
-    if not 2 <= len(apart) <= MOST_FIT:
+    distinct = points[np.diff(points, append=np.nan) != 0.0].tolist()
+    if not 2 <= len(distinct) <= MOST_FIT:
         raise item.fault(f"has no control points, nor 2 to {MOST_FIT:,} to be fitted through")
     both = [(way.real, way.imag) for way in ways] if len(ways) == 2 and all(ways) else None
-    spline = fit_points_to_cad_cv([(z.real, z.imag) for z in apart], both)
-    controls = np.array([complex(each.x, each.y) for each in spline.control_points])
+    spline = fit_points_to_cad_cv([(z.real, z.imag) for z in distinct], both)
+    controls = np.array([complex(control.x, control.y) for control in spline.control_points])
     return CubicSpline.of(spline.degree, np.array(spline.knots()), controls)
 
 
@@ -524,8 +531,8 @@ def _followed(
         width = np.diff(t)
         # At a knot itself the derivative is the one after it.
         starts, ends = (
-            np.array([jet(each) for each in places]).T
-            for places in (t[:-1].tolist(), (t[1:] - BEFORE * width).tolist())
+            np.array([jet(parameter) for parameter in places]).T
+            for places in (t[:-1].tolist(), (t[1:] - END_SHARE * width).tolist())
         )
         ends[0] = np.append(starts[0, 1:], jet(float(t[-1]))[0])
         pieces = np.stack(
@@ -533,7 +540,7 @@ def _followed(
              ends[0] - ends[1] * width / 3.0, ends[0]), axis=1,
         )  # fmt: skip
         looks = (t[:-1, np.newaxis] + width[:, np.newaxis] * LOOKS).tolist()
-        there = np.array([[jet(each)[0] for each in row] for row in looks])
+        there = np.array([[jet(parameter)[0] for parameter in row] for row in looks])
         far = np.max(np.abs(at(pieces, LOOKS) - there), axis=1) > 0.8 * near
         t = np.sort(np.concatenate((t, (t[:-1] + 0.5 * width)[far])))
         if len(t) > MOST_SPANS:
@@ -550,9 +557,9 @@ def closed(strands: Sequence[Strand]) -> AnyContour:
     contour without splines consists of lines and arcs.
     """
     starts = []
-    for before, strand in zip((strands[-1], *strands[:-1]), strands, strict=True):
-        given_way = isinstance(before, CubicSpline) and isinstance(strand, Arc)
-        starts.append(before.end if given_way else strand.start)
+    for previous, strand in zip((strands[-1], *strands[:-1]), strands, strict=True):
+        snaps_to_spline = isinstance(previous, CubicSpline) and isinstance(strand, Arc)
+        starts.append(previous.end if snaps_to_spline else strand.start)
     arcs = [strand for strand in strands if isinstance(strand, Arc)]
     if len(arcs) == len(strands):
         return Contour.through(np.array(starts), np.array([arc.sweep for arc in arcs]))
@@ -595,11 +602,11 @@ DEEPEST: Final = 32
 EVERY: Final = 100_000
 """Entities after which progress is reported again."""
 
-SHOWN: Final = 3
+MOST_PLACES: Final = 3
 """Of what is left for one reason, places that are named."""
 
 
-def gaps_up_to(most: float) -> tuple[float, ...]:
+def gap_steps(most: float) -> tuple[float, ...]:
     """The gaps [mm] to be tried, up to `most`."""
     return (*(gap for gap in GAPS if gap < most), most)
 
@@ -682,45 +689,45 @@ class Drawing:
         FileError
             With name and line, if the unit is unknown, a number is none, or there is no contour.
         """
-        shown = _Shown(self, self._wanted(layer), progress)
-        runs = list(shown.runs(Placement(complex(self.scale(unit)))))
+        visible = _Visible(self, self._wanted(layer), progress)
+        runs = list(visible.runs(Placement(complex(self.scale(unit)))))
         ends = [(run.pieces[-1].end, run.pieces[0].start) for run in runs]
         open_runs = [run for run, (end, start) in zip(runs, ends, strict=True) if end != start]
-        loops, left = chained(open_runs, gaps[0])
+        loops, left = chain_runs(open_runs, gaps[0])
         for gap in gaps[1:]:
-            if all(each.why == DOUBLE for each in left):
+            if all(leftover.why == DOUBLE for leftover in left):
                 break
             progress(f"{self.name}, pieces joined with gaps up to {gap:g} mm")
-            found = chained(open_runs, gap)
-            loops, left = found if len(found[1]) < len(left) else (loops, left)
+            attempt = chain_runs(open_runs, gap)
+            loops, left = attempt if len(attempt[1]) < len(left) else (loops, left)
         whole = (run for run, (end, start) in zip(runs, ends, strict=True) if end == start)
         loops = [(list(run.pieces), [run]) for run in whole] + loops
         if len(loops) > CONTOURS:
             raise beyond(self.name, counted(len(loops), "closed contour"), CONTOURS, DRAWING)
         contours, others = _contours(loops, doubles=strict)
-        left = sorted([*left, *others], key=lambda each: each.why == DOUBLE)
-        reasons = [str(error) for error in shown.faults]
-        reasons += [self._fault(each, gaps[-1]) for each in left[:1]]
-        notes = tuple(shown.notes(runs, left))
+        left = sorted([*left, *others], key=lambda leftover: leftover.why == DOUBLE)
+        reasons = [str(error) for error in visible.faults]
+        reasons += [self._fault(leftover, gaps[-1]) for leftover in left[:1]]
+        notes = tuple(visible.notes(runs, left))
         if reasons and (strict or not contours):
             raise FileError(reasons[0])
         if not contours:
-            own = [note.removeprefix(f"{self.name}: ") for note in notes]
-            told = "; ".join(own) or f"supported: {', '.join(CURVES)}, INSERT"
-            raise FileError(f"{self.name}: no contour found; {told}")
+            plain_notes = [note.removeprefix(f"{self.name}: ") for note in notes]
+            details = "; ".join(plain_notes) or f"supported: {', '.join(CURVES)}, INSERT"
+            raise FileError(f"{self.name}: no contour found; {details}")
         gap = max(
-            abs(before.end - piece.start)
+            abs(previous.end - piece.start)
             for pieces, _ in loops
-            for before, piece in zip([pieces[-1], *pieces], pieces, strict=False)
+            for previous, piece in zip([pieces[-1], *pieces], pieces, strict=False)
         )
         followed = 0.0 if all(run.exact for run in runs) else NEAR
         loose = reasons[-1] if left and left[0].why == LOOSE else ""
         return Outlines(tuple(contours), gap, notes, followed, loose)
 
-    def on(self, layer: str | None) -> Iterator[Item]:
+    def curves_on_layer(self, layer: str | None) -> Iterator[Item]:
         """The curves that are shown on a layer; see `outlines`."""
-        shown = _Shown(self, self._wanted(layer))
-        return (item for item, _ in shown.placed(Placement()) if item.kind in CURVES)
+        visible = _Visible(self, self._wanted(layer))
+        return (item for item, _ in visible.placed(Placement()) if item.kind in CURVES)
 
     def _wanted(self, layer: str | None) -> set[str]:
         """The layers that are read, in lower case; all if there is none."""
@@ -729,9 +736,9 @@ class Drawing:
             raise FileError(f"{self.name}: has no layer {layer!r}; there are {known}")
         if layer is not None or CUT.lower() not in self.names:
             return set() if layer is None else {layer.lower()}
-        return {name.lower() for name in of_the_part(map(str.upper, self.names))}
+        return {name.lower() for name in part_layers(map(str.upper, self.names))}
 
-    def _fault(self, left: Left, gap: float) -> str:
+    def _fault(self, left: Leftover, gap: float) -> str:
         """What is wrong with a run that is part of no contour."""
         run, place, why = left
         rest = f"; pieces must form closed contours, with gaps of at most {gap:g} mm"
@@ -744,7 +751,7 @@ PLACED: Final = 100_000
 
 
 @dataclass(slots=True)
-class _Shown:
+class _Visible:
     """What is shown of a drawing on the layers `wanted`, and a count of what is not.
 
     Attributes
@@ -758,20 +765,20 @@ class _Shown:
     drawing: Drawing
     wanted: set[str]
     progress: Progress = lambda _: None
-    off: frozenset[str] = field(init=False)
+    hidden_layers: frozenset[str] = field(init=False)
     hidden: Counter[str] = field(default_factory=Counter)
     unread: Counter[str] = field(default_factory=Counter)
     faults: list[EntityError] = field(default_factory=list)
     count: int = 0
 
     def __post_init__(self) -> None:
-        self.off = frozenset(
+        self.hidden_layers = frozenset(
             record.text(2).lower()
             for record in self.drawing.layers
             if record.number(62, 7.0) < 0.0 or int(record.number(70, 0.0)) & FROZEN
         )
 
-    def runs(self, place: Placement) -> Iterator[Run]:
+    def runs(self, place: Placement) -> Iterator[EntityRun]:
         """The curves, as far as they have any length, where `place` puts them."""
         for number, (item, inner) in enumerate(self.placed(place)):
             if not number % EVERY:
@@ -780,41 +787,45 @@ class _Shown:
                 self.unread[item.kind] += item.kind not in PARTS
                 continue
             try:
-                pieces, exact = strands_of(item, inner)
+                pieces, exact = entity_strands(item, inner)
             except EntityError as error:
                 self.faults.append(error)
                 continue
             if pieces:
-                yield Run(item.kind, item.line, pieces, exact)
+                yield EntityRun(item.kind, item.line, pieces, exact)
 
     def placed(
         self,
         place: Placement,
         items: Iterable[Item] | None = None,
         layer: str | None = None,
-        within: tuple[str, ...] = (),
+        enclosing: tuple[str, ...] = (),
     ) -> Iterator[tuple[Item, Placement]]:
         """The entities that are shown with their places, those of blocks in place of these.
 
         `layer` is that of the insertion of the block with the `items`, `within` names all around.
         """
         for item in self.drawing.items if items is None else items:
-            own = item.layer.lower()
-            own = layer if layer is not None and own == "0" else own
-            if own in self.off or own == DEFPOINTS or item.number(60, 0.0) == 1.0:
-                self.hidden[self.drawing.names.get(own, own)] += 1
+            item_layer = item.layer.lower()
+            item_layer = layer if layer is not None and item_layer == "0" else item_layer
+            if (
+                item_layer in self.hidden_layers
+                or item_layer == DEFPOINTS
+                or item.number(60, 0.0) == 1.0
+            ):
+                self.hidden[self.drawing.names.get(item_layer, item_layer)] += 1
             elif item.kind == "INSERT":
-                yield from self._inserted(item, place, own, within)
-            elif not self.wanted or own in self.wanted:
+                yield from self._inserted(item, place, item_layer, enclosing)
+            elif not self.wanted or item_layer in self.wanted:
                 yield item, place
 
     def _inserted(
-        self, item: Item, place: Placement, layer: str, within: tuple[str, ...]
+        self, item: Item, place: Placement, layer: str, enclosing: tuple[str, ...]
     ) -> Iterator[tuple[Item, Placement]]:
         """The entities of the block that `item` inserts, once or in rows and columns."""
         name = item.text(2).lower()
         record, items = self.drawing.blocks.get(name, (None, ()))
-        if record is None or name in within or len(within) == DEEPEST:
+        if record is None or name in enclosing or len(enclosing) == DEEPEST:
             what = "that is not there" if record is None else "into itself, or too deeply"
             self.faults.append(item.fault(f"inserts a block {what}: {item.text(2)[:60]!r}"))
             return
@@ -825,16 +836,20 @@ class _Shown:
         for row, column in (divmod(number, columns) for number in range(columns * rows)):
             step = complex(column * item.number(44, 0.0), row * item.number(45, 0.0))
             corner = item.point(10) + turn * step
-            own = Placement(turn * (0.5 * (x + y)), turn * (0.5 * (x - y)), corner).after(base)
-            for each in self.placed(place.seen(item).after(own), items, layer, (*within, name)):
-                yield each
+            block_place = Placement(turn * (0.5 * (x + y)), turn * (0.5 * (x - y)), corner).compose(
+                base
+            )
+            for placed_item in self.placed(
+                place.oriented(item).compose(block_place), items, layer, (*enclosing, name)
+            ):
+                yield placed_item
                 self.count += 1
             self.count += 1
             if self.count > PLACED:
-                found = counted(self.count, "entity", "entities")
-                raise beyond(self.drawing.name, f"{found} in blocks", PLACED, DRAWING)
+                entities = counted(self.count, "entity", "entities")
+                raise beyond(self.drawing.name, f"{entities} in blocks", PLACED, DRAWING)
 
-    def notes(self, runs: Sequence[Run], left: Sequence[Left]) -> Iterator[str]:
+    def notes(self, runs: Sequence[EntityRun], left: Sequence[Leftover]) -> Iterator[str]:
         """What is not shown, not read, cannot be used, is left or not exact."""
         name = self.drawing.name
         if self.hidden:
@@ -843,15 +858,17 @@ class _Shown:
             yield f"{name}: {count} not read that the drawing does not show, on layer {layers}"
         if kinds := +self.unread:
             yield f"{name}: not read: {_listed(kinds)}"
-        yield from (f"{error}; left out" for error in self.faults[:SHOWN])
+        yield from (f"{error}; left out" for error in self.faults[:MOST_PLACES])
         for why in (LOOSE, BRANCH, DOUBLE, EMPTY):
-            each = [one for one in left if one.why == why]
+            leftovers = [one for one in left if one.why == why]
             places = [
-                f"{r.kind} in line {r.line} {why} at {place_text(z)}" for r, z, _ in each[:SHOWN]
+                f"{r.kind} in line {r.line} {why} at {place_text(z)}"
+                for r, z, _ in leftovers[:MOST_PLACES]
             ]
-            if each:
-                count = f"{counted(len(each), 'piece')} left out"
-                yield f"{name}: {count}: {'; '.join(places)}{'; ...' * (len(each) > SHOWN)}"
+            if leftovers:
+                count = f"{counted(len(leftovers), 'piece')} left out"
+                more = "; ..." if len(leftovers) > MOST_PLACES else ""
+                yield f"{name}: {count}: {'; '.join(places)}{more}"
         if kinds := Counter(run.kind for run in runs if not run.exact):
             yield f"{name}: {_listed(kinds)} followed by cubics within {NEAR:g} mm"
 
@@ -860,26 +877,26 @@ def _listed(kinds: Counter[str]) -> str:
     return ", ".join(f"{count} {kind}" for kind, count in kinds.most_common())
 
 
-def _contours(loops: Sequence[Loop], *, doubles: bool) -> tuple[list[AnyContour], list[Left]]:
+def _contours(loops: Sequence[Loop], *, doubles: bool) -> tuple[list[AnyContour], list[Leftover]]:
     """The contours of closed chains, the largest first, each once unless `doubles` count too, and
     the runs of the others.
     """
     left = []
-    found: list[tuple[AnyContour, Loop]] = []
+    outlines: list[tuple[AnyContour, Loop]] = []
     for pieces, runs in loops:
         single = len(pieces) < 2 and isinstance(pieces[0], Arc)
         if single or (contour := closed(pieces)).area == 0.0:
-            left.append(Left(runs[0], pieces[0].start, EMPTY))
+            left.append(Leftover(runs[0], pieces[0].start, EMPTY))
         else:
-            found.append((contour.counter_clockwise(), (pieces, runs)))
-    kept: list[tuple[AnyContour, complex]] = []
-    for contour, (pieces, runs) in sorted(found, key=lambda each: -each[0].area):
+            outlines.append((contour.counter_clockwise(), (pieces, runs)))
+    distinct: list[tuple[AnyContour, complex]] = []
+    for contour, (pieces, runs) in sorted(outlines, key=lambda outline: -outline[0].area):
         middle = middle_of(contour)
-        if not doubles and any(_same(contour, middle, *each) for each in kept):
-            left += [Left(run, pieces[0].start, DOUBLE) for run in runs]
+        if not doubles and any(_same(contour, middle, *other) for other in distinct):
+            left += [Leftover(run, pieces[0].start, DOUBLE) for run in runs]
         else:
-            kept.append((contour, middle))
-    return [contour for contour, _ in kept], left
+            distinct.append((contour, middle))
+    return [contour for contour, _ in distinct], left
 
 
 def _same(one: AnyContour, middle: complex, other: AnyContour, place: complex) -> bool:
@@ -891,7 +908,7 @@ def _same(one: AnyContour, middle: complex, other: AnyContour, place: complex) -
     )
 
 
-def drawing_of(
+def read_drawing(
     data: bytes, name: str = "the drawing", progress: Progress = lambda _: None
 ) -> Drawing:
     """The drawing in the file `name`; FileError if it is not DXF, or truncated."""
@@ -912,8 +929,8 @@ class DxfReader:
         progress: Progress = lambda _: None,
     ) -> Outlines:
         """See `Drawing.outlines`."""
-        drawing = drawing_of(data, name, progress)
-        return drawing.outlines(layer, unit, gaps_up_to(gap), progress=progress)
+        drawing = read_drawing(data, name, progress)
+        return drawing.outlines(layer, unit, gap_steps(gap), progress=progress)
 
 
 READER = DxfReader()
@@ -935,7 +952,7 @@ once as a point."""
 LEAST: Final = 1e-30
 """Gap [mm] of a drawing of no reach."""
 
-BETWEEN: Final = np.arange(1, 8) / 8.0
+SAMPLES: Final = np.arange(1, 8) / 8.0
 """Shares of a curved piece at which faces are told from each other; no geometry comes from them."""
 
 PAIRS: Final = 10_000_000
@@ -954,7 +971,7 @@ EMPTY: Final = "encloses nothing"
 """Why a run is left."""
 
 
-class Run(NamedTuple):
+class EntityRun(NamedTuple):
     """Pieces of an entity end to end.
 
     Attributes
@@ -970,22 +987,22 @@ class Run(NamedTuple):
     exact: bool
 
 
-class Left(NamedTuple):
+class Leftover(NamedTuple):
     """A run that is part of no closed chain, or is drawn already, with the place [mm] and why."""
 
-    run: Run
+    run: EntityRun
     place: complex
     why: str
 
 
-Loop = tuple[list[Strand], Sequence[Run]]
+Loop = tuple[list[Strand], Sequence[EntityRun]]
 """The pieces of a closed chain, and the runs that they are from."""
 
 Way = list[int]
 """Runs one after the other, by the ends at which they are entered: 2 k is the start of run k."""
 
 
-def chained(runs: Sequence[Run], gap: float) -> tuple[list[Loop], list[Left]]:
+def chain_runs(runs: Sequence[EntityRun], gap: float) -> tuple[list[Loop], list[Leftover]]:
     """The closed chains of open `runs`, whose ends are joined if they are at most `gap` apart [mm],
     or the same but for rounding; and what is left.
     """
@@ -996,7 +1013,7 @@ def chained(runs: Sequence[Run], gap: float) -> tuple[list[Loop], list[Left]]:
     gap = max(gap, JOINED * float(np.max(np.abs(ends))), LEAST)
     nodes = _nodes(ends, gap)
     used = ~_doubles(runs, nodes, gap)
-    left = [Left(runs[k], both[2 * k], DOUBLE) for k in np.flatnonzero(~used).tolist()]
+    left = [Leftover(runs[k], both[2 * k], DOUBLE) for k in np.flatnonzero(~used).tolist()]
     while True:
         following, degrees = _following(nodes, np.repeat(used, 2))
         ways = list(_ways(following.tolist(), used))
@@ -1005,26 +1022,26 @@ def chained(runs: Sequence[Run], gap: float) -> tuple[list[Loop], list[Left]]:
             break
         for way in single:
             end = way[0] if degrees[way[0]] == 1 else way[-1] ^ 1
-            used[[each // 2 for each in way]] = False
+            used[[entry // 2 for entry in way]] = False
             order = way if end == way[0] else way[::-1]
-            left += [Left(runs[each // 2], both[end], LOOSE) for each in order]
-    found = [way for way in ways if following[way[0]] != NONE]
+            left += [Leftover(runs[entry // 2], both[end], LOOSE) for entry in order]
+    closed_ways = [way for way in ways if following[way[0]] != NONE]
     others = {k: way for k, way in enumerate(ways) if following[way[0]] == NONE}
     spots = np.empty_like(ends)
     spots[nodes] = ends
     rings = _outer_rings({k: _path(runs, way, spots[nodes]) for k, way in others.items()})
     for ring in rings:
         parts = (others[k] if ahead else [e ^ 1 for e in others[k][::-1]] for k, ahead in ring)
-        found.append([end for part in parts for end in part])
+        closed_ways.append([end for part in parts for end in part])
     for k in others.keys() - {k for ring in rings for k, _ in ring}:
-        left += [Left(runs[end // 2], both[end], BRANCH) for end in others[k]]
+        left += [Leftover(runs[end // 2], both[end], BRANCH) for end in others[k]]
     return [
         ([piece for end in way for piece in _pieces(runs, end)], [runs[end // 2] for end in way])
-        for way in found
+        for way in closed_ways
     ], left
 
 
-def _pieces(runs: Sequence[Run], end: int) -> Sequence[Strand]:
+def _pieces(runs: Sequence[EntityRun], end: int) -> Sequence[Strand]:
     """The pieces of a run from that end on."""
     pieces = runs[end // 2].pieces
     return [piece.reversed() for piece in pieces[::-1]] if end % 2 else pieces
@@ -1046,15 +1063,15 @@ def _nodes(ends: ComplexArray, gap: float) -> IntArray:
     return np.asarray(connected_components(links, directed=False)[1])[numbers]
 
 
-def _doubles(runs: Sequence[Run], nodes: IntArray, gap: float) -> BoolArray:
+def _doubles(runs: Sequence[EntityRun], nodes: IntArray, gap: float) -> BoolArray:
     """(n,) which of the `runs` (n,) lie on another one: the same ends, the same middle."""
     marks = np.array([sum(map(_middle, run.pieces)) / len(run.pieces) for run in runs])
     ends = np.sort(nodes.reshape(-1, 2), axis=1)
     order = np.lexsort((marks.imag, marks.real, ends[:, 1], ends[:, 0]))
     same = np.all(ends[order[1:]] == ends[order[:-1]], axis=1)
-    found = np.zeros(len(runs), dtype=np.bool_)
-    found[order[1:][same & (np.abs(np.diff(marks[order])) <= gap)]] = True
-    return found
+    doubles = np.zeros(len(runs), dtype=np.bool_)
+    doubles[order[1:][same & (np.abs(np.diff(marks[order])) <= gap)]] = True
+    return doubles
 
 
 def _middle(piece: Strand) -> complex:
@@ -1094,19 +1111,19 @@ def _ways(following: list[int], used: BoolArray) -> Iterator[Way]:
             yield way
 
 
-def _path(runs: Sequence[Run], way: Way, spots: ComplexArray) -> ComplexArray:
+def _path(runs: Sequence[EntityRun], way: Way, spots: ComplexArray) -> ComplexArray:
     """Points along a way, each other than the one before; its ends are those of their nodes."""
     parts = [spots[way[:1]]]
     for piece in (piece for end in way for piece in _pieces(runs, end)):
         if isinstance(piece, CubicSpline):
-            parts.append(at(piece.beziers, BETWEEN).ravel())
+            parts.append(at(piece.beziers, SAMPLES).ravel())
         elif piece.sweep:
-            parts.append(piece.at(BETWEEN))
+            parts.append(piece.at(SAMPLES))
         parts.append(np.array([piece.end]))
     parts[-1] = spots[[way[-1] ^ 1]]
     points: ComplexArray = np.concatenate(parts)
-    apart: ComplexArray = points[np.diff(points, prepend=np.nan) != 0.0]
-    return apart
+    distinct: ComplexArray = points[np.diff(points, prepend=np.nan) != 0.0]
+    return distinct
 
 
 Ring = list[tuple[int, bool]]

@@ -32,8 +32,8 @@ from camgeo.part.part import WRITTEN_SHARE, Boundary, written_contour
 from camgeo.reading import DRAWING_LINES
 from camgeo.scene.formats.dxf import FORMAT, SINGLE
 from camgeo.units import MM_PER, LengthUnit, counted
-from camgeo_export.dxf.reader import Drawing, drawing_of
-from camgeo_export.reading import CUT, AnyContour, layered
+from camgeo_export.dxf.reader import Drawing, read_drawing
+from camgeo_export.reading import CUT, AnyContour, boundaries_by_layer
 from camgeo_export.verify.plane import deviation
 
 PITCH = "PITCH_CURVE"
@@ -68,26 +68,26 @@ class DxfWriter:
         straight = drawing.entity == "polyline"
         cut = {
             name: [_cut(boundary, product, tolerance) for boundary in boundaries]
-            for name, boundaries in layered(product).items()
+            for name, boundaries in boundaries_by_layer(product).items()
         }
-        curves = [curve for each in cut.values() for curve in each]
+        curves = [curve for layer in cut.values() for curve in layer]
         has_pitch = drawing.auxiliary and product.drawn.has_pitch_curve
         pitch = _pitch(product, tolerance, straight) if has_pitch else None
         _limit(sum(map(len, (*curves, *([] if pitch is None else [pitch])))))
         document = new_document(product, tolerance)
         _draw(document.modelspace(), product, cut, pitch)
-        return Written(bytes_of(document), _facts(product, curves))
+        return Written(document_bytes(document), _facts(product, curves))
 
     def measure(self, product: Product, data: bytes) -> float:
         """Read the drawing back, without ezdxf: largest proved deviation [mm] of all that is drawn.
 
         Raises FileError if the drawing is incomplete, foreign or in the wrong unit.
         """
-        drawing = drawing_of(data)
+        drawing = read_drawing(data)
         _check(drawing, product)
         largest = max(
             deviation(drawing.contours(name), boundaries)
-            for name, boundaries in layered(product).items()
+            for name, boundaries in boundaries_by_layer(product).items()
         )
         if not product.options[FORMAT].auxiliary:
             return largest
@@ -132,7 +132,7 @@ def _facts(product: Product, cut: list[AnyContour]) -> dict[str, int | float | s
     polylines = [curve for curve in cut if isinstance(curve, Contour)]
     bent = sum(1 for arc in singles if arc.sweep)
     arcs = bent + sum(polyline.arc_count for polyline in polylines)
-    lines = len(singles) - bent + sum(len(each) - each.arc_count for each in polylines)
+    lines = len(singles) - bent + sum(len(polyline) - polyline.arc_count for polyline in polylines)
     facts: dict[str, int | float | str] = {"boundaries": len(cut)}
     if product.options[FORMAT].entity == "spline":
         facts |= {"splines": len(splines), "cubics": sum(len(spline) for spline in splines)}
@@ -162,14 +162,14 @@ def _draw(
                 _strands(space, contour, scale, name)
             else:
                 _polyline(space, contour, scale, name)
-    drawn = [curve for each in cut.values() for curve in each]
+    visible = [curve for layer in cut.values() for curve in layer]
     if auxiliary:
         _auxiliary(space, product, pitch, scale)
-        drawn += [
+        visible += [
             *([pitch] if pitch is not None else []),
             Contour.circle(product.drawn.base_radius),
         ]
-    show(space, drawn, scale)
+    show(space, visible, scale)
 
 
 def _auxiliary(space: Modelspace, product: Product, pitch: Contour | None, scale: float) -> None:
@@ -285,29 +285,31 @@ def show(space: Modelspace, contours: Sequence[Contour | SplineContour], scale: 
 def _extremes(contour: Contour | SplineContour) -> ComplexArray:
     """(n,) complex [mm] points on the contour, the outermost ones along both axes among them."""
     if isinstance(contour, Contour):
-        return _of_pieces(contour.vertices, contour.sweeps, contour.centres)
+        return _piece_extremes(contour.vertices, contour.sweeps, contour.centres)
     rows = [(arc.start, arc.sweep, arc.centre) for arc in contour.arcs]
     starts, sweeps, centres = np.array(rows, dtype=np.complex128).reshape(-1, 3).T
-    splines = [_of_cubics(spline.beziers) for spline in contour.splines]
-    return np.concatenate((_of_pieces(starts, sweeps.real, centres), *splines))
+    splines = [_cubic_extremes(spline.beziers) for spline in contour.splines]
+    return np.concatenate((_piece_extremes(starts, sweeps.real, centres), *splines))
 
 
-def _of_pieces(starts: ComplexArray, sweeps: FloatArray, centres: ComplexArray) -> ComplexArray:
+def _piece_extremes(
+    starts: ComplexArray, sweeps: FloatArray, centres: ComplexArray
+) -> ComplexArray:
     """The starts, and where arcs run along an axis."""
     bent = sweeps != 0.0
-    starts_of, centres, sweeps = starts[bent], centres[bent], sweeps[bent]
-    arm = starts_of - centres
-    found = [starts]
+    arc_starts, centres, sweeps = starts[bent], centres[bent], sweeps[bent]
+    arm = arc_starts - centres
+    points = [starts]
     for direction in (1.0, 1.0j, -1.0, -1.0j):
         turned = np.angle(direction / arm) * np.sign(sweeps) % (2.0 * np.pi)
         reached = turned <= np.abs(sweeps)
-        found.append((centres + np.abs(arm) * direction)[reached])
-    return np.concatenate(found)
+        points.append((centres + np.abs(arm) * direction)[reached])
+    return np.concatenate(points)
 
 
-def _of_cubics(pieces: ComplexArray) -> ComplexArray:
+def _cubic_extremes(pieces: ComplexArray) -> ComplexArray:
     """The ends of (n, 4) Bezier pieces, and where they run along an axis."""
-    found = [pieces[:, 0], pieces[:, 3]]
+    points = [pieces[:, 0], pieces[:, 3]]
     for values in (pieces.real, pieces.imag):
         a, b, c = np.diff(values, axis=1).T
         # The derivative is a (1 - t)^2 + 2 b t (1 - t) + c t^2.
@@ -318,8 +320,8 @@ def _of_cubics(pieces: ComplexArray) -> ComplexArray:
             level = pieces
             while level.shape[1] > 1:  # de Casteljau's algorithm
                 level = (1.0 - share) * level[:, :-1] + share * level[:, 1:]
-            found.append(level[:, 0])
-    return np.concatenate(found)
+            points.append(level[:, 0])
+    return np.concatenate(points)
 
 
 # -- file -----------------------------------------------------------------------------------------
@@ -335,12 +337,12 @@ def _fixed_metadata() -> Iterator[None]:
     """Drawings without time stamps and random identifiers, which ezdxf stamps on a file when
     creating and when writing it; its setting is restored.
     """
-    before = options.write_fixed_meta_data_for_testing
+    previous = options.write_fixed_meta_data_for_testing
     options.write_fixed_meta_data_for_testing = True
     try:
         yield
     finally:
-        options.write_fixed_meta_data_for_testing = before
+        options.write_fixed_meta_data_for_testing = previous
 
 
 @_fixed_metadata()
@@ -362,7 +364,7 @@ def new_document(product: Product, tolerance: float) -> Document:
 
 
 @_fixed_metadata()
-def bytes_of(document: Document) -> bytes:
+def document_bytes(document: Document) -> bytes:
     """The document as a file."""
     # ezdxf declares the classes in use in the order of a set, which differs between runs.
     for kind in sorted(document.entitydb.dxf_types_in_use()):
@@ -397,7 +399,7 @@ MEASUREMENT = {"mm": "1", "inch": "0"}
 def _check(drawing: Drawing, product: Product) -> None:
     options = product.options[FORMAT]
     kinds = dict(KINDS) if options.auxiliary else {}
-    kinds |= dict.fromkeys(layered(product), PART_KINDS[options.entity])
+    kinds |= dict.fromkeys(boundaries_by_layer(product), PART_KINDS[options.entity])
     if not product.drawn.has_pitch_curve:
         kinds.pop("PITCH_CURVE", None)
     for item in drawing.items:

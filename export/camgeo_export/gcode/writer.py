@@ -59,7 +59,7 @@ class GcodeWriter:
         """The program, in the product's unit; path blending counts against `tolerance` [mm]."""
         spec = product.milled.gcode
         machine = load(spec.machine)
-        setup = setup_of(product, spec, machine)
+        setup = program_setup(product, spec, machine)
         shares = budget(machine, product.unit, tolerance)
         toolpath = product.milled.toolpath(shares.fit)
         whole = product.milled.whole
@@ -69,9 +69,9 @@ class GcodeWriter:
             watched = () if product.program else whole.safe(whole.toolpath(shares.fit), tolerance)
         cuts = [operation.cut for operation in toolpath.operations]
         _check_tools(cuts, machine)
-        about = about_program(product, machine, shares, cuts, product.scene_hash)
-        program = written(toolpath, machine, shares, setup, about)
-        lines = numbered(program.lines, machine)
+        comments = program_comments(product, machine, shares, cuts, product.scene_hash)
+        program = write_program(toolpath, machine, shares, setup, comments)
+        lines = number_lines(program.lines, machine)
         _check_limits(lines, program, machine)
         side = side_sentence(product)
         facts: dict[str, int | float | str] = {
@@ -91,15 +91,15 @@ class GcodeWriter:
         }
         if program.limits:
             facts["compensation"] = ", ".join(
-                f"{each.operation} {each.mode} {each.most:.3f} mm"
-                for each in program.limits.values()
+                f"{limit.operation} {limit.mode} {limit.most:.3f} mm"
+                for limit in program.limits.values()
             )
         if machine.dynamics is not None:
             smoothing = shares.blending if shares.blending > 0.0 else None
             times = toolpath_times(
                 toolpath, machine.dynamics, chord=shares.interpolation, smoothing=smoothing
             )
-            facts["machining_time_s"] = round(sum(each.seconds for each in times), 1)
+            facts["machining_time_s"] = round(sum(time.seconds for time in times), 1)
             facts["machining_times"] = ", ".join(f"{t.name} {t.seconds:.1f} s" for t in times)
         ending = ENDINGS[machine.text.line_ending]
         return Written("".join(line + ending for line in lines).encode("ascii"), facts, watched)
@@ -109,7 +109,7 @@ class GcodeWriter:
         return product.programs
 
 
-def setup_of(product: Product, spec: GcodeSpec, machine: Machine) -> Setup:
+def program_setup(product: Product, spec: GcodeSpec, machine: Machine) -> Setup:
     """What the scene asks of the program; SceneError for what the machine does not have."""
     offset = spec.work_offset or next(iter(machine.work_offsets))
     allowed = {
@@ -128,15 +128,23 @@ def setup_of(product: Product, spec: GcodeSpec, machine: Machine) -> Setup:
             faults.append(Fault(error.key, repr(value), f"{error.message} for {machine.name}"))
     if faults:
         raise SceneError(faults)
-    spin_up = machine.spindle.spin_up if spec.spin_up is None else spec.spin_up
+    spin_up_time = machine.spindle.spin_up if spec.spin_up is None else spec.spin_up
     words = machine.work_offsets[offset]
     milled, away = product.milled, spec.tool_change_height
-    before = 0 if milled.first is None else len(milled.first.programs)
-    number = spec.program_number + product.position + 2 * (before + (product.program or 0))
+    first_programs = 0 if milled.first is None else len(milled.first.programs)
+    number = spec.program_number + product.position + 2 * (first_programs + (product.program or 0))
     assert milled.spec is not None  # for there are cuts
     blank = milled.zero.box(milled.spec.stock, milled.part)
     return Setup(
-        product.name, product.unit, words, spec.coolant, spin_up, number, away, milled.zero, blank
+        product.name,
+        product.unit,
+        words,
+        spec.coolant,
+        spin_up_time,
+        number,
+        away,
+        milled.zero,
+        blank,
     )
 
 
@@ -200,7 +208,7 @@ class Setup:
     unit: LengthUnit
     work_offset: str
     coolant: str
-    spin_up: float
+    spin_up_time: float
     number: int = 1
     away: float | None = None
     zero: Zero = field(default_factory=Zero)
@@ -233,9 +241,9 @@ class Program:
         words = Klartext() if machine.dialect == "klartext" else Iso()
         self.speller = Speller(grid, self.shares, machine, words, self.setup.zero)
 
-    def start(self, about: Iterable[str]) -> None:
+    def start(self, comments: Iterable[str]) -> None:
         """The first lines and the comments on the whole program."""
-        self.lines += filled(
+        self.lines += fill_blocks(
             self.machine.program.start,
             name=self.setup.title,
             number=f"{self.setup.number:04d}",
@@ -248,23 +256,23 @@ class Program:
                 for k, corner in enumerate(self.setup.blank)
                 for axis, place in zip("xyz", corner, strict=True)
             }
-            self.lines += filled(self.machine.program.blank, **words)
-        self.lines += self._commented(about)
+            self.lines += fill_blocks(self.machine.program.blank, **words)
+        self.lines += self._commented(comments)
 
     def operation(self, operation: Operation, following: Operation | None) -> None:
         """One operation, from its comments to its last move, and away if the operator comes."""
         first = self._tool is None
-        said = self._compensate(operation)
+        note = self._compensate(operation)
         grid, zero = self.speller.grid, self.setup.zero
         cut = operation.cut
         depths = " ".join(grid.text(grid.steps(depth - zero.z)) for depth in cut.depths)
-        comments = self._commented((f"operation {cut.name}", f"depths {depths}", said, cut.note))
+        comments = self._commented((f"operation {cut.name}", f"depths {depths}", note, cut.note))
         self.lines += () if first else comments
         moves = programmed(operation)
-        before = moves[1] if not first and len(moves) > 1 else None
-        self._state(operation.cut.tool, halting=isinstance(before, Stop))
-        if isinstance(before, Stop):  # before anything is switched on for the operation
-            self._wait(before)
+        second_move = moves[1] if not first and len(moves) > 1 else None
+        self._state(operation.cut.tool, halting=isinstance(second_move, Stop))
+        if isinstance(second_move, Stop):  # before anything is switched on for the operation
+            self._wait(second_move)
             moves = moves[2:]
         self._start(operation.travel[0].end, comments if first else ())
         for move in moves:
@@ -293,71 +301,73 @@ class Program:
             for side in ("left", "right")
         }
         self.speller.switches["off"] = words.off
-        return limit.sentence(words, partial(spelled, unit=self.setup.unit))
+        return limit.sentence(words, partial(length_text, unit=self.setup.unit))
 
     def end(self) -> None:
         """Away from the part, everything off."""
         machine = self.machine
-        self._dry()
+        self._stop_coolant()
         self._retract(self._away)
         self.lines += machine.spindle.off
         self.lines += machine.smoothing.end if machine.smoothing else ()
         unit = machine.unit.for_unit(self.setup.unit)
-        self.lines += filled(machine.program.end, name=self.setup.title, unit=unit)
+        self.lines += fill_blocks(machine.program.end, name=self.setup.title, unit=unit)
 
     def _state(self, tool: Tool, *, halting: bool) -> None:
         """Modal state and tool; the cutter is above the part, or its place is unknown.
 
         `halting` says whether the operator comes next: then the spindle is off.
         """
-        machine, before = self.machine, self._tool
+        machine, previous_tool = self.machine, self._tool
         self.speller.restart()
-        self._dry()
+        self._stop_coolant()
         unit = machine.unit.for_unit(self.setup.unit)
-        blocks = filled(machine.program.safe_start, unit=unit, work_offset=self.setup.work_offset)
+        blocks = fill_blocks(
+            machine.program.safe_start, unit=unit, work_offset=self.setup.work_offset
+        )
         self.lines += [block for block in blocks if block]
         self.lines += self._smoothing()
-        if (before is not None and not self._plain_retract) or machine.retract.first:
+        if (previous_tool is not None and not self._plain_retract) or machine.retract.first:
             self._retract(self.height)
-        other = before is not None and before.number != tool.number
-        if before is not None and (other or halting or machine.tool_change.repeat):
+        other = previous_tool is not None and previous_tool.number != tool.number
+        if previous_tool is not None and (other or halting or machine.tool_change.repeat):
             self.lines += machine.spindle.off
-        if before is None or other or machine.tool_change.repeat:
+        if previous_tool is None or other or machine.tool_change.repeat:
             words = {"tool": str(tool.number), "speed": self._speed(tool)}
-            blocks = filled(machine.tool_change.change, **words, nominal=self._nominal)
+            blocks = fill_blocks(machine.tool_change.change, **words, nominal=self._nominal)
             self.lines += [block.rstrip() for block in blocks]
         self._tool = tool
         if not self._moving_offset:
             self.lines += self._offset()
 
-    def _start(self, at: Point, comments: Iterable[str] = ()) -> None:
+    def _start(self, place: Point, comments: Iterable[str] = ()) -> None:
         """Spindle on, to the clearance height, coolant on.
 
-        A machine that goes across first is above everything, and goes down above `at` with the
+        A machine that goes across first is above everything, and goes down above `place` with the
         spindle turning; others first leave the work, which the cutter may touch.
         """
         if self.machine.tool_change.approach == "xy-first":
             self._turn()
             self.lines += comments
-            self.speller.across(at)
+            self.speller.across(place)
             self.lines += self.speller.take()
             self._down()
-            self._wetted()
+            self._start_coolant()
         else:
             self._down()
             self._turn()
-            self._wetted()
+            self._start_coolant()
             self.lines += comments
 
     def _turn(self) -> None:
         """The spindle on, up to its speed."""
         machine, tool = self.machine, self._tool
         assert tool is not None
-        self.lines += filled(machine.spindle.clockwise, speed=self._speed(tool))
-        if self.setup.spin_up > 0.0:
-            seconds = self.setup.spin_up
+        self.lines += fill_blocks(machine.spindle.clockwise, speed=self._speed(tool))
+        if self.setup.spin_up_time > 0.0:
+            seconds = self.setup.spin_up_time
             time = str(round(1e3 * seconds)) if machine.dwell.unit == "ms" else number(seconds)
-            self.lines += filled(machine.dwell.blocks, dwell=time)
+            self.lines += fill_blocks(machine.dwell.blocks, dwell=time)
 
     def _down(self) -> None:
         """To the clearance height."""
@@ -368,7 +378,7 @@ class Program:
             self.speller.retract(self.height)
             self.lines += self.speller.take()
 
-    def _wetted(self) -> None:
+    def _start_coolant(self) -> None:
         """Coolant on, if tool or scene want any."""
         assert self._tool is not None
         coolant = self._tool.coolant or self.setup.coolant
@@ -378,15 +388,15 @@ class Program:
 
     def _halt(self, stop: Stop) -> None:
         """Everything off for the operator, and back to where the cutter was, from above."""
-        at = self.speller.place
+        place = self.speller.place
         self.lines += self.speller.take()
-        self._dry()
+        self._stop_coolant()
         self._retract(self._away)
         self.lines += self.machine.spindle.off
         self._wait(stop)
         if not self._moving_offset:
             self.lines += self._offset()
-        self._start((at.real, at.imag, self.height))
+        self._start((place.real, place.imag, self.height))
 
     def _wait(self, stop: Stop) -> None:
         """For the operator, who may move the machine."""
@@ -395,15 +405,15 @@ class Program:
 
     def _retract(self, z: float) -> None:
         """Up to the machine's retract, or to the height `z` [mm] if it is not there."""
-        if self._plain_retract and self.speller.level(z) == self.speller.at[2]:
+        if self._plain_retract and self.speller.level(z) == self.speller.printed_position[2]:
             return
-        self.lines += filled(self.machine.retract.blocks, z=self.speller.height(z))
+        self.lines += fill_blocks(self.machine.retract.blocks, z=self.speller.height(z))
         if self._plain_retract:
             self.speller.reached(z)
         else:
             self.speller.forget()
 
-    def _dry(self) -> None:
+    def _stop_coolant(self) -> None:
         if self._wet:
             self.lines += self.machine.coolant.off
         self._wet = False
@@ -426,7 +436,7 @@ class Program:
     def _offset(self) -> list[str]:
         assert self._tool is not None
         words = {"tool": str(self._tool.number), "z": self.speller.height(self.height)}
-        return filled(self.machine.tool_change.length_offset, **words)
+        return fill_blocks(self.machine.tool_change.length_offset, **words)
 
     def _smoothing(self) -> Sequence[str]:
         smoothing = self.machine.smoothing
@@ -434,7 +444,7 @@ class Program:
             return ()
         if self.shares.blending > 0.0:
             value = self.shares.blending / MM_PER[self.setup.unit]
-            return filled(smoothing.on, p=f"{value:.{self.shares.decimals}f}")
+            return fill_blocks(smoothing.on, p=f"{value:.{self.shares.decimals}f}")
         return smoothing.off
 
     def _speed(self, tool: Tool) -> str:
@@ -442,13 +452,13 @@ class Program:
         return str(round(speed)) if self.machine.spindle.whole_speed else number(speed)
 
     def _commented(self, texts: Iterable[str]) -> list[str]:
-        return commented([text for text in texts if text], self.machine)
+        return comment_lines([text for text in texts if text], self.machine)
 
 
-def written(
-    toolpath: Toolpath, machine: Machine, shares: Budget, setup: Setup, about: Iterable[str]
+def write_program(
+    toolpath: Toolpath, machine: Machine, shares: Budget, setup: Setup, comments: Iterable[str]
 ) -> Program:
-    """The program of a toolpath; `about` are the comments on the whole of it.
+    """The program of a toolpath; `comments` are those on the whole of it.
 
     Raises
     ------
@@ -457,7 +467,7 @@ def written(
     """
     limits = offset_limits(toolpath.operations)
     program = Program(machine, shares, setup, toolpath.heights.clearance, limits)
-    program.start(about)
+    program.start(comments)
     operations = toolpath.operations
     for operation, following in zip_longest(operations, operations[1:]):
         program.operation(operation, following)
@@ -465,12 +475,12 @@ def written(
     return program
 
 
-def filled(blocks: Iterable[str], **words: str) -> list[str]:
+def fill_blocks(blocks: Iterable[str], **words: str) -> list[str]:
     """`blocks` with `words` in place of the names in braces."""
     return [block.format(**words) for block in blocks]
 
 
-def numbered(lines: Iterable[str], machine: Machine) -> list[str]:
+def number_lines(lines: Iterable[str], machine: Machine) -> list[str]:
     """`lines` with the numbers that the profile asks for: on blocks alone, in klartext on all.
 
     A block of several lines becomes as many, with one number.
@@ -480,16 +490,16 @@ def numbered(lines: Iterable[str], machine: Machine) -> list[str]:
         return [part for line in lines for part in line.split("\n")]
     klartext = machine.dialect == "klartext"
     plain = ("\n",) if klartext else (machine.text.comment_open.strip(), "%", "O")
-    found: list[str] = []
+    numbered_lines: list[str] = []
     count = 0 if klartext else 1
     for line in lines:
         first, *others = line.split("\n")
         if first.startswith(plain):
-            found.append(first)
+            numbered_lines.append(first)
         else:
-            found += (f"{'' if klartext else 'N'}{step * count} {first}", *others)
+            numbered_lines += (f"{'' if klartext else 'N'}{step * count} {first}", *others)
             count += 1
-    return found
+    return numbered_lines
 
 
 # -- speller --------------------------------------------------------------------------------------
@@ -536,7 +546,7 @@ class Speller:
     reach: int = 0
     place: complex = 0j
     _exact_z: float = math.nan
-    at: tuple[int | None, int | None, int | None] = (None, None, None)
+    printed_position: tuple[int | None, int | None, int | None] = (None, None, None)
     _feed: str = ""
 
     def take(self) -> list[str]:
@@ -546,11 +556,11 @@ class Speller:
 
     def forget(self) -> None:
         """A block of the program's own has moved the cutter along Z, nobody knows where to."""
-        self.at = (*self.at[:2], None)
+        self.printed_position = (*self.printed_position[:2], None)
 
     def restart(self) -> None:
         """State place and feed again in the next blocks, as a program may be started here."""
-        self.at = (None, None, self.at[2])
+        self.printed_position = (None, None, self.printed_position[2])
         self._feed = ""
 
     def height(self, height: float) -> str:
@@ -563,7 +573,7 @@ class Speller:
 
     def reached(self, height: float) -> None:
         """A block of the program's own has moved the cutter to Z `height` [mm]."""
-        self.at = (*self.at[:2], self.level(height))
+        self.printed_position = (*self.printed_position[:2], self.level(height))
         self._exact_z = height
 
     def retract(self, height: float) -> None:
@@ -575,7 +585,7 @@ class Speller:
         """Traverse to X and Y of `end` at the cutter's height, whatever it is."""
         x, y, _ = self._steps(end)
         self.blocks.append(self.dialect.rapid(self._texts((("X", x), ("Y", y)))))
-        self.at = (x, y, self.at[2])
+        self.printed_position = (x, y, self.printed_position[2])
         self.place = complex(end[0], end[1])
 
     def move(self, move: Rapid | Feed | ArcFeed) -> None:
@@ -601,11 +611,11 @@ class Speller:
         return [(axis, self.grid.text(value, signed=signed)) for axis, value in values]
 
     def _traverse(self, end: Steps) -> None:
-        if end[2] != self.at[2] and (end[0], end[1]) != self.at[:2]:
+        if end[2] != self.printed_position[2] and (end[0], end[1]) != self.printed_position[:2]:
             raise ValueError("a traverse must move either in Z or in the plane")
         if changes := self._changes(end):
             self.blocks.append(self.dialect.rapid(changes))
-        self.at = end
+        self.printed_position = end
 
     def _straight(self, end: Steps, feed: str, switch: str = "") -> None:
         if changes := self._changes(end):
@@ -613,13 +623,15 @@ class Speller:
             self.lines += 1
             if self.lines > PROGRAM_LINES:
                 raise too_long()
-        self.at = end
+        self.printed_position = end
 
     def _changes(self, end: Steps) -> list[tuple[str, str]]:
         """The coordinates that change, X and Y together; none if the block moves nothing."""
-        plane = (end[0], end[1]) != self.at[:2]
+        plane = (end[0], end[1]) != self.printed_position[:2]
         values: tuple[tuple[str, int], ...] = (("X", end[0]), ("Y", end[1])) if plane else ()
-        return self._texts(values + ((("Z", end[2]),) if end[2] != self.at[2] else ()))
+        return self._texts(
+            values + ((("Z", end[2]),) if end[2] != self.printed_position[2] else ())
+        )
 
     def _arc(self, move: ArcFeed) -> None:
         centre = complex(*move.centre)
@@ -628,7 +640,7 @@ class Speller:
         radius = abs(arm)
         sweep = arc_sweep(arm, end - centre, ccw=move.ccw)
         feed = self._feed_text(move.feed)
-        helix = self._steps(move.end)[2] != self.at[2]
+        helix = self._steps(move.end)[2] != self.printed_position[2]
         sagitta = 2.0 * radius * math.sin(0.25 * sweep) ** 2
         chords = not self.budget.arcs or sagitta <= self.budget.chord
         chords = chords or (helix and not self.machine.arcs.helical)
@@ -647,7 +659,7 @@ class Speller:
 
     def _printed_arc(self, end: Steps, centre: complex, feed: str, *, ccw: bool) -> None:
         """An arc block between printed points, with a centre recomputed for them and checked."""
-        x, y, z = self.at
+        x, y, z = self.printed_position
         if x is None or y is None or z is None:
             raise ValueError("an arc must start at a known point")
         if (end[0], end[1]) == (x, y):
@@ -678,7 +690,7 @@ class Speller:
         middle = self._texts((("X", i), ("Y", j)))
         self.blocks += self.dialect.arc(self._texts(ends), middle, self._new(feed), ccw=ccw)
         self.arcs += 1
-        self.at = end
+        self.printed_position = end
 
     def _feed_text(self, feed: float) -> str:
         """The feed [mm/min] in program units."""
@@ -743,8 +755,8 @@ class Iso:
 
     def arc(self, end: Coordinates, centre: Coordinates, feed: str, *, ccw: bool) -> list[str]:
         """A circular cut, as G3 or G2."""
-        own = [("IJ"["XY".index(axis)], value) for axis, value in centre]
-        return [_spelled("G3" if ccw else "G2", _words(end), _words(own), _feed(feed))]
+        centre_words = [("IJ"["XY".index(axis)], value) for axis, value in centre]
+        return [_spelled("G3" if ccw else "G2", _words(end), _words(centre_words), _feed(feed))]
 
 
 class Klartext(Iso):
@@ -767,12 +779,12 @@ class Klartext(Iso):
 
     def arc(self, end: Coordinates, centre: Coordinates, feed: str, *, ccw: bool) -> list[str]:
         """As C, behind a CC for another centre."""
-        found = []
+        blocks = []
         if (block := _spelled("CC", _words(centre))) != self._centre:
-            found.append(block)
+            blocks.append(block)
             self._centre = block
-        found.append(_spelled("C", _words(end), "DR+" if ccw else "DR-", _feed(feed)))
-        return found
+        blocks.append(_spelled("C", _words(end), "DR+" if ccw else "DR-", _feed(feed)))
+        return blocks
 
 
 def _words(coordinates: Coordinates) -> str:
@@ -798,7 +810,7 @@ NUMBER_ROOM = 8
 """Characters of a line left for the number of its block."""
 
 
-def about_program(
+def program_comments(
     product: Product, machine: Machine, shares: Budget, cuts: Sequence[Cut], scene: str
 ) -> list[str]:
     """Comments on the whole program, in its unit, exact lengths also in mm; `scene` is the hash of
@@ -823,16 +835,16 @@ def about_program(
         f"unit {unit}, Z 0 on the upper face, origin on the cam axis"
         if zero.is_of_the_part
         else f"unit {unit}, {zero.sentence}",
-        *_from(zero, unit),
+        *_part_location(zero, unit),
         f"{'work' if zero.turned else 'blank'}: {blank}",
         f"tolerance {tolerance}",
         f"fit within {length(shares.fit)}, printed within {length(shares.rounding)}",
         f"chords within {length(shares.chord)}, path blending {length(shares.blending)}",
         f"arcs run within {length(shares.interpolation)}" if shares.interpolation > 0.0 else "",
         *(
-            f"tool {each}: {tool.kind.replace('-', ' ')}, diameter {spelled(tool.diameter, unit)}"
-            + (f", {tool.name}" if tool.name else "")
-            for each, tool in tools.items()
+            f"tool {key}: {tool.kind.replace('-', ' ')}, diameter"
+            f" {length_text(tool.diameter, unit)}{f', {tool.name}' if tool.name else ''}"
+            for key, tool in tools.items()
         ),
         *product.milled.notes,
         ""
@@ -850,7 +862,7 @@ def side_sentence(product: Product) -> str:
     return "" if milled.second is None else f"first side: {product.name}-{NAME} follows it"
 
 
-def _from(zero: Zero, unit: LengthUnit) -> Iterator[str]:
+def _part_location(zero: Zero, unit: LengthUnit) -> Iterator[str]:
     """Where the part is, seen from another zero than its own."""
     if not zero.is_of_the_part:
         axis, top = zero.to_program(0j), 0.0 - zero.z
@@ -861,13 +873,13 @@ def _from(zero: Zero, unit: LengthUnit) -> Iterator[str]:
         yield "cam axis at X {} Y {}, {} at Z {}".format(*places[:2], face, places[2])
 
 
-def spelled(mm: float, unit: LengthUnit) -> str:
+def length_text(mm: float, unit: LengthUnit) -> str:
     """A length in the program's unit, and in mm if that is another."""
     text = f"{number(mm)} mm"
     return text if unit == "mm" else f"{number(mm / MM_PER[unit])} {unit}, {text}"
 
 
-def commented(texts: Iterable[str], machine: Machine) -> list[str]:
+def comment_lines(texts: Iterable[str], machine: Machine) -> list[str]:
     """`texts` as comment lines, wrapped, as the controller can read them: plain ASCII without
     brackets.
 
@@ -880,7 +892,7 @@ def commented(texts: Iterable[str], machine: Machine) -> list[str]:
     replaced = str.maketrans({"(": "[", ")": "]"} | dict.fromkeys(form.forbidden, "_"))
     lines = []
     for text in texts:
-        plain = ascii_of(text).translate(replaced)
+        plain = to_ascii(text).translate(replaced)
         plain = plain.upper() if form.letters == "upper" else plain
         lines += textwrap.wrap(plain, width)
     return [form.comment_open + line + form.comment_close for line in lines]
@@ -897,12 +909,12 @@ SPELLED = str.maketrans(
 """Characters of technical texts as ASCII."""
 
 
-def ascii_of(text: str) -> str:
+def to_ascii(text: str) -> str:
     """`text` in ASCII: special letters and signs spelled out, accents left off, others as "?"."""
-    spelled_out = unicodedata.normalize("NFC", text).translate(SPELLED)
-    parts = unicodedata.normalize("NFKD", spelled_out)
-    kept = "".join(each for each in parts if not unicodedata.combining(each))
-    return kept.encode("ascii", "replace").decode("ascii")
+    expanded = unicodedata.normalize("NFC", text).translate(SPELLED)
+    parts = unicodedata.normalize("NFKD", expanded)
+    plain = "".join(character for character in parts if not unicodedata.combining(character))
+    return plain.encode("ascii", "replace").decode("ascii")
 
 
 # -- blocks ---------------------------------------------------------------------------------------

@@ -53,7 +53,7 @@ class Controller:
     alone: tuple[frozenset[str], ...]
 
     @classmethod
-    def of(cls, machine: Machine) -> Self:
+    def from_machine(cls, machine: Machine) -> Self:
         """The controller of a profile."""
         words = machine.words
         accepted = {normal("G", f"{code:g}") for code in words.g}
@@ -67,7 +67,7 @@ class Controller:
             length_letter = "H"
         elif any(re.match(r"D\d", block) for block in lengths):
             length_letter = "D"
-        own_dwells = machine.reading.dwell
+        dwell_letters = machine.reading.dwell
         dwells = [re.search(r"([A-Z])\{dwell\}", block) for block in machine.dwell.blocks]
         return cls(
             machine,
@@ -77,24 +77,26 @@ class Controller:
             frozenset(words.names),
             machine.dialect == "iso" and machine.text.comment_open.strip().startswith("("),
             any(len(name) > 1 for name in words.names),
-            frozenset(GROUP_OF[meaning] for meaning in meanings.values()),
-            "".join(dict.fromkeys(next((found[1] for found in dwells if found), "P") + own_dwells)),
+            frozenset(MODAL_GROUPS[meaning] for meaning in meanings.values()),
+            "".join(
+                dict.fromkeys(next((match[1] for match in dwells if match), "P") + dwell_letters)
+            ),
             length_letter,
             "tool change" in meanings.values() or machine.dialect == "klartext",
-            tuple(frozenset(each.split()) for each in machine.reading.alone),
+            tuple(frozenset(group.split()) for group in machine.reading.alone),
         )
 
-    def words_in(self, group: str) -> list[str]:
+    def group_words(self, group: str) -> list[str]:
         """The words of a modal group."""
-        return [word for word, meaning in self.meanings.items() if GROUP_OF[meaning] == group]
+        return [word for word, meaning in self.meanings.items() if MODAL_GROUPS[meaning] == group]
 
     def smoothing_letter(self, word: str) -> str:
         """Letter of the word with the deviation in the smoothing block that begins with `word`."""
         smoothing = self.machine.smoothing
         for block in smoothing.on if smoothing is not None else ():
-            found = re.search(r"([A-Z])\{p\}", block)
-            if found and block.split()[0] == word:
-                return found[1]
+            match = re.search(r"([A-Z])\{p\}", block)
+            if match and block.split()[0] == word:
+                return match[1]
         return ""
 
 
@@ -144,7 +146,7 @@ class State:
 
     modes: dict[str, str] = field(default_factory=dict)
     scale: float = math.nan
-    at: complex = UNKNOWN
+    place: complex = UNKNOWN
     z: float = math.nan
     pole: complex = UNKNOWN
     feed: float = 0.0
@@ -171,7 +173,7 @@ class State:
     cycle: str = ""
     hole: dict[str, float] = field(default_factory=dict)
     above: float = math.nan
-    z_before: float = math.nan
+    last_z: float = math.nan
     cut_blending: float = -1.0
     cut_naive_cam: float = 0.0
     cut_scale: float = math.nan
@@ -183,7 +185,7 @@ class State:
 
     def lose(self) -> None:
         """Go on from a block that cannot be read: nobody knows where it ends."""
-        self.at, self.z, self.heading = UNKNOWN, math.nan, UNKNOWN
+        self.place, self.z, self.heading = UNKNOWN, math.nan, UNKNOWN
 
     def mode(self, group: str) -> str:
         """The active meaning of a group; empty if it was never set."""
@@ -192,8 +194,8 @@ class State:
     @property
     def spinning(self) -> bool:
         """Whether the spindle turns."""
-        on = ("spindle clockwise", "spindle counter-clockwise")
-        return self.mode("spindle") in on and self.speed > 0.0
+        running = ("spindle clockwise", "spindle counter-clockwise")
+        return self.mode("spindle") in running and self.speed > 0.0
 
     @property
     def has_length(self) -> bool:
@@ -203,14 +205,16 @@ class State:
     @property
     def coolant(self) -> str:
         """What flows: "flood", "mist", "through" or "off"."""
-        found = self.mode("coolant")
-        return "off" if found in ("", "coolant off") else found
+        meaning = self.mode("coolant")
+        return "off" if meaning in ("", "coolant off") else meaning
 
     @property
     def side(self) -> str:
         """Of the path on which compensation keeps the cutter: "left", "right" or ""."""
-        found = self.mode("compensation")
-        return found.removeprefix("compensation ") if found not in ("", "compensation off") else ""
+        meaning = self.mode("compensation")
+        return (
+            meaning.removeprefix("compensation ") if meaning not in ("", "compensation off") else ""
+        )
 
 
 # -- codes ----------------------------------------------------------------------------------------
@@ -245,7 +249,7 @@ GROUPS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
 )
 """Meanings by modal group. Those of "once" and "none" are no modes."""
 
-GROUP_OF: Final[Mapping[str, str]] = MappingProxyType(
+MODAL_GROUPS: Final[Mapping[str, str]] = MappingProxyType(
     {meaning: group for group, meanings in GROUPS.items() for meaning in meanings}
 )
 
@@ -475,65 +479,67 @@ class Words:
     names: dict[str, str] = field(default_factory=dict)
 
 
-def words_of(line: int, block: str, extended: bool, findings: Findings) -> Words | None:
+def parse_words(line: int, block: str, extended: bool, findings: Findings) -> Words | None:
     """The words of a block without comments, in capitals; None if it cannot be read.
 
     `extended` allows Sinumerik's commands and addresses.
     """
-    found = Words(line)
+    words = Words(line)
     if PLAIN.fullmatch(block):
         for letter, text in WORD.findall(block):
-            if not _put(found, letter, text, findings):
+            if not _add_word(words, letter, text, findings):
                 return None
-        return found
+        return words
     if not extended and PLAIN.fullmatch(joined := "".join(block.split())):
-        return words_of(line, joined, extended, findings)
+        return parse_words(line, joined, extended, findings)
     if FLOW.search(block):
         what = "parameters, expressions and control of flow are outside what is read"
-        findings.add(line, "unsupported", what, shown(block))
+        findings.add(line, "unsupported", what, excerpt(block))
         return None
     if not extended:
         rest = WORD.sub(" ", block).split()
-        findings.add(line, "unreadable", "cannot be read", shown(" ".join(rest) or block))
+        findings.add(line, "unreadable", "cannot be read", excerpt(" ".join(rest) or block))
         return None
-    return found if _extended(found, block, findings) else None
+    return words if _extended(words, block, findings) else None
 
 
-def _extended(found: Words, block: str, findings: Findings) -> bool:
-    at, end = 0, len(block.rstrip())
-    while at < end:
-        token = TOKEN.match(block, at)
+def _extended(words: Words, block: str, findings: Findings) -> bool:
+    position, end = 0, len(block.rstrip())
+    while position < end:
+        token = TOKEN.match(block, position)
         if token is None:
-            findings.add(found.line, "unreadable", "cannot be read", shown(block[at:].strip()))
+            findings.add(
+                words.line, "unreadable", "cannot be read", excerpt(block[position:].strip())
+            )
             return False
-        at = token.end()
+        position = token.end()
         if token["command"]:
-            found.commands.append((token["command"], token["arguments"].strip()))
+            words.commands.append((token["command"], token["arguments"].strip()))
         elif token["keyword"]:
-            found.commands.append((token["keyword"], None))
+            words.commands.append((token["keyword"], None))
         elif token["name"] is not None:
-            found.names[token["address"]] = token["name"]
+            words.names[token["address"]] = token["name"]
         else:
             address = token["letter"] or token["address"]
             if token["way"]:
-                found.ways[address] = token["way"]
+                words.ways[address] = token["way"]
             text = token["number"] or token["value"] or token["inner"]
-            if not _put(found, address, text, findings):
+            if not _add_word(words, address, text, findings):
                 return False
     return True
 
 
-def _put(found: Words, letter: str, text: str, findings: Findings) -> bool:
+def _add_word(words: Words, letter: str, text: str, findings: Findings) -> bool:
     value = parse_number(text)
     if value is None:
         what = f"the word {(letter + text)[:40]} has more than {DIGITS} digits or is beyond"
-        findings.add(found.line, "number", f"{what} {COORDINATE:g}")
+        findings.add(words.line, "number", f"{what} {COORDINATE:g}")
         return False
-    found.words.append((letter, Number(value, text)))
+    words.words.append((letter, Number(value, text)))
     return True
 
 
-def shown(text: str) -> str:
+def excerpt(text: str) -> str:
     """What a finding shows of a text."""
     return shortened(text, LONGEST)
 
@@ -569,13 +575,13 @@ class Decoder(BlockReader):
             block, mark, note = text.partition(";")
             return block, [note.strip()] if mark else []
         notes: list[str] = []
-        while found := BRACKETS.search(text):
-            cut = text.find(";", 0, found.start())
+        while match := BRACKETS.search(text):
+            cut = text.find(";", 0, match.start())
             if cut >= 0:
                 break
-            notes.append(found[1].strip())
-            text = f"{text[: found.start()]} {text[found.end() :]}"
-            if notes and text.count("(") and found.start() > text.find("("):
+            notes.append(match[1].strip())
+            text = f"{text[: match.start()]} {text[match.end() :]}"
+            if notes and text.count("(") and match.start() > text.find("("):
                 self._findings.add(line, "comment", "a comment in brackets holds another")
                 return text.partition("(")[0], notes
         block, mark, note = text.partition(";")
@@ -591,11 +597,11 @@ class Decoder(BlockReader):
                 block = block.partition(bracket)[0] if bracket == "(" else block.replace(")", " ")
         return block, notes
 
-    def block_of(self, line: int, text: str) -> Block | None:
+    def read_block(self, line: int, text: str) -> Block | None:
         """The block in a line of an ISO dialect; None if it cannot be read. What cannot be run in
         it is found and left out.
         """
-        words = words_of(line, text, self._controller.extended, self._findings)
+        words = parse_words(line, text, self._controller.extended, self._findings)
         if words is None:
             return None
         block, largest = Block(line), self._reading.largest_number
@@ -621,7 +627,7 @@ class Decoder(BlockReader):
             self._command(block, name, arguments)
         for address, text in words.names.items():
             if address != "T":
-                self._report(block, "unsupported", f'{address}="{shown(text)}" is not read')
+                self._report(block, "unsupported", f'{address}="{excerpt(text)}" is not read')
             block.names[address] = text
         self._check_points(block)
         return block
@@ -629,9 +635,9 @@ class Decoder(BlockReader):
     def _check_alone(self, block: Block, codes: list[str]) -> None:
         """Find words of which a block may have one, that are not of one modal group."""
         for words in self._controller.alone:
-            found = [word for word in dict.fromkeys(codes) if word in words]
-            if len(found) > 1:
-                what = f"{' and '.join(found)} exclude each other in a block"
+            conflicting = [word for word in dict.fromkeys(codes) if word in words]
+            if len(conflicting) > 1:
+                what = f"{' and '.join(conflicting)} exclude each other in a block"
                 self._report(block, "conflict", what, allowed="one of them in a block")
                 return
 
@@ -649,7 +655,7 @@ class Decoder(BlockReader):
             else:
                 self._report(block, "unknown-word", f"{name} has no {word}{use}".rstrip(","))
             return
-        group = GROUP_OF[meaning]
+        group = MODAL_GROUPS[meaning]
         if group == "none":
             return
         place = block.actions if group == "once" else block.codes
@@ -708,7 +714,7 @@ class Decoder(BlockReader):
         if name not in self._controller.names and (meaning is None or arguments is not None):
             word = name if arguments is None else f"{name}(...)"
             self._report(
-                block, "unknown-word", f"{self._controller.machine.name} has no {shown(word)}"
+                block, "unknown-word", f"{self._controller.machine.name} has no {excerpt(word)}"
             )
         elif name == "CYCLE832":
             self._smoothing(block, arguments or "")
@@ -732,11 +738,11 @@ class Decoder(BlockReader):
         try:
             value = float(parts[0])
         except ValueError:
-            self._report(block, "unreadable", "CYCLE832 without its tolerance", shown(arguments))
+            self._report(block, "unreadable", "CYCLE832 without its tolerance", excerpt(arguments))
             return
         if len(parts) < 3:
             self._report(
-                block, "missing-word", "CYCLE832 without its third argument", shown(arguments),
+                block, "missing-word", "CYCLE832 without its third argument", excerpt(arguments),
                 "CYCLE832(tolerance,kind,1)",
             )  # fmt: skip
         block.values["tolerance"] = Number(value, parts[0])
@@ -836,21 +842,21 @@ class Klartext(Decoder):
         rest = HEAD.sub("", text).rstrip(" ~")
         if not rest or rest.startswith("*"):
             return []
-        if found := BEGIN.fullmatch(rest):
-            return self._program(line, found)
+        if match := BEGIN.fullmatch(rest):
+            return self._program(line, match)
         if not self._begun:
             self._begun = True
             self._findings.add(line, "frame", "a program begins with BEGIN PGM, its name and MM")
         if FORM.fullmatch(rest):
             return []
-        if found := CALL.fullmatch(rest):
-            return [self._tool_call(line, found)]
-        if found := CYCLE_BLOCK.fullmatch(rest):
-            return self._cycle_of(line, found)
+        if match := CALL.fullmatch(rest):
+            return [self._tool_call(line, match)]
+        if match := CYCLE_BLOCK.fullmatch(rest):
+            return self._read_cycle(line, match)
         if PARAMETER.fullmatch(rest):
             if not self._cycle:  # of which it would be one on a line of its own
                 what = "parameters, expressions and control of flow are outside what is read"
-                self._findings.add(line, "unsupported", what, shown(rest))
+                self._findings.add(line, "unsupported", what, excerpt(rest))
             return []
         self._cycle = ""
         word, _, words = rest.partition(" ")
@@ -872,41 +878,46 @@ class Klartext(Decoder):
         """Whether a line is END PGM, which follows the M word that ends a program."""
         return HEAD.sub("", text).startswith("END PGM")
 
-    def _program(self, line: int, found: re.Match[str]) -> list[Block]:
-        if found[1] == "BEGIN":
+    def _program(self, line: int, match: re.Match[str]) -> list[Block]:
+        if match[1] == "BEGIN":
             self._begun = True
-            unit = "mm" if found[3] == "MM" else "inch"
+            unit = "mm" if match[3] == "MM" else "inch"
             self._state.scale = MM_PER["mm"] if unit == "mm" else MM_PER["inch"]
             self._state.modes["unit"] = unit
             return []
         return [Block(line, {"flow": "end"}, words={"flow": "END PGM"})]
 
-    def _tool_call(self, line: int, found: re.Match[str]) -> Block:
-        block = self._words(line, DELTA.sub("", found[3]))
-        over = [parse_number(each["radius"]) for each in DELTA.finditer(found[3]) if each["radius"]]
-        self._state.oversize = (over[-1] or 0.0) * self._state.scale if over else 0.0
-        if found[1] is None:  # another speed of the same tool
+    def _tool_call(self, line: int, match: re.Match[str]) -> Block:
+        block = self._words(line, DELTA.sub("", match[3]))
+        oversizes = [
+            parse_number(delta["radius"]) for delta in DELTA.finditer(match[3]) if delta["radius"]
+        ]
+        self._state.oversize = (oversizes[-1] or 0.0) * self._state.scale if oversizes else 0.0
+        if match[1] is None:  # another speed of the same tool
             self._tool_feed = block.values.get("F", self._tool_feed)
             return block
         self._tool_feed = block.values.get("F")
-        number = found[1]
+        number = match[1]
         if number.startswith('"'):
             self._findings.add(
-                line, "unsupported", "a tool called by name: its number is not known", shown(number)
+                line,
+                "unsupported",
+                "a tool called by name: its number is not known",
+                excerpt(number),
             )
             return block
         block.values["T"] = Number(float(number[:9]), number)
         block.codes["tool"], block.words["tool"] = "tool change", "TOOL CALL"
-        if found[2] != "Z":
+        if match[2] != "Z":
             what = "TOOL CALL without Z as the axis of the tool"
             self._findings.add(line, "plane", what, allowed="TOOL CALL n Z")
         return block
 
-    def _cycle_of(self, line: int, found: re.Match[str]) -> list[Block]:
-        number, part, rest = found[1], found[2] or "0", found[3].strip()
+    def _read_cycle(self, line: int, match: re.Match[str]) -> list[Block]:
+        number, part, rest = match[1], match[2] or "0", match[3].strip()
         self._cycle = number
         if number == "247":
-            words = {"work offset": " ".join(found[0].split())}
+            words = {"work offset": " ".join(match[0].split())}
             return [Block(line, {"work offset": "work offset"}, words=words)]
         block = Block(line)
         if number == "32" and part == "1":
@@ -924,7 +935,7 @@ class Klartext(Decoder):
                 block.actions["dwell"], block.words["dwell"] = "dwell", "CYCL DEF 9"
                 block.values["P"] = Number(value, dwell[1])
                 return [block]
-            self._findings.add(line, "unreadable", "cannot be read", shown(rest))
+            self._findings.add(line, "unreadable", "cannot be read", excerpt(rest))
             return []
         if number not in ("9", "32"):
             self._findings.add(line, "unsupported", f"cycle {number} is outside what is read")
@@ -964,7 +975,7 @@ class Klartext(Decoder):
     def _centre(self, line: int, words: str) -> None:
         state = self._state
         block = self._words(line, words)
-        parts = {"X": state.at.real, "Y": state.at.imag}
+        parts = {"X": state.place.real, "Y": state.place.imag}
         for axis, number in block.values.items():
             if axis not in parts:
                 self._findings.add(line, "unused-word", f"CC takes no word {axis}")
@@ -976,24 +987,24 @@ class Klartext(Decoder):
     def _words(self, line: int, text: str) -> Block:
         """The words of a path function; what cannot be read of them is found."""
         block = Block(line)
-        at, end = 0, len(text.rstrip())
-        while at < end:
-            found = TERM.match(text, at)
-            if found is None:
-                self._refuse(line, text[at:].strip())
+        position, end = 0, len(text.rstrip())
+        while position < end:
+            term = TERM.match(text, position)
+            if term is None:
+                self._refuse(line, text[position:].strip())
                 block.broken = True
                 break
-            at = found.end()
-            if found["sense"]:
-                block.names["sense"] = found["sense"][-1]
-            elif found["side"]:
-                self._compensate(block, found["side"])
-            elif found["fast"]:
+            position = term.end()
+            if term["sense"]:
+                block.names["sense"] = term["sense"][-1]
+            elif term["side"]:
+                self._compensate(block, term["side"])
+            elif term["fast"]:
                 block.names["fast"] = "FMAX"
-            elif found["auto"]:
+            elif term["auto"]:
                 self._feed_of_tool(block)
             else:
-                self._word(block, found["letter"], found["number"])
+                self._word(block, term["letter"], term["number"])
         return block
 
     def _feed_of_tool(self, block: Block) -> None:
@@ -1017,8 +1028,8 @@ class Klartext(Decoder):
             return
         if letter == "M":
             word = normal("M", text)
-            for each in COMBINED.get(word, (word,)):
-                self._code(block, each)
+            for code in COMBINED.get(word, (word,)):
+                self._code(block, code)
             return
         name = letter.removeprefix("I") if letter != "I" else letter
         if name in block.values:
@@ -1037,7 +1048,7 @@ class Klartext(Decoder):
             self._state.lose()
         if unread:
             self._findings.add(
-                line, "unsupported", f"{unread[1]} is outside what is read", shown(text)
+                line, "unsupported", f"{unread[1]} is outside what is read", excerpt(text)
             )
         else:
-            self._findings.add(line, "unreadable", "cannot be read", shown(text))
+            self._findings.add(line, "unreadable", "cannot be read", excerpt(text))

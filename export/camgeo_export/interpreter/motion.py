@@ -86,7 +86,7 @@ class Mover(BlockReader):
         """Go on from the end of a block that is not run."""
         if block.codes.get("motion") == CYCLE:  # each block with coordinates runs it again
             self._state.modes["motion"] = CYCLE
-            self._state.at, _ = self._target(block)
+            self._state.place, _ = self._target(block)
         else:
             self._state.lose()
 
@@ -104,8 +104,8 @@ class Mover(BlockReader):
             if block.codes["motion"] not in CYCLES:
                 state.cycle, state.hole, state.above = "", {}, math.nan
         axes = [axis for axis in AXES if axis in block.values]
-        off = state.mode("cycle") == "motion off" and not state.mode("motion")
-        if axes and off and not self._reading.cancelled_axes:
+        cancelled = state.mode("cycle") == "motion off" and not state.mode("motion")
+        if axes and cancelled and not self._reading.cancelled_axes:
             self._report(block, "no-motion", "coordinates behind G80")
         if "home" in block.actions:
             return self._home(block)
@@ -113,7 +113,7 @@ class Mover(BlockReader):
             return STRAIGHT  # Z is the length itself
         motion = "rapid" if block.arc == "rapid" else state.mode("motion")
         if motion == CYCLE:
-            state.at, _ = self._target(block)
+            state.place, _ = self._target(block)
             return block.values.keys()
         circles = self._reading.circle == "modal" or "motion" in block.codes
         arms = any(arm in block.values for arm in (*ARMS, "R")) and circles
@@ -143,11 +143,11 @@ class Mover(BlockReader):
         kind: Kind = "rapid" if motion == "rapid" else "line"
         if motion in ARCS:
             kind = "arc"
-            found = self._arcs.read(block, end, z_end, ccw=motion == ARCS[1])
-            if found is None:  # what it is cannot be told: the path goes on from its end
-                state.at, state.z = end, z_end
+            end_and_arc = self._arcs.read(block, end, z_end, ccw=motion == ARCS[1])
+            if end_and_arc is None:  # what it is cannot be told: the path goes on from its end
+                state.place, state.z = end, z_end
                 return
-            end, arc = found
+            end, arc = end_and_arc
             kind = "line" if arc is None else "arc"
         if state.rounding:
             self._round_corner(block, kind, end, z_end)
@@ -159,27 +159,27 @@ class Mover(BlockReader):
 
     def _round_corner(self, block: Block, kind: Kind, end: complex, z_end: float) -> None:
         """Round the corner between the last move and one to `end`."""
-        state, before = self._state, self.moves[-1]
+        state, previous = self._state, self.moves[-1]
         radius, state.rounding = state.rounding, 0.0
-        flat = before.z_start == before.z_end == z_end and before.end == state.at
-        found = None
-        if before.kind == kind == "line" and flat:
-            found = rounded(before.start, before.end, end, radius)
-        if found is None:
+        flat = previous.z_start == previous.z_end == z_end and previous.end == state.place
+        fillet = None
+        if previous.kind == kind == "line" and flat:
+            fillet = fillet_arc(previous.start, previous.end, end, radius)
+        if fillet is None:
             what = "a rounding other than between two lines in the plane that have room for it"
             self._report(block, "unsupported", what)
             return
-        first, last, arc = found
-        self.moves[-1] = replace(before, end=first)
-        state.at = first
+        first, last, arc = fillet
+        self.moves[-1] = replace(previous, end=first)
+        state.place = first
         self._make(block, "arc", last, z_end, arc)
 
     def _make_chords(self, block: Block, end: complex, z_end: float, arc: Arc) -> None:
         """Make an arc in another plane than XY, of lines."""
         plane = PLANES[self._state.mode("plane")]
-        start, height = plane.drop(self._state.at, self._state.z)
+        start, height = plane.drop(self._state.place, self._state.z)
         finish, last = plane.drop(end, z_end)
-        places = chords(start, finish, arc)
+        places = chord_ends(start, finish, arc)
         for k, place in enumerate(places, start=1):
             point = plane.lift(place, height + (last - height) * k / len(places))
             self._make(block, "line", *point, None)
@@ -195,12 +195,12 @@ class Mover(BlockReader):
         if state.side and "cycle of holes" in self._reading.compensated:
             what = f"{block.words.get('motion', state.cycle)} under compensation"
             self._report(block, "compensation", what)
-        found = self._holes(block, self._target(block)[0])
-        if found is None:
+        steps = self._holes(block, self._target(block)[0])
+        if steps is None:
             state.lose()
             return
-        for kind, place, height in found:
-            if (place, height) != (state.at, state.z):
+        for kind, place, height in steps:
+            if (place, height) != (state.place, state.z):
                 self._make(block, kind, place, height, None)
 
     def _holes(self, block: Block, end: complex) -> list[Step] | None:
@@ -239,28 +239,28 @@ class Mover(BlockReader):
             what = f"{state.cycle} with R, Z {r:g} mm, below the bottom of the hole"
             self._report(block, "conflict", what, allowed=f"Z {bottom:g} mm or more")
             return None
-        step = end - state.at if incremental else 0j
-        found: list[Step] = []
+        step = end - state.place if incremental else 0j
+        steps: list[Step] = []
         height = state.z
         if above < r:
-            found.append(("rapid", state.at, r))
+            steps.append(("rapid", state.place, r))
             above = height = r
         clear = r if state.mode("return") == "return to R" else above
         for k in range(count):
             place = end + k * step
             height = height if k == 0 and height > r else clear
-            found += [("rapid", place, height), ("rapid", place, r), ("line", place, bottom)]
+            steps += [("rapid", place, height), ("rapid", place, r), ("line", place, bottom)]
             if state.mode("motion") == "bores":
-                found.append(("line", place, r))
-            found.append(("rapid", place, clear))
-        return found
+                steps.append(("line", place, r))
+            steps.append(("rapid", place, clear))
+        return steps
 
     def _target(self, block: Block) -> tuple[complex, float]:
         """End of the move [mm]; where it stays along an axis, the present position."""
         state = self._state
         polar = block.arc == "polar" or not block.values.keys().isdisjoint(("PR", "PA"))
-        at = self._polar(block) if polar else state.at
-        found = {"X": at.real, "Y": at.imag, "Z": state.z}
+        place = self._polar(block) if polar else state.place
+        coordinates = {"X": place.real, "Y": place.imag, "Z": state.z}
         scale = state.unit
         incremental = state.mode("distance") == "incremental"
         for axis in AXES:
@@ -272,12 +272,14 @@ class Mover(BlockReader):
                 self._printed.add(printed)
                 state.step = min(state.step, 10.0 ** -printed[0] * scale)
                 self._check_decimals(block, axis, printed[0])
-            found[axis] = value + (found[axis] if block.relative.get(axis, incremental) else 0.0)
-        return complex(found["X"], found["Y"]), found["Z"]
+            coordinates[axis] = value + (
+                coordinates[axis] if block.relative.get(axis, incremental) else 0.0
+            )
+        return complex(coordinates["X"], coordinates["Y"]), coordinates["Z"]
 
     def _polar(self, block: Block) -> complex:
         state = self._state
-        arm = state.at - state.pole
+        arm = state.place - state.pole
         radius = block.value("PR") * self._state.unit if "PR" in block.values else abs(arm)
         angle = math.degrees(phase(arm)) if not cmath.isnan(arm) else math.nan
         if "PA" in block.values:
@@ -296,7 +298,7 @@ class Mover(BlockReader):
             self._make(block, "rapid", *self._target(block), None)
         gone = axes or list(AXES)
         z = RETRACTED if "Z" in gone else state.z
-        self._make(block, "rapid", UNKNOWN if {"X", "Y"} & set(gone) else state.at, z, None)
+        self._make(block, "rapid", UNKNOWN if {"X", "Y"} & set(gone) else state.place, z, None)
         return STRAIGHT
 
     def _leads_away(self, block: Block, axis: str) -> bool:
@@ -304,8 +306,10 @@ class Mover(BlockReader):
         incremental = self._state.mode("distance") == "incremental"
         if block.relative.get(axis, incremental):
             return block.value(axis) != 0.0
-        at = {"X": self._state.at.real, "Y": self._state.at.imag, "Z": self._state.z}[axis]
-        return block.value(axis) * self._state.unit != at
+        coordinate = {"X": self._state.place.real, "Y": self._state.place.imag, "Z": self._state.z}[
+            axis
+        ]
+        return block.value(axis) * self._state.unit != coordinate
 
     def _machine_position(self, block: Block, motion: str) -> Set[str]:
         """To a position in the machine's own coordinates: Z is at its top there."""
@@ -319,9 +323,9 @@ class Mover(BlockReader):
         relative = state.mode("distance") == "incremental" and not block.relative
         if relative and "incremental" not in self._reading.machine_position:
             add(block.line, "conflict", f"{word} while distances are incremental")
-        at = UNKNOWN if {"X", "Y"} & block.values.keys() else state.at
+        place = UNKNOWN if {"X", "Y"} & block.values.keys() else state.place
         z = RETRACTED if "Z" in block.values else state.z
-        self._make(block, "rapid" if motion == "rapid" else "line", at, z, None)
+        self._make(block, "rapid" if motion == "rapid" else "line", place, z, None)
         return STRAIGHT
 
     def _make(self, block: Block, kind: Kind, end: complex, z_end: float, arc: Arc | None) -> None:
@@ -334,7 +338,7 @@ class Mover(BlockReader):
         turning = -1.0 if state.mode("spindle") == "spindle counter-clockwise" else 1.0
         move = CutterMove(
             kind=kind,
-            start=state.at,
+            start=state.place,
             end=end,
             z_start=state.z,
             z_end=z_end,
@@ -353,7 +357,7 @@ class Mover(BlockReader):
             coolant=state.coolant,
             work_offset=state.work_offset,
         )
-        self._hazards.judge(move, state)
+        self._hazards.check(move, state)
         if kind != "rapid":
             self._check_frame(block)
             if math.isnan(state.cut_scale):
@@ -362,10 +366,10 @@ class Mover(BlockReader):
             state.cut_naive_cam = max(state.cut_naive_cam, state.naive_cam)
         self._compensate(move)
         self.moves.append(move)
-        if end != state.at:
+        if end != state.place:
             way = move.course.heading(end)
             state.heading = way / abs(way) if way else UNKNOWN
-        state.at, state.z = end, z_end
+        state.place, state.z = end, z_end
 
     # -- checks ---------------------------------------------------------------------------------
 
@@ -418,7 +422,7 @@ class Mover(BlockReader):
             return ""
         if group == "unit" and not math.isnan(state.scale):
             return ""  # found at the first coordinate
-        words = controller.words_in(group)
+        words = controller.group_words(group)
         if group == "centres" and len(words) < 2:
             return ""  # there is no choice
         program = controller.machine.program
@@ -454,9 +458,9 @@ class Hazards:
         self._controller = controller
         self._bench = bench
         self._findings = findings
-        self._said: set[str] = set()
+        self._reported: set[str] = set()
 
-    def judge(self, move: CutterMove, state: State) -> None:
+    def check(self, move: CutterMove, state: State) -> None:
         """Find what is dangerous in a move."""
         if move.kind == "rapid":
             self._rapid(move)
@@ -523,9 +527,9 @@ class Hazards:
         too, until it is mended.
         """
         if holds:
-            self._said.discard(rule)
-        elif rule not in self._said:
-            self._said.add(rule)
+            self._reported.discard(rule)
+        elif rule not in self._reported:
+            self._reported.add(rule)
             self._findings.add(move.line, rule, what)
 
 
@@ -569,9 +573,9 @@ class Plane:
         """Letters of its coordinates."""
         return AXES[self.first] + AXES[self.second]
 
-    def drop(self, at: complex, z: float) -> tuple[complex, float]:
+    def drop(self, place: complex, z: float) -> tuple[complex, float]:
         """A point in the coordinates of the plane, and its height over it."""
-        point = (at.real, at.imag, z)
+        point = (place.real, place.imag, z)
         return complex(point[self.first], point[self.second]), point[self.across]
 
     def lift(self, place: complex, height: float) -> tuple[complex, float]:
@@ -602,7 +606,9 @@ class Arc:
     mismatch: float
 
 
-def swept(start: complex, end: complex, centre: complex, *, ccw: bool, turns: int = 0) -> Arc:
+def arc_by_centre(
+    start: complex, end: complex, centre: complex, *, ccw: bool, turns: int = 0
+) -> Arc:
     """The arc about a centre; where its ends coincide it is a full circle."""
     first, last = start - centre, end - centre
     turn = phase(last / first) % TURN if first and last else 0.0
@@ -614,7 +620,7 @@ def swept(start: complex, end: complex, centre: complex, *, ccw: bool, turns: in
     return Arc(centre, sweep if ccw else -sweep, abs(abs(first) - abs(last)))
 
 
-def by_radius(start: complex, end: complex, radius: float, *, ccw: bool, turns: int = 0) -> Arc:
+def arc_by_radius(start: complex, end: complex, radius: float, *, ccw: bool, turns: int = 0) -> Arc:
     """The arc of a radius, with a negative one the larger; half a circle where it is too small.
 
     How much too small is the mismatch.
@@ -625,10 +631,12 @@ def by_radius(start: complex, end: complex, radius: float, *, ccw: bool, turns: 
     left = ccw if radius > 0.0 else not ccw
     side = 1j if left else -1j
     centre = 0.5 * (start + end) + side * chord / abs(chord) * height
-    return Arc(centre, swept(start, end, centre, ccw=ccw, turns=turns).sweep, max(half - size, 0.0))
+    return Arc(
+        centre, arc_by_centre(start, end, centre, ccw=ccw, turns=turns).sweep, max(half - size, 0.0)
+    )
 
 
-def tangent(start: complex, end: complex, heading: complex) -> Arc | None:
+def tangent_arc(start: complex, end: complex, heading: complex) -> Arc | None:
     """The arc that goes on from a heading; None if that leads straight to the end, or back."""
     chord = end - start
     turn = 2.0 * phase(chord / heading) if chord and heading else 0.0
@@ -638,7 +646,7 @@ def tangent(start: complex, end: complex, heading: complex) -> Arc | None:
     return Arc(start + 1j * heading / abs(heading) * radius, turn, 0.0)
 
 
-def rounded(
+def fillet_arc(
     start: complex, corner: complex, end: complex, radius: float
 ) -> tuple[complex, complex, Arc] | None:
     """Ends of the arc that rounds a corner of two lines, and the arc; None if it does not fit."""
@@ -655,17 +663,17 @@ def rounded(
     return first, last, Arc(centre, turn, 0.0)
 
 
-def chords(start: complex, end: complex, arc: Arc) -> list[complex]:
+def chord_ends(start: complex, end: complex, arc: Arc) -> list[complex]:
     """Ends of chords along an arc, from its radius at the start to that at its end."""
     first, last = start - arc.centre, end - arc.centre
     size = max(abs(first), abs(last), CHORDS)
     count = math.ceil(abs(arc.sweep) / max(2.0 * math.acos(1.0 - CHORDS / size), SHORTEST))
     grown = (abs(last) / abs(first) - 1.0) / max(count, 1)
-    found = [
+    points = [
         arc.centre + first * (1.0 + k * grown) * cmath.exp(1j * arc.sweep * k / count)
         for k in range(1, count)
     ]
-    return [*found, end]
+    return [*points, end]
 
 
 # -- arc words ------------------------------------------------------------------------------------
@@ -690,7 +698,7 @@ class ArcReader(BlockReader):
     def __init__(self, controller: Controller, state: State, findings: Findings) -> None:
         super().__init__(controller, state, findings)
         self._plane = PLANES["plane XY"]
-        self._start = state.at
+        self._start = state.place
 
     def read(
         self, block: Block, end: complex, z_end: float, *, ccw: bool
@@ -698,7 +706,7 @@ class ArcReader(BlockReader):
         """End and arc of a block; no arc where it is a straight line, and None if it is neither."""
         state = self._state
         self._plane = PLANES[state.mode("plane") or "plane XY"]
-        self._start, height = self._plane.drop(state.at, state.z)
+        self._start, height = self._plane.drop(state.place, state.z)
         finish, last = self._plane.drop(end, z_end)
         if cmath.isnan(self._start) or cmath.isnan(finish):
             if not state.lost:
@@ -711,10 +719,10 @@ class ArcReader(BlockReader):
             finish, arc = self._polar(block, finish, ccw=ccw)
             end = finish
         else:
-            found = self._of_words(block, finish, ccw=ccw)
-            if found is None:
+            stated_arc = self._arc_from_words(block, finish, ccw=ccw)
+            if stated_arc is None:
                 return None
-            arc = found
+            arc = stated_arc
         self._check(block, finish, arc)
         helix = self._reading.helix
         rises = abs(last - height) > 0.0  # not where one of them is unknown
@@ -723,7 +731,7 @@ class ArcReader(BlockReader):
             self._report(block, "helix", "an arc that changes Z", allowed=allowed)
         return end, arc
 
-    def _of_words(self, block: Block, end: complex, *, ccw: bool) -> Arc | None:
+    def _arc_from_words(self, block: Block, end: complex, *, ccw: bool) -> Arc | None:
         start, plane = self._start, self._plane
         arms = [arm for arm in plane.arms if arm in block.values]
         across = ARMS[plane.across]
@@ -748,7 +756,7 @@ class ArcReader(BlockReader):
             if cmath.isnan(self._state.pole):
                 self._report(block, "no-arc", "an arc before its centre is stated", allowed="CC")
                 return None
-            return swept(start, end, self._state.pole, ccw=ccw)
+            return arc_by_centre(start, end, self._state.pole, ccw=ccw)
         if arms and "R" not in block.values:  # with both, R counts (Fanuc 15i, B-63324EN, 4.4)
             centre = self._centre(block)
             least = self._reading.smallest_radius
@@ -757,7 +765,7 @@ class ArcReader(BlockReader):
             if centre in (start, end) or min(abs(start - centre), abs(end - centre)) < least:
                 self._report(block, "no-arc", "an arc with its centre at its start or its end")
                 return None
-            return swept(start, end, centre, ccw=ccw, turns=self._turns(block))
+            return arc_by_centre(start, end, centre, ccw=ccw, turns=self._turns(block))
         if "R" not in block.values:
             self._report(
                 block,
@@ -771,7 +779,7 @@ class ArcReader(BlockReader):
             what = "an arc of which only the radius is stated, that ends where it begins"
             self._report(block, "no-arc", what, allowed="its centre")
             return None
-        arc = by_radius(start, end, radius, ccw=ccw, turns=self._turns(block))
+        arc = arc_by_radius(start, end, radius, ccw=ccw, turns=self._turns(block))
         if arc.mismatch > self._difference(self._reading.short_radius) + ARC_SLACK:
             self._report(
                 block, "arc-radius", f"the radius of the arc is too short by {arc.mismatch:.6g} mm"
@@ -788,16 +796,16 @@ class ArcReader(BlockReader):
             not state.mode("centres") and self._controller.machine.arcs.centre == "absolute"
         )
         parts = []
-        for arm, at in zip(self._plane.arms, (self._start.real, self._start.imag), strict=True):
-            own = not block.relative[arm] if arm in block.relative else absolute
+        for arm, base in zip(self._plane.arms, (self._start.real, self._start.imag), strict=True):
+            is_absolute = not block.relative[arm] if arm in block.relative else absolute
             if arm not in block.values:
-                if own and arm not in block.relative and absolute:
+                if is_absolute and arm not in block.relative and absolute:
                     what, allowed = f"an absolute centre without {arm}", "both arms"
                     if not self._form(block, what, allowed, "half an absolute centre"):
                         return None
-                parts.append(at)
+                parts.append(base)
                 continue
-            parts.append(self._coordinate(block, arm) + (0.0 if own else at))
+            parts.append(self._coordinate(block, arm) + (0.0 if is_absolute else base))
         return complex(*parts)
 
     def _turns(self, block: Block) -> int:
@@ -820,16 +828,16 @@ class ArcReader(BlockReader):
             sweep = math.radians(abs(block.value("PA"))) * (1.0 if ccw else -1.0)
             if (block.value("PA") > 0.0) != ccw:
                 self._form(block, "the sign of the angle is not that of the direction", "")
-            end = state.pole + (state.at - state.pole) * cmath.exp(1j * sweep)
+            end = state.pole + (state.place - state.pole) * cmath.exp(1j * sweep)
             return end, Arc(state.pole, sweep, 0.0)
-        return end, swept(state.at, end, state.pole, ccw=ccw)
+        return end, arc_by_centre(state.place, end, state.pole, ccw=ccw)
 
     def _tangent(self, block: Block, end: complex) -> Arc | None:
         heading = self._state.heading
         if cmath.isnan(heading):
             self._report(block, "no-arc", "a tangential arc without a move before it")
             return None
-        return tangent(self._state.at, end, heading)
+        return tangent_arc(self._state.place, end, heading)
 
     def _difference(self, stated: float | None) -> float:
         """A limit of what is read, or where none is known that of what is written [mm]."""

@@ -107,7 +107,7 @@ class Event:
 
     kind: str
     word: str
-    at: complex
+    place: complex
     z: float
     tool: int
     seconds: float
@@ -150,8 +150,8 @@ def nearly_closed(run: list[CutterMove], gap: float) -> list[Loop]:
         return []
     first, last = first[long], last[long]
     best = int(np.argmin(np.abs(starts[first] - ends[last])))
-    apart = abs(starts[first[best]] - ends[last[best]])
-    return [loop_of(run[first[best] : last[best] + 1], float(apart))]
+    closing_gap = abs(starts[first[best]] - ends[last[best]])
+    return [make_loop(run[first[best] : last[best] + 1], float(closing_gap))]
 
 
 def _near(tree: STRtree, points: np.ndarray[Any, Any], gap: float) -> tuple[IntArray, IntArray]:
@@ -160,7 +160,7 @@ def _near(tree: STRtree, points: np.ndarray[Any, Any], gap: float) -> tuple[IntA
     Raises FileError if there are too many such pairs: then the moves of the program are far shorter
     than the gap.
     """
-    found: list[IntArray] = []
+    batches: list[IntArray] = []
     left, some = NEAR, max(NEAR // len(points), 1)
     for first in range(0, len(points), some):
         pairs = tree.query(points[first : first + some], predicate="dwithin", distance=gap)
@@ -170,12 +170,12 @@ def _near(tree: STRtree, points: np.ndarray[Any, Any], gap: float) -> tuple[IntA
                 f"more than {NEAR:,} pairs of moves lie within the tolerance {gap:g} mm of each"
                 " other: closed paths cannot be distinguished"
             )
-        found.append(pairs + np.array([[first], [0]]))
-    last, earlier = np.concatenate(found, axis=1)
+        batches.append(pairs + np.array([[first], [0]]))
+    last, earlier = np.concatenate(batches, axis=1)
     return last, earlier
 
 
-def loop_of(run: list[CutterMove], gap: float) -> Loop:
+def make_loop(run: list[CutterMove], gap: float) -> Loop:
     """The closed path of a run of moves, with a `gap` [mm] at its end."""
     vertices = np.array([move.start for move in run])
     sweeps = np.array([move.sweep for move in run])
@@ -196,7 +196,7 @@ def closed_paths(moves: Iterable[CutterMove], gap: float = 0.0) -> list[Loop]:
     that. The cutter may come down along a run, or be lifted over tabs; where it moves along Z alone
     or traverses, the run ends.
     """
-    found: list[Loop] = []
+    loops: list[Loop] = []
     run: list[CutterMove] = []
     # A point already visited closes a loop; the search then starts again, so that a path which
     # overlaps its beginning is found once, and no loop contains another.
@@ -205,18 +205,18 @@ def closed_paths(moves: Iterable[CutterMove], gap: float = 0.0) -> list[Loop]:
         cuts = move.kind != "rapid" and not (move.start == move.end and move.sweep == 0.0)
         cuts = cuts and not (cmath.isnan(move.start) or math.isnan(move.z_start))
         if not cuts or (run and run[-1].operation != move.operation):
-            found += nearly_closed(run, gap)
+            loops += nearly_closed(run, gap)
             run, reached = [], {}
         if not cuts:
             continue
         reached[move.start] = len(run)
         run.append(move)
-        if len(found) > PATHS:
-            raise beyond("the program", counted(len(found), "closed path"), PATHS, PROGRAM)
+        if len(loops) > PATHS:
+            raise beyond("the program", counted(len(loops), "closed path"), PATHS, PROGRAM)
         if move.end in reached:
-            found.append(loop_of(run[reached[move.end] :], 0.0))
+            loops.append(make_loop(run[reached[move.end] :], 0.0))
             run, reached = [], {}
-    return found + nearly_closed(run, gap)
+    return loops + nearly_closed(run, gap)
 
 
 # -- compensation ---------------------------------------------------------------------------------
@@ -238,7 +238,7 @@ class Compensator:
     def __init__(self, findings: Findings) -> None:
         self._findings = findings
         self._entering = True
-        self._before: Parallel | None = None
+        self._previous: Parallel | None = None
         self._begun = 0.0
 
     def take(self, move: CutterMove, side: str, radius: float) -> None:
@@ -248,7 +248,7 @@ class Compensator:
         """
         if move.start == move.end and move.kind != "arc":
             return  # along Z
-        parallel = parallel_of(move, side, radius)
+        parallel = move_parallel(move, side, radius)
         radius = parallel.radius
         if self._entering:
             self._entering = False
@@ -256,7 +256,7 @@ class Compensator:
                 self._findings.add(move.line, "compensation", "compensation begins with an arc")
             else:
                 self._check_length(move, "enters", radius)
-                self._before = parallel
+                self._previous = parallel
             return
         if move.kind == "arc" and parallel.room <= 0.0:
             size = abs(move.start - move.centre)
@@ -264,11 +264,11 @@ class Compensator:
             self._findings.add(
                 move.line, "gouge", what, f"radius {size:g} mm", f"above {radius:g} mm"
             )
-            self._before, self._begun = None, 0.0
+            self._previous, self._begun = None, 0.0
             return
         if math.isfinite(radius):
             self._corner(parallel)
-        self._before = parallel
+        self._previous = parallel
 
     def leave(self, move: CutterMove, radius: float) -> None:
         """Judge the first move after compensation, with the `radius` [mm] as in `take`."""
@@ -278,7 +278,7 @@ class Compensator:
             self._findings.add(move.line, "compensation", what, "", "a straight move")
         elif move.start != move.end:
             self._check_length(move, "leaves", radius)
-        self._before, self._begun = None, 0.0
+        self._previous, self._begun = None, 0.0
 
     def _check_length(self, move: CutterMove, does: str, radius: float) -> None:
         length = abs(move.end - move.start)
@@ -288,31 +288,35 @@ class Compensator:
                 move.line, "compensation", what, f"{length:g} mm", f"above {radius:g} mm"
             )
 
-    def _corner(self, after: Parallel) -> None:
+    def _corner(self, following: Parallel) -> None:
         """Judge the corner between the move before and this one, if it is an inner one."""
-        before, begun = self._before, self._begun
+        previous, begun = self._previous, self._begun
         self._begun = 0.0
-        if before is None or before.move.end != after.move.start:
+        if previous is None or previous.move.end != following.move.start:
             return
-        turn = _turn(before, after)
-        rounding = before.move.mismatch + after.move.mismatch
+        turn = _turn(previous, following)
+        rounding = previous.move.mismatch + following.move.mismatch
         # A corner that is cut off by no more than numbers are rounded is none.
-        if turn <= TANGENT or after.radius * turn * turn / 8.0 <= rounding:
+        if turn <= TANGENT or following.radius * turn * turn / 8.0 <= rounding:
             return
-        point = meeting(before, after)
+        point = meeting(previous, following)
         if point is not None:
-            left, self._begun = before.share(point), after.share(point)
+            left, self._begun = previous.share(point), following.share(point)
             # Parallels that meet at a small angle do so elsewhere where they are rounded.
-            off = 2.0 * rounding / math.sin(min(turn, RIGHT))
-            one, other = (SLACK + off / each.length for each in (before, after))
+            allowance = 2.0 * rounding / math.sin(min(turn, RIGHT))
+            one, other = (SLACK + allowance / parallel.length for parallel in (previous, following))
             if begun - one <= left <= 1.0 + one and -other <= self._begun <= 1.0 + other:
                 return
         self._begun = 0.0
         what = "an inner corner that the cutter cannot reach without gouging"
-        shorter = min(before.length, after.length)
+        shorter = min(previous.length, following.length)
         value = f"a move of {shorter:g} mm at a turn of {math.degrees(turn):.0f} deg"
         self._findings.add(
-            after.move.line, "gouge", what, value, f"for a cutter of radius {after.radius:g} mm"
+            following.move.line,
+            "gouge",
+            what,
+            value,
+            f"for a cutter of radius {following.radius:g} mm",
         )
 
 
@@ -332,30 +336,32 @@ Radius = Callable[[CutterMove], float]
 """Offset of a compensated move [mm]; negative for the other side, NaN if it is not known."""
 
 
-def centres(moves: Sequence[CutterMove], radius: Radius) -> tuple[CutterMove, ...]:
+def centre_path(moves: Sequence[CutterMove], radius: Radius) -> tuple[CutterMove, ...]:
     """The same moves along the cutter's centre; where the offset is 0 they are unchanged."""
-    found: list[CutterMove] = []
-    for run, after in _runs(moves):
+    displaced: list[CutterMove] = []
+    for run, following in _runs(moves):
         size = radius(run[0]) if run else 0.0
         if size == 0.0:
-            found += run
+            displaced += run
         elif run:
-            found += _displaced(run, size)
-        if after is not None:
-            found.append(replace(after, start=found[-1].end) if run and size else after)
-    return tuple(found)
+            displaced += _displaced(run, size)
+        if following is not None:
+            displaced.append(
+                replace(following, start=displaced[-1].end) if run and size else following
+            )
+    return tuple(displaced)
 
 
-def judge(moves: Sequence[CutterMove], radius: Radius, findings: Findings) -> None:
+def check_compensation(moves: Sequence[CutterMove], radius: Radius, findings: Findings) -> None:
     """Find what controls refuse in compensated moves, and what would gouge, with these offsets."""
-    for run, after in _runs(moves):
+    for run, following in _runs(moves):
         if not run:
             continue
         compensator = Compensator(findings)
         for move in run:
             compensator.take(move, move.compensation, radius(move))
-        if after is not None:
-            compensator.leave(after, radius(run[0]))
+        if following is not None:
+            compensator.leave(following, radius(run[0]))
 
 
 def _runs(
@@ -376,49 +382,49 @@ def _runs(
 def _displaced(run: Sequence[CutterMove], radius: float) -> Iterator[CutterMove]:
     side = run[0].compensation
     flat = [move for move in run if move.start != move.end or move.kind == "arc"]
-    parallels = iter([parallel_of(move, side, radius) for move in flat])
-    after = next(parallels, None)
-    before: Parallel | None = None
-    at = run[0].start
+    parallels = iter([move_parallel(move, side, radius) for move in flat])
+    following = next(parallels, None)
+    previous: Parallel | None = None
+    place = run[0].start
     for move in run:
         if move.start == move.end and move.kind != "arc":
-            yield replace(move, start=at, end=at)  # along Z
+            yield replace(move, start=place, end=place)  # along Z
             continue
-        assert after is not None
-        own, after = after, next(parallels, None)
-        if before is not None and (turn := _turn(before, own)) < -TANGENT:
-            point = own.beside(move.start)
+        assert following is not None
+        parallel, following = following, next(parallels, None)
+        if previous is not None and (turn := _turn(previous, parallel)) < -TANGENT:
+            point = parallel.offset_point(move.start)
             yield replace(
-                move, kind="arc", start=at, end=point, z_end=move.z_start, centre=move.start,
-                sweep=turn * own.side,
+                move, kind="arc", start=place, end=point, z_end=move.z_start, centre=move.start,
+                sweep=turn * parallel.side,
             )  # fmt: skip
-            at = point
-        end = own.beside(move.end) if after is None else _joint(own, after)
+            place = point
+        end = parallel.offset_point(move.end) if following is None else _joint(parallel, following)
         centre, sweep, mismatch = move.centre, 0.0, 0.0
         if move.kind == "arc":
-            arms = at - centre, end - centre
+            arms = place - centre, end - centre
             turned = phase(arms[1] / arms[0]) if arms[0] else 0.0
             sweep = turned + 2.0 * math.pi * round((move.sweep - turned) / (2.0 * math.pi))
             mismatch = max(move.mismatch, abs(abs(arms[1]) - abs(arms[0])))
-        yield replace(move, start=at, end=end, sweep=sweep, mismatch=mismatch)
-        at, before = end, own
+        yield replace(move, start=place, end=end, sweep=sweep, mismatch=mismatch)
+        place, previous = end, parallel
 
 
-def _turn(before: Parallel, after: Parallel) -> float:
+def _turn(previous: Parallel, following: Parallel) -> float:
     """Change of direction at a corner [rad], positive towards the cutter: an inner one."""
-    corner = after.move.start
-    return phase(after.heading(corner) / before.heading(corner)) * after.side
+    corner = following.move.start
+    return phase(following.heading(corner) / previous.heading(corner)) * following.side
 
 
-def _joint(before: Parallel, after: Parallel) -> complex:
+def _joint(previous: Parallel, following: Parallel) -> complex:
     """Where the parallel of a move ends, before another one."""
-    corner, turn = after.move.start, _turn(before, after)
-    end = before.beside(corner)
+    corner, turn = following.move.start, _turn(previous, following)
+    end = previous.offset_point(corner)
     if turn < -TANGENT:
         return end
     if turn > TANGENT:
-        point = meeting(before, after)
-        if point is not None and abs(point - corner) <= FAR * before.radius:
+        point = meeting(previous, following)
+        if point is not None and abs(point - corner) <= FAR * previous.radius:
             return point
     return end
 
@@ -459,7 +465,7 @@ class Parallel:
         way = self.move.course.heading(point)
         return way / abs(way) if way else 1.0 + 0j
 
-    def beside(self, point: complex) -> complex:
+    def offset_point(self, point: complex) -> complex:
         """The centre of the cutter beside a point of the programmed move."""
         return point + self.side * 1j * self.heading(point) * self.radius
 
@@ -476,35 +482,39 @@ class Parallel:
         return along / abs(move.sweep)
 
 
-def parallel_of(move: CutterMove, side: str, radius: float) -> Parallel:
+def move_parallel(move: CutterMove, side: str, radius: float) -> Parallel:
     """The parallel on a side, "left" or "right", of the path; a negative `radius` [mm] is an offset
     on the other one.
     """
     return Parallel(move, 1.0 if (side == "left") != (radius < 0.0) else -1.0, abs(radius))
 
 
-def meeting(before: Parallel, after: Parallel) -> complex | None:
+def meeting(previous: Parallel, following: Parallel) -> complex | None:
     """Where the parallels of two neighbours meet, next to their corner; None if they do not."""
-    corner = after.move.start
-    first, second = before.move.kind == "arc", after.move.kind == "arc"
+    corner = following.move.start
+    first, second = previous.move.kind == "arc", following.move.kind == "arc"
     if first and second:
-        found = _circles(before.move.centre, before.room, after.move.centre, after.room)
+        points = _circles(
+            previous.move.centre, previous.room, following.move.centre, following.room
+        )
     elif first or second:
-        line, arc = (after, before) if first else (before, after)
-        point = line.beside(line.move.start)
-        found = _line_and_circle(point, line.heading(point), arc.move.centre, arc.room)
+        line, arc = (following, previous) if first else (previous, following)
+        point = line.offset_point(line.move.start)
+        points = _line_and_circle(point, line.heading(point), arc.move.centre, arc.room)
     else:
-        found = _lines(before, after)
-    return min(found, key=lambda point: abs(point - corner), default=None)
+        points = _lines(previous, following)
+    return min(points, key=lambda point: abs(point - corner), default=None)
 
 
-def _lines(before: Parallel, after: Parallel) -> list[complex]:
-    way, other = before.heading(0j), after.heading(0j)
+def _lines(previous: Parallel, following: Parallel) -> list[complex]:
+    way, other = previous.heading(0j), following.heading(0j)
     across = (way.conjugate() * other).imag
     if abs(across) < 1e-12:  # straight on, or straight back
         return []
-    gap = after.beside(after.move.start) - before.beside(before.move.start)
-    return [before.beside(before.move.start) + way * (gap.conjugate() * other).imag / across]
+    gap = following.offset_point(following.move.start) - previous.offset_point(previous.move.start)
+    return [
+        previous.offset_point(previous.move.start) + way * (gap.conjugate() * other).imag / across
+    ]
 
 
 def _line_and_circle(point: complex, way: complex, centre: complex, radius: float) -> list[complex]:
@@ -518,10 +528,10 @@ def _line_and_circle(point: complex, way: complex, centre: complex, radius: floa
 
 def _circles(centre: complex, radius: float, other: complex, size: float) -> list[complex]:
     gap = other - centre
-    apart = abs(gap)
-    if apart == 0.0:
+    distance = abs(gap)
+    if distance == 0.0:
         return []
-    along = (radius * radius - size * size + apart * apart) / (2.0 * apart)
+    along = (radius * radius - size * size + distance * distance) / (2.0 * distance)
     square = radius * radius - along * along
     if square < 0.0:
         return []
@@ -534,7 +544,7 @@ def _circles(centre: complex, radius: float, other: complex, size: float) -> lis
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Run:
+class ProgramRun:
     """A program that was run.
 
     Attributes
@@ -574,17 +584,17 @@ class Run:
             return None
         return next((move for move in self.moves if move.compensation), None)
 
-    def in_the_part(self, zero: Zero) -> Run:
+    def in_the_part(self, zero: Zero) -> ProgramRun:
         """The same in the coordinates of the part, in which the program's `zero` is somewhere."""
-        z, part_of, turned = zero.z, zero.to_part, bool(zero.turned)
+        z, to_part, turned = zero.z, zero.to_part, bool(zero.turned)
         if not (zero.place or z or turned):
             return self
         moved = tuple(
             replace(
                 move,
-                start=part_of(move.start),
-                end=part_of(move.end),
-                centre=part_of(move.centre) if move.kind == "arc" else move.centre,
+                start=to_part(move.start),
+                end=to_part(move.end),
+                centre=to_part(move.centre) if move.kind == "arc" else move.centre,
                 sweep=-move.sweep if turned and move.sweep else move.sweep,
                 z_start=move.z_start + z,
                 z_end=move.z_end + z,
@@ -592,12 +602,14 @@ class Run:
             )
             for move in self.moves
         )
-        events = tuple(replace(each, at=part_of(each.at), z=each.z + z) for each in self.events)
+        events = tuple(
+            replace(event, place=to_part(event.place), z=event.z + z) for event in self.events
+        )
         return replace(self, moves=moved, events=events)
 
-    def centred(self, radius: Radius) -> Run:
+    def centred(self, radius: Radius) -> ProgramRun:
         """The same along the cutter's centre, with what `radius` says of compensated moves."""
-        return replace(self, moves=centres(self.moves, radius), central=True)
+        return replace(self, moves=centre_path(self.moves, radius), central=True)
 
     def refuse(self, *concerns: str) -> None:
         """Raise FileError with the first finding that concerns one of these, or anything."""
@@ -684,16 +696,16 @@ class Findings:
 
     Attributes
     ----------
-    found : so far.
+    reported : the findings so far.
     """
 
     def __init__(self, most: int, fatal: Collection[str] = ()) -> None:
-        self.found: list[LineFinding] = []
+        self.reported: list[LineFinding] = []
         self._most = most
         self._fatal = fatal
 
     def add(self, line: int, rule: str, what: str, value: str = "", allowed: str = "") -> None:
         """Add a finding; raises Enough if it is one too many, or of a concern that is fatal."""
-        self.found.append(LineFinding(line, rule, RULES[rule], what, value, allowed))
-        if len(self.found) >= self._most or RULES[rule] in self._fatal:
+        self.reported.append(LineFinding(line, rule, RULES[rule], what, value, allowed))
+        if len(self.reported) >= self._most or RULES[rule] in self._fatal:
             raise Enough

@@ -27,7 +27,7 @@ from camgeo_export.interpreter.moves import (
     Enough,
     Event,
     Findings,
-    Run,
+    ProgramRun,
 )
 
 MOST: Final = 1_000
@@ -59,7 +59,7 @@ def run(
     bench: Bench | None = None,
     most: int = MOST,
     fatal: Collection[str] = (),
-) -> Run:
+) -> ProgramRun:
     """Run a program.
 
     Parameters
@@ -82,7 +82,7 @@ def run(
     complete = True
     try:
         check_ends(data, machine, findings)
-        for number, line in enumerate(_lines_of(data, machine), start=1):
+        for number, line in enumerate(_program_lines(data, machine), start=1):
             reader.read(number, line)
         reader.finish()
     except Enough:
@@ -90,12 +90,12 @@ def run(
     return reader.result(complete)
 
 
-def _lines_of(data: bytes, machine: Machine) -> Iterator[str]:
+def _program_lines(data: bytes, machine: Machine) -> Iterator[str]:
     """The lines of a program as the controller tells them apart."""
     return text_lines(data, newline=CARRIAGE_RETURNS[machine.reading.carriage_return])
 
 
-KEPT: Final = 20_000
+MOST_KNOWN: Final = 20_000
 """Blocks of which the words are kept for later lines with the same text."""
 
 
@@ -105,7 +105,7 @@ class _Program:
     def __init__(self, machine: Machine, bench: Bench, findings: Findings) -> None:
         self._machine = machine
         self._bench = bench
-        self._controller = Controller.of(machine)
+        self._controller = Controller.from_machine(machine)
         self._findings = findings
         self._state = State()
         if machine.smoothing is None:
@@ -120,7 +120,7 @@ class _Program:
         self._percent = 0
         self._first = 0
         self._blocks = 0
-        self._said_after = False
+        self._end_passed = False
         self._known: dict[str, Block] = {}  # sound ones by their text: depths repeat their path
 
     def read(self, number: int, line: str) -> None:
@@ -144,9 +144,9 @@ class _Program:
         if self._state.ended and klartext and self._klartext.is_end(block):
             return
         if self._state.ended:
-            if not self._said_after:
+            if not self._end_passed:
                 self._findings.add(number, "after-end", "block after the end of the program")
-            self._said_after = True
+            self._end_passed = True
             return
         self._blocks += 1
         self._check_dialect(number, block, klartext)
@@ -175,8 +175,8 @@ class _Program:
     def _block(self, number: int, block: str, klartext: bool) -> None:
         """Run the block of a line."""
         if klartext:
-            for each in self._klartext.blocks(number, block):
-                self._executor.run(each)
+            for klartext_block in self._klartext.blocks(number, block):
+                self._executor.run(klartext_block)
             return
         named = NAME.fullmatch(block)
         if named and named[1] in self._machine.reading.number_marks:
@@ -189,13 +189,13 @@ class _Program:
         if (known := self._known.get(block)) is not None:
             self._executor.run(known.at_line(number))
             return
-        before = len(self._findings.found)
-        decoded = self._decoder.block_of(number, block)
+        reported_count = len(self._findings.reported)
+        decoded = self._decoder.read_block(number, block)
         if decoded is None:
             if not ASSIGNMENT.match(block):
                 self._state.lose()
             return
-        if len(self._findings.found) == before and len(self._known) < KEPT:
+        if len(self._findings.reported) == reported_count and len(self._known) < MOST_KNOWN:
             self._known[block] = decoded.at_line(number)
         self._executor.run(decoded)
 
@@ -209,17 +209,17 @@ class _Program:
             state.operation = self._names.get(name.upper(), name)
         if self._controller.changes_tools or state.tool:
             return
-        if found := IN_SPINDLE.match(note):
+        if match := IN_SPINDLE.match(note):
             # In the spindle from the start, its length set.
-            state.chosen = state.tool = state.offset = int(found[1])
+            state.chosen = state.tool = state.offset = int(match[1])
 
     def _control(self, number: int, block: str) -> None:
         """`%` begins a program, and ends it if it began one."""
-        taken, name = self._machine.reading.percent, self._machine.name
-        if taken == "none":
+        percent, name = self._machine.reading.percent, self._machine.name
+        if percent == "none":
             self._findings.add(number, "unknown-word", f"{name} does not take %")
         elif (
-            taken == "first"
+            percent == "first"
             and not self._state.ended
             and (block != "%" or not (self._percent or self._first == number))
         ):
@@ -245,10 +245,10 @@ class _Program:
                 allowed = f"Z {self._bench.free:g} mm or more"
                 self._findings.add(event.line, "low-stop", f"{event.word} {where}", "", allowed)
 
-    def result(self, complete: bool) -> Run:
+    def result(self, complete: bool) -> ProgramRun:
         """What there is."""
         state = self._state
-        return Run(
+        return ProgramRun(
             state.scale if math.isnan(state.cut_scale) else state.cut_scale,
             state.step,
             state.blending if state.cut_blending < 0.0 else state.cut_blending,
@@ -256,7 +256,7 @@ class _Program:
             tuple(self._mover.moves),
             tuple(self._comments),
             tuple(self._executor.events),
-            tuple(sorted(self._findings.found, key=lambda each: each.line or math.inf)),
+            tuple(sorted(self._findings.reported, key=lambda finding: finding.line or math.inf)),
             complete,
         )
 
@@ -266,14 +266,14 @@ class GcodeLinter:
 
     def lint(self, data: bytes, machine: Machine, bench: Bench) -> Linted:
         """All findings; FileError for data beyond the limits of a program."""
-        found = run(data, machine, bench)
-        wanted = {finding.line for finding in found.findings}
+        program = run(data, machine, bench)
+        wanted = {finding.line for finding in program.findings}
         texts = {
             number: line.removesuffix("\r").replace("\r", " ")
-            for number, line in enumerate(_lines_of(data, machine), start=1)
+            for number, line in enumerate(_program_lines(data, machine), start=1)
             if number in wanted
         }
-        return Linted(found.findings, texts, len(found.moves), found.complete)
+        return Linted(program.findings, texts, len(program.moves), program.complete)
 
 
 LINTER = GcodeLinter()
@@ -303,10 +303,17 @@ def check_line(line: int, text: str, machine: Machine, findings: Findings) -> bo
         findings.add(line, "line-length", what, allowed=f"at most {form.longest_line}")
         if long:
             return False
-    shown = text.removesuffix("\r")
-    if shown.isascii() and shown.isprintable():
+    visible = text.removesuffix("\r")
+    if visible.isascii() and visible.isprintable():
         return True
-    wrong = next((each for each in text if each not in "\t\r" and not " " <= each <= "~"), "")
+    wrong = next(
+        (
+            character
+            for character in text
+            if character not in "\t\r" and not " " <= character <= "~"
+        ),
+        "",
+    )
     if wrong:
         what = f"the character {wrong!a} at column {text.index(wrong) + 1}"
         findings.add(line, "characters", what, allowed="printable ASCII")
@@ -321,11 +328,11 @@ def check_ends(data: bytes, machine: Machine, findings: Findings) -> None:
         )
     if machine.reading.carriage_return == "end" or b"\r" not in data:
         return
-    before, alone, _ = data.replace(b"\r\n", b"\n").partition(b"\r")
+    head, alone, _ = data.replace(b"\r\n", b"\n").partition(b"\r")
     if alone:
         does = {"blank": "which this controller reads over: the block goes on behind it"}
         what = does.get(machine.reading.carriage_return, "of which it is not known what it does")
-        line = 1 + before.count(b"\n")
+        line = 1 + head.count(b"\n")
         findings.add(line, "line-end", f"a carriage return without a line feed, {what}")
 
 
@@ -398,8 +405,8 @@ class Executor(BlockReader):
         self._used |= self._mover.move(block)
         if not moving:
             if self._ends_late:
-                self._spindle(block, off=True)
-                self._coolant(block, off=True)
+                self._spindle(block, switching_off=True)
+                self._coolant(block, switching_off=True)
             self._flow(block)
         for letter in block.values:
             if letter not in self._used and letter != "tolerance":
@@ -414,11 +421,11 @@ class Executor(BlockReader):
     def _modes(self, block: Block) -> None:
         """What a block switches before it moves."""
         self._tool(block)
-        self._spindle(block, off=False)
-        self._coolant(block, off=False)
+        self._spindle(block, switching_off=False)
+        self._coolant(block, switching_off=False)
         if not self._ends_late:
-            self._spindle(block, off=True)
-            self._coolant(block, off=True)
+            self._spindle(block, switching_off=True)
+            self._coolant(block, switching_off=True)
         self._dwell(block)
         if block.codes.get("plane", "plane XY") != (self._state.mode("plane") or "plane XY"):
             self._check_compensated(block, ("plane",))
@@ -441,15 +448,15 @@ class Executor(BlockReader):
 
     def _check_order(self, block: Block) -> None:
         """Blocks that controllers run in different orders."""
-        off = [
+        stopping = [
             block.words[group]
             for group in ("spindle", "coolant")
             if block.codes.get(group) in ("spindle off", "coolant off")
         ]
         cutting = block.codes.get("motion", self._state.mode("motion")) not in ("", "rapid")
         moving = any(axis in block.values for axis in AXES)
-        if off and moving and cutting and self._controller.machine.dialect != "klartext":
-            what = f"{off[0]} in a block that cuts: controllers differ in what comes first"
+        if stopping and moving and cutting and self._controller.machine.dialect != "klartext":
+            what = f"{stopping[0]} in a block that cuts: controllers differ in what comes first"
             self._report(block, "order", what, allowed="a block of its own")
         unit = block.codes.get("unit", self._state.mode("unit"))
         changes = "F" in block.values and unit != (self._state.mode("unit") or unit)
@@ -520,7 +527,7 @@ class Executor(BlockReader):
         state.tool, state.measured = state.chosen, 0
         lasting = self._controller.length_letter == "D" and state.offset > 0
         if lasting or self._controller.machine.dialect == "klartext":
-            self._put_length(state.tool)  # its length comes into force with it, or its edge D
+            self._activate_length(state.tool)  # its length comes into force with it, or its edge D
         if changes:
             state.modes["spindle"] = "spindle off"  # controllers stop it
             self._event(block, "tool change")
@@ -534,10 +541,10 @@ class Executor(BlockReader):
             )
         state.dry, state.used_coolant = 0, False
 
-    def _spindle(self, block: Block, *, off: bool) -> None:
+    def _spindle(self, block: Block, *, switching_off: bool) -> None:
         """Switch the spindle, if the block switches it `off`, or on."""
         spindle = block.codes.get("spindle")
-        if spindle is None or (spindle == "spindle off") != off:
+        if spindle is None or (spindle == "spindle off") != switching_off:
             return
         if spindle == "spindle off":
             self._event(block, "spindle off")
@@ -549,10 +556,10 @@ class Executor(BlockReader):
             )
         self._state.modes["spindle"] = spindle
 
-    def _coolant(self, block: Block, *, off: bool) -> None:
+    def _coolant(self, block: Block, *, switching_off: bool) -> None:
         """Switch the coolant, if the block switches it `off`, or on."""
         coolant = block.codes.get("coolant")
-        if coolant is not None and (coolant == "coolant off") == off:
+        if coolant is not None and (coolant == "coolant off") == switching_off:
             self._state.modes["coolant"] = block.codes["coolant"]
             self._state.used_coolant |= self._state.coolant != "off"
 
@@ -561,7 +568,7 @@ class Executor(BlockReader):
         if "dwell" not in block.actions:
             return
         letters, form = self._controller.dwell_letters, self._controller.machine.dwell
-        letter = next((each for each in letters if each in block.values), "")
+        letter = next((letter for letter in letters if letter in block.values), "")
         if not letter:
             self._report(
                 block, "missing-word", f"{block.words['dwell']} without its time", allowed=letters
@@ -587,13 +594,13 @@ class Executor(BlockReader):
         if "OFFN" in block.values:
             self._used.add("OFFN")
             state.oversize = block.value("OFFN") * self._state.unit
-        found = block.codes.get("compensation")
-        if found is None:
+        meaning = block.codes.get("compensation")
+        if meaning is None:
             return
-        if found == "compensation off":
+        if meaning == "compensation off":
             if state.side:
                 state.left_compensation = block.line
-            state.modes["compensation"] = found
+            state.modes["compensation"] = meaning
             state.radius_offset, state.stated_radius = 0, math.nan
             return
         if state.side:
@@ -610,33 +617,33 @@ class Executor(BlockReader):
             state.radius_offset = int(max(block.value("D"), 0.0))
         elif not state.radius_offset:
             state.radius_offset = state.tool
-        state.modes["compensation"] = found
+        state.modes["compensation"] = meaning
         self._mover.enter(block)
 
     def _length(self, block: Block) -> None:
         state = self._state
         if self._controller.length_letter == "D" and "D" in block.values:
             self._used |= set("D")
-            self._put_length(state.tool if block.value("D") > 0.0 else 0)
-        found = block.codes.get("length")
-        if found == "length offset off":
-            self._put_length(0)
-        elif found == "length offset":
+            self._activate_length(state.tool if block.value("D") > 0.0 else 0)
+        meaning = block.codes.get("length")
+        if meaning == "length offset off":
+            self._activate_length(0)
+        elif meaning == "length offset":
             self._used |= set("HZ")
             number = int(max(block.value("H", state.tool), 0.0))
             if state.tool and number != state.tool:
                 what = f"the length of tool {number} is put into force with tool {state.tool}"
                 self._report(block, "tool-length", what, allowed=f"H{state.tool}")
-            self._put_length(number)
+            self._activate_length(number)
 
-    def _put_length(self, number: int) -> None:
+    def _activate_length(self, number: int) -> None:
         """Put a tool's length into force: where the spindle was, Z is another number now."""
         state = self._state
         if not self._controller.changes_tools:
             number = state.tool  # Z was set with it
         state.measured = state.tool if number else state.measured
         if number != state.offset and math.isfinite(state.z):
-            state.z_before, state.z = state.z, math.nan
+            state.last_z, state.z = state.z, math.nan
         state.offset = number
 
     def _work_offset(self, block: Block) -> None:
@@ -645,7 +652,7 @@ class Executor(BlockReader):
             return
         word = block.words["work offset"]
         if state.work_offset not in ("", word):
-            state.at = UNKNOWN
+            state.place = UNKNOWN
             state.z = state.z if math.isinf(state.z) else math.nan
         state.work_offset = word
         state.modes["work offset"] = "work offset"
@@ -700,5 +707,5 @@ class Executor(BlockReader):
     def _event(self, block: Block, kind: str, seconds: float = 0.0) -> None:
         state = self._state
         word = block.words.get(EVENTS[kind]) or block.words.get("flow", kind)
-        z = state.z_before if math.isnan(state.z) else state.z
-        self.events.append(Event(kind, word, state.at, z, state.tool, seconds, block.line))
+        z = state.last_z if math.isnan(state.z) else state.z
+        self.events.append(Event(kind, word, state.place, z, state.tool, seconds, block.line))

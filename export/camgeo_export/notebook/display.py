@@ -35,7 +35,7 @@ from camgeo.units import counted
 
 
 @dataclass(frozen=True, slots=True)
-class Shown:
+class Rendering:
     """An object as HTML, above its picture.
 
     Attributes
@@ -48,7 +48,7 @@ class Shown:
 
     html: str
     figure: Figure | None = None
-    told: str = ""
+    description: str = ""
     below: str = ""
 
 
@@ -58,27 +58,27 @@ def display(value: Displayed) -> dict[str, str | bytes]:
     An error of camgeo is shown in place of what it prevents.
     """
     try:
-        found = shown(value)
+        rendering = make_rendering(value)
     except CamgeoError as error:
-        found = Shown(heading(repr(value)) + preformatted(str(error)))
-    html, png = found.html, None
-    if found.figure is not None:
-        from camgeo_export.plots import render as drawn  # many objects have no picture
+        rendering = Rendering(heading(repr(value)) + preformatted(str(error)))
+    html, png = rendering.html, None
+    if rendering.figure is not None:
+        from camgeo_export.plots import render  # many objects have no picture
 
-        png = drawn(found.figure, ".png")
-        html += picture(png, found.figure.size[0], found.told)
-    html = f"<div>{html}{found.below}</div>"
+        png = render(rendering.figure, ".png")
+        html += picture(png, rendering.figure.size[0], rendering.description)
+    html = f"<div>{html}{rendering.below}</div>"
     return {"text/html": html} | ({} if png is None else {"image/png": png})
 
 
 @singledispatch
-def shown(value: object) -> Shown:
+def make_rendering(value: object) -> Rendering:
     """How one kind of object is shown."""
     raise TypeError(f"{type(value).__name__} is not displayed")
 
 
-@shown.register
-def _(value: Design) -> Shown:
+@make_rendering.register
+def _(value: Design) -> Rendering:
     """Name, picture of the cam and findings; of a motion alone its diagrams."""
     scene = value.scene
     stated = [
@@ -92,9 +92,11 @@ def _(value: Design) -> Shown:
     except CamgeoError as error:
         figure, why = None, preformatted(str(error))
     head = heading(value.name, findings_summary(value.findings))
-    told = "".join(map(paragraph, stated))
+    description = "".join(map(paragraph, stated))
     below = _findings(value.findings)
-    return Shown(head + told + why, figure, f"{what[0].capitalize()} of {value.name}", below)
+    return Rendering(
+        head + description + why, figure, f"{what[0].capitalize()} of {value.name}", below
+    )
 
 
 def _stated(table: Mapping[str, Any]) -> str:
@@ -109,67 +111,73 @@ def _spelled(value: object) -> str:
     return str(value).lower() if isinstance(value, bool) else str(value)
 
 
-def _findings(found: Findings) -> str:
+def _findings(all_findings: Findings) -> str:
     """The findings that are not "ok", each with its next step; the others are folded."""
-    wrong = [("", each, next_step(each, ())) for each in found if each.severity != "ok"]
-    right = [("", each, "") for each in found if each.severity == "ok"]
+    wrong = [
+        ("", finding, next_step(finding, ()))
+        for finding in all_findings
+        if finding.severity != "ok"
+    ]
+    right = [("", finding, "") for finding in all_findings if finding.severity == "ok"]
     table = findings(wrong) if wrong else ""
-    several = Counter[str](each.verdict for _, each, _ in right)
-    told = ", ".join(counted(several[each], MARKS[each], MANY[each]) for each in several)
-    return table + (folded(told, findings(right)) if right else "")
+    several = Counter[str](finding.verdict for _, finding, _ in right)
+    summary = ", ".join(
+        counted(several[verdict], MARKS[verdict], MANY[verdict]) for verdict in several
+    )
+    return table + (folded(summary, findings(right)) if right else "")
 
 
-@shown.register
-def _(value: Finding) -> Shown:
-    return Shown(findings([("", value, next_step(value, ()))]))
+@make_rendering.register
+def _(value: Finding) -> Rendering:
+    return Rendering(findings([("", value, next_step(value, ()))]))
 
 
-@shown.register
-def _(value: Findings | LazyFindings) -> Shown:
-    found = [("", each, next_step(each, ())) for each in value]
-    return Shown(findings(found) if found else paragraph("no findings"))
+@make_rendering.register
+def _(value: Findings | LazyFindings) -> Rendering:
+    rows = [("", finding, next_step(finding, ())) for finding in value]
+    return Rendering(findings(rows) if rows else paragraph("no findings"))
 
 
-@shown.register
-def _(value: Judgement) -> Shown:
-    return Shown(paragraph(findings_summary(value.findings)), below=_findings(value.findings))
+@make_rendering.register
+def _(value: Judgement) -> Rendering:
+    return Rendering(paragraph(findings_summary(value.findings)), below=_findings(value.findings))
 
 
-@shown.register
-def _(value: Result) -> Shown:
-    return shown(Findings(value.findings))
+@make_rendering.register
+def _(value: Result) -> Rendering:
+    return make_rendering(Findings(value.findings))
 
 
-@shown.register
-def _(value: Table) -> Shown:
-    return Shown(values(value))
+@make_rendering.register
+def _(value: Table) -> Rendering:
+    return Rendering(values(value))
 
 
-@shown.register
-def _(value: Figure) -> Shown:
-    return Shown("", value, value.texts[0].text if value.texts else "figure")
+@make_rendering.register
+def _(value: Figure) -> Rendering:
+    return Rendering("", value, value.texts[0].text if value.texts else "figure")
 
 
-@shown.register
-def _(value: Law) -> Shown:
-    return shown(Laws.from_law(value))
+@make_rendering.register
+def _(value: Law) -> Rendering:
+    return make_rendering(Laws.from_law(value))
 
 
-@shown.register
-def _(value: Answer) -> Shown:
+@make_rendering.register
+def _(value: Answer) -> Rendering:
     """Its text, and its picture if answers of this kind have one."""
     words = preformatted(answer.text(value))
     if not answer.has(value, "figure"):
-        return Shown(words)
-    return Shown(words, answer.figure(value), f"picture of camgeo {value.command}")
+        return Rendering(words)
+    return Rendering(words, answer.figure(value), f"picture of camgeo {value.command}")
 
 
-@shown.register
-def _(value: Check) -> Shown:
-    found = [(each.subject, each.finding, each.step) for each in advised(value)]
-    items = "".join(f"<li>{escape(each.statement)}</li>" for each in value.cures)
+@make_rendering.register
+def _(value: Check) -> Rendering:
+    rows = [(entry.subject, entry.finding, entry.step) for entry in advised(value)]
+    items = "".join(f"<li>{escape(cure.statement)}</li>" for cure in value.cures)
     listed = f"<p>Each of these cures the fault that it names:</p><ul>{items}</ul>" if items else ""
-    return Shown(heading(value.scene.name) + findings(found) + listed + _as_text(value))
+    return Rendering(heading(value.scene.name) + findings(rows) + listed + _as_text(value))
 
 
 def _as_text(value: Answer) -> str:
@@ -177,101 +185,105 @@ def _as_text(value: Answer) -> str:
     return folded("as text", preformatted(answer.text(value)))
 
 
-@shown.register
-def _(value: Report) -> Shown:
+@make_rendering.register
+def _(value: Report) -> Rendering:
     """The findings, and a sentence on each diagram; the page has the rest."""
-    checked = shown(value.check)
-    told = [f"{each.title}: {each.sentence}" for each in value.charts]
-    told += [f"left out: {each}" for each in value.omissions]
-    return Shown(checked.html + "".join(map(paragraph, told)))
+    checked = make_rendering(value.check)
+    lines = [f"{chart.title}: {chart.sentence}" for chart in value.charts]
+    lines += [f"left out: {omission}" for omission in value.omissions]
+    return Rendering(checked.html + "".join(map(paragraph, lines)))
 
 
-@shown.register
-def _(value: ValueTable) -> Shown:
-    return shown(value.table)
+@make_rendering.register
+def _(value: ValueTable) -> Rendering:
+    return make_rendering(value.table)
 
 
-@shown.register
-def _(value: Laws) -> Shown:
+@make_rendering.register
+def _(value: Laws) -> Rendering:
     """The characteristic values of laws side by side, or the families for each task."""
     if value.rows is None:
         rows = (
-            (each.task, " to ".join(each.ends), ", ".join(each.families))
-            for each in value.tasks or ()
+            (task.task, " to ".join(task.ends), ", ".join(task.families))
+            for task in value.tasks or ()
         )
-        return Shown(texts((("task", "from, to", "laws"), *rows)))
+        return Rendering(texts((("task", "from, to", "laws"), *rows)))
     tables = "".join(map(texts, filter(None, (value.cells, value.physical_cells))))
-    return Shown(
+    return Rendering(
         tables + _as_text(value),
         answer.figure(value),
         "f', f'', f''' and f' f'' of each law over the move",
     )
 
 
-@shown.register
-def _(value: Written) -> Shown:
+@make_rendering.register
+def _(value: Written) -> Rendering:
     """Each file with what is proved about it."""
     heads = ("file", "format", "bytes", "proved deviation [mm]", "tolerance [mm]")
     rows = [
         (
-            escape(each.name),
-            escape(each.format),
-            f"{each.size:,}",
-            "-" if each.deviation is None else f"{each.deviation:.3g}",
-            f"{each.tolerance:g}",
+            escape(file.name),
+            escape(file.format),
+            f"{file.size:,}",
+            "-" if file.deviation is None else f"{file.deviation:.3g}",
+            f"{file.tolerance:g}",
         )
-        for each in value.files
+        for file in value.files
     ]
-    told = [("", finding, "") for each in value.files for finding in each.findings]
-    below = findings(told) if told else ""
+    notes = [("", finding, "") for file in value.files for finding in file.findings]
+    below = findings(notes) if notes else ""
     folder = {str(path.parent) for path in value.paths}
-    return Shown(rows_of(heads, rows, numbers=False) + paragraph(", ".join(sorted(folder))) + below)
+    return Rendering(
+        html_table(heads, rows, numbers=False) + paragraph(", ".join(sorted(folder))) + below
+    )
 
 
-@shown.register
-def _(value: Verification) -> Shown:
+@make_rendering.register
+def _(value: Verification) -> Rendering:
     """Each file with its verdict and the checks that it fails; the list of all checks is folded."""
     rows = []
     for path, verdict in zip(value.paths, value.verdicts, strict=True):
-        failed = [f"{each.name} {each.of}".rstrip() for each in verdict.checks if each.ok is False]
-        off, tolerance = verdict.deviation, verdict.tolerance
+        failed = [
+            f"{check.name} {check.of}".rstrip() for check in verdict.checks if check.ok is False
+        ]
+        deviation, tolerance = verdict.deviation, verdict.tolerance
         rows.append(
             (
                 badge("ok", "pass") if verdict.passed else badge("broken", "FAIL"),
                 escape(path.name),
-                "-" if off is None else f"{off:.3g}",
+                "-" if deviation is None else f"{deviation:.3g}",
                 "-" if tolerance is None else f"{tolerance[0]:g}, by {escape(tolerance[1])}",
                 escape(", ".join(failed)),
             )
         )
     heads = ("verdict", "file", "deviation [mm]", "tolerance [mm]", "fails")
-    return Shown(rows_of(heads, rows, numbers=False) + _as_text(value))
+    return Rendering(html_table(heads, rows, numbers=False) + _as_text(value))
 
 
-@shown.register
-def _(value: Sweep) -> Shown:
+@make_rendering.register
+def _(value: Sweep) -> Rendering:
     """The rows of a small family; for a larger one, what the command prints."""
     rows = value.cells
-    return Shown(texts(rows) if rows else preformatted(answer.text(value)))
+    return Rendering(texts(rows) if rows else preformatted(answer.text(value)))
 
 
-@shown.register
-def _(value: Compare) -> Shown:
+@make_rendering.register
+def _(value: Compare) -> Rendering:
     """Keys that differ, verdicts and findings, a column for each design."""
-    rows = [
-        [escape(each.key), *(escape(text) or "-" for text in each.values)] for each in value.keys
-    ]
-    if any(each.verdict for each in value.designs):
-        verdicts = [badge(cast("Severity", each.verdict)) for each in value.designs]
+    rows = [[escape(key.key), *(escape(text) or "-" for text in key.values)] for key in value.keys]
+    if any(design.verdict for design in value.designs):
+        verdicts = [badge(cast("Severity", design.verdict)) for design in value.designs]
         rows.append(["verdict", *verdicts])
-    units = [each.design.scene.unit for each in value.designs]
+    units = [design.design.scene.unit for design in value.designs]
     for line in value.lines:
-        told = (cell.words(unit) for cell, unit in zip(line.cells, units, strict=True))
-        rows.append([escape(line.name), *starmap(_marked, told)])
-    heads = ["", *(each.label for each in value.designs)]
+        cells = (cell.words(unit) for cell, unit in zip(line.cells, units, strict=True))
+        rows.append([escape(line.name), *starmap(_marked, cells)])
+    heads = ["", *(design.label for design in value.designs)]
     reasons = dict.fromkeys(one.reason for line in value.lines for one in line.cells if one.reason)
-    table = rows_of(heads, rows, numbers=False) + "".join(map(paragraph, reasons))
-    return Shown(table, answer.figure(value), "flanks and curves of the designs over each other")
+    table = html_table(heads, rows, numbers=False) + "".join(map(paragraph, reasons))
+    return Rendering(
+        table, answer.figure(value), "flanks and curves of the designs over each other"
+    )
 
 
 def _marked(words: str, severity: str) -> str:
@@ -337,19 +349,19 @@ def folded(summary: str, content: str) -> str:
     return f"<details><summary>{escape(summary)}</summary>{content}</details>"
 
 
-def picture(png: bytes, width: float, told: str) -> str:
+def picture(png: bytes, width: float, description: str) -> str:
     """A picture at most `width` [inch] wide, with alternative text; on white, whatever the page."""
     data = base64.b64encode(png).decode()
     return (
-        f'<img src="data:image/png;base64,{data}" alt="{escape(told)}" width="{96.0 * width:.0f}"'
-        ' style="max-width:100%;height:auto;background:#fff">'
+        f'<img src="data:image/png;base64,{data}" alt="{escape(description)}"'
+        f' width="{96.0 * width:.0f}" style="max-width:100%;height:auto;background:#fff">'
     )
 
 
-def rows_of(heads: Sequence[str], rows: Iterable[Sequence[str]], *, numbers: bool) -> str:
+def html_table(heads: Sequence[str], rows: Iterable[Sequence[str]], *, numbers: bool) -> str:
     """A table of cells that are already HTML, below headings that are escaped here."""
     style = "" if numbers else TEXTS
-    head = "".join(f'<th scope="col"{style}>{escape(each)}</th>' for each in heads)
+    head = "".join(f'<th scope="col"{style}>{escape(text)}</th>' for text in heads)
     cells = ("".join(f"<td{style}>{cell}</td>" for cell in row) for row in rows)
     body = "".join(f"<tr>{row}</tr>" for row in cells)
     whole = f' style="{NUMBERS}"' if numbers else ""
@@ -361,7 +373,7 @@ def rows_of(heads: Sequence[str], rows: Iterable[Sequence[str]], *, numbers: boo
 
 def texts(rows: Sequence[Sequence[str]]) -> str:
     """A table of texts, which are escaped here, below the headings in the first row."""
-    return rows_of(rows[0], (list(map(escape, row)) for row in rows[1:]), numbers=False)
+    return html_table(rows[0], (list(map(escape, row)) for row in rows[1:]), numbers=False)
 
 
 def badge(verdict: Verdict, word: str = "") -> str:
@@ -370,30 +382,30 @@ def badge(verdict: Verdict, word: str = "") -> str:
     return f'<span style="{style}">{sign} {escape(word or MARKS[verdict])}</span>'
 
 
-def findings(found: Iterable[tuple[str, Finding, str]]) -> str:
+def findings(judged: Iterable[tuple[str, Finding, str]]) -> str:
     """A table of findings, each with what was judged and with its next step.
 
     Empty columns are left out.
     """
-    told = [
-        (badge(each.verdict), *map(escape, (about, each.name, each.sentence, step)))
-        for about, each, step in found
+    cells = [
+        (badge(finding.verdict), *map(escape, (subject, finding.name, finding.sentence, step)))
+        for subject, finding, step in judged
     ]
     heads = ("verdict", "of", "finding", "in words", "next step")
-    kept = [k for k in range(len(heads)) if any(row[k] for row in told)]
-    rows = [[row[k] for k in kept] for row in told]
-    return rows_of([heads[k] for k in kept], rows, numbers=False)
+    columns = [k for k in range(len(heads)) if any(row[k] for row in cells)]
+    rows = [[row[k] for k in columns] for row in cells]
+    return html_table([heads[k] for k in columns], rows, numbers=False)
 
 
 def values(table: Table) -> str:
     """A table of numbers, a long one cut to its beginning and end, with the number of rows."""
     count = len(table.values)
-    shown = [*range(count)]
+    indices = [*range(count)]
     if count > FIRST_ROWS + LAST_ROWS + 1:
-        shown = [*range(FIRST_ROWS), *range(count - LAST_ROWS, count)]
-    rows = [[f"{value + 0.0:.{DIGITS}g}" for value in table.values[k].tolist()] for k in shown]
-    if len(shown) < count:
+        indices = [*range(FIRST_ROWS), *range(count - LAST_ROWS, count)]
+    rows = [[f"{value + 0.0:.{DIGITS}g}" for value in table.values[k].tolist()] for k in indices]
+    if len(indices) < count:
         rows.insert(FIRST_ROWS, ["⋮"] * len(table.names))
-    return rows_of(table.names, rows, numbers=True) + paragraph(
+    return html_table(table.names, rows, numbers=True) + paragraph(
         f"{counted(count, 'row')}, {counted(len(table.names), 'column')}"
     )

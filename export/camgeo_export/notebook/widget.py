@@ -27,15 +27,15 @@ class Viewer(anywidget.AnyWidget):
     data = traitlets.Dict().tag(sync=True)
     angle = traitlets.Float(0.0).tag(sync=True)
 
-    def __init__(self, design: Design, **given: Any) -> None:
-        super().__init__(data=painted(design, Recent()), **given)
+    def __init__(self, design: Design, **traits: Any) -> None:
+        super().__init__(data=painted(design, Recent()), **traits)
 
     def show(self, design: Design) -> None:
         """Show another design instead, at the same cam angle."""
         self.data = painted(design, Recent())
 
     @traitlets.validate("angle")
-    def _within_a_turn(self, proposal: dict[str, Any]) -> float:
+    def _wrap_angle(self, proposal: dict[str, Any]) -> float:
         angle = proposal["value"]
         if not math.isfinite(angle):
             raise traitlets.TraitError(f"the angle is {angle}; allowed: a finite number of degrees")

@@ -34,7 +34,7 @@ the slack of the bound by which it is measured."""
 LEAST_SHARE = 0.2
 """Share of the tolerance below which rounding leaves too little for the chords."""
 
-LEAST_OF_CHAMFERS = 1e-3
+LEAST_CHAMFER_SHARE = 1e-3
 """The same where the edge of a chamfer is farther off than that of its wall: around a hole it has
 a larger radius, and chords that are off by more.
 """
@@ -71,12 +71,12 @@ def body(part: Part, tolerance: float, rounding: Rounding) -> Body:
     part.require_steps(tolerance)
     levels = part.levels
     rings: dict[str, ComplexArray] = {}
-    for each in part.boundaries:
-        rings |= _rings(each, part, tolerance, rounding)
+    for boundary in part.boundaries:
+        rings |= _rings(boundary, part, tolerance, rounding)
     strips = [strip for band in part.bands for strip in _strips(band, rings)]
     least = sum(2 * len(rings[strip.lower]) for strip in strips)
     limit_facets(least, "the body would have at least")
-    require_apart(part, of_polygons(rings, tolerance), tolerance)
+    require_gaps(part, polygon_gaps(rings, tolerance), tolerance)
     mesh = _Mesh()
     corners: dict[tuple[str, float], IntArray] = {}
     for _, group in groupby(strips, lambda strip: (strip.z0, strip.z1)):
@@ -91,11 +91,11 @@ def body(part: Part, tolerance: float, rounding: Rounding) -> Body:
             indices = mesh.level([rings[name] for name, _ in new], height)
             corners |= dict(zip(new, indices, strict=True))
     lowest, *others = levels
-    mesh.faces_of(lowest, rings, corners)
+    mesh.add_faces(lowest, rings, corners)
     for strip in strips:
         mesh.wall(corners[strip.lower, strip.z0], corners[strip.upper, strip.z1], skew=strip.skew)
     for level in others:
-        mesh.faces_of(level, rings, corners)
+        mesh.add_faces(level, rings, corners)
     return mesh.close()
 
 
@@ -114,30 +114,30 @@ def _rings(
     """(n,) complex [mm] polygons of the boundary and of the edges of its chamfers, by their names,
     in the file's precision, material on their left.
     """
-    edges = {each.edge.name: each for each in part.bevels if each.boundary == boundary}
+    edges = {bevel.edge.name: bevel for bevel in part.bevels if bevel.boundary == boundary}
     share = FIT_SHARE * tolerance
     while True:
         if boundary.corner_radius is None or not edges:
-            outlines, off = _polygons(boundary, edges, share)
+            outlines, deviations = _polygons(boundary, edges, share)
         else:
-            outlines, off = _mitred(boundary, edges, share)
-        points = {name: rounding(each.real) + 1j * rounding(each.imag)
-                  for name, each in outlines.items()}  # fmt: skip
-        moved = max(float(abs(points[name] - each).max()) for name, each in outlines.items())
-        largest = max(off.values())
+            outlines, deviations = _mitred(boundary, edges, share)
+        points = {name: rounding(polygon.real) + 1j * rounding(polygon.imag)
+                  for name, polygon in outlines.items()}  # fmt: skip
+        moved = max(float(abs(points[name] - polygon).max()) for name, polygon in outlines.items())
+        largest = max(deviations.values())
         if largest + moved <= tolerance:
             break
         left = tolerance - moved
         share = FIT_SHARE * min(left, share * left / largest)
-        if FIT_SHARE * left < LEAST_SHARE * tolerance or share < LEAST_OF_CHAMFERS * tolerance:
+        if FIT_SHARE * left < LEAST_SHARE * tolerance or share < LEAST_CHAMFER_SHARE * tolerance:
             raise ToleranceError(
                 f"the numbers of the format are too coarse for the {boundary.name}",
                 tolerance,
                 moved / (1.0 - LEAST_SHARE),
             )
-    kept = np.all([each != np.roll(each, 1) for each in points.values()], axis=0)
-    polygons = {name: each[kept] for name, each in points.items()}
-    return {name: each[::-1] if boundary.hole else each for name, each in polygons.items()}
+    distinct = np.all([polygon != np.roll(polygon, 1) for polygon in points.values()], axis=0)
+    polygons = {name: polygon[distinct] for name, polygon in points.items()}
+    return {name: polygon[::-1] if boundary.hole else polygon for name, polygon in polygons.items()}
 
 
 Polygons = tuple[dict[str, ComplexArray], dict[str, float]]
@@ -149,30 +149,30 @@ def _polygons(boundary: Boundary, edges: Mapping[str, Bevel], share: float) -> P
     fit = boundary.polyline(share)
     exact = fit.contour.vertices
     outlines = {boundary.name: exact}
-    off = {boundary.name: fit.deviation}
+    deviations = {boundary.name: fit.deviation}
     for name, bevel in edges.items():
         # Counter-clockwise, so a hole has its material on the right.
         outlines[name] = _parallel(exact, -bevel.width if boundary.hole else bevel.width)
-        off[name] = bevel.edge.deviation(Contour.polygon(outlines[name]))
-    return outlines, off
+        deviations[name] = bevel.edge.deviation(Contour.polygon(outlines[name]))
+    return outlines, deviations
 
 
 def _mitred(boundary: Boundary, edges: Mapping[str, Bevel], share: float) -> Polygons:
     """A boundary with corners, the edges of its chamfers, and the steps to each of them."""
     bounds = {boundary.name: boundary}
     for name, bevel in edges.items():
-        by = bevel.width if boundary.hole else -bevel.width
-        steps = steps_to(boundary.arcs(share).contour, by, BENT * share)
+        shift = bevel.width if boundary.hole else -bevel.width
+        steps = steps_to(boundary.arcs(share).contour, shift, BENT * share)
         for k in range(1, steps):
             step = _step(name, k)
             bounds[step] = boundary.inset(k / steps * bevel.width, step)
         bounds[name] = bevel.edge
-    contours = [each.arcs(share).contour for each in bounds.values()]
+    contours = [bound.arcs(share).contour for bound in bounds.values()]
     polygons = matching_chords(contours, (1.0 - BENT) * share)
     outlines = dict(zip(bounds, polygons, strict=True))
-    off = {name: each.deviation(Contour.polygon(outlines[name])) + BENT * share
-           for name, each in bounds.items()}  # fmt: skip
-    return outlines, off
+    deviations = {name: bound.deviation(Contour.polygon(outlines[name])) + BENT * share
+           for name, bound in bounds.items()}  # fmt: skip
+    return outlines, deviations
 
 
 def _step(name: str, number: int) -> str:
@@ -206,16 +206,18 @@ def _strips(band: Band, rings: Mapping[str, ComplexArray]) -> Iterator[_Strip]:
         yield _Strip(one, other, z0, z1, one != other and band.wall.corner_radius is not None)
 
 
-def _parallel(polygon: ComplexArray, by: float) -> ComplexArray:
+def _parallel(polygon: ComplexArray, shift: float) -> ComplexArray:
     """The polygon whose sides lie `by` [mm] to the left of those of a counter-clockwise one."""
     sides = np.roll(polygon, -1) - polygon
     normals = 1j * sides / np.abs(sides)
-    before = np.roll(normals, 1)
+    preceding = np.roll(normals, 1)
     # Both sides at a vertex move by as much along their normals.
-    return np.asarray(polygon + by * (before + normals) / (1.0 + (before * np.conj(normals)).real))
+    return np.asarray(
+        polygon + shift * (preceding + normals) / (1.0 + (preceding * np.conj(normals)).real)
+    )
 
 
-def _winds_up(ring: ComplexArray, rings: list[ComplexArray]) -> bool:
+def _bounds_upward_face(ring: ComplexArray, rings: list[ComplexArray]) -> bool:
     """Whether `ring` bounds an upward face, among the disjoint `rings` of a height.
 
     An upward face has its outermost ring counter-clockwise and its holes clockwise.
@@ -248,7 +250,7 @@ class _Mesh:
             self.count += len(ring)
         return indices
 
-    def faces_of(
+    def add_faces(
         self,
         level: Level,
         rings: dict[str, ComplexArray],
@@ -259,13 +261,16 @@ class _Mesh:
         Seen from above, the rings that end and the reversed rings that begin wind once around the
         upward faces and once backwards around the downward ones.
         """
-        sides = [(rings[each.name], corners[each.name, level.z]) for each in level.below]
-        sides += [
-            (rings[each.name][::-1], corners[each.name, level.z][::-1]) for each in level.above
+        sides = [
+            (rings[boundary.name], corners[boundary.name, level.z]) for boundary in level.below
         ]
-        up = [_winds_up(ring, [other for other, _ in sides]) for ring, _ in sides]
-        upper = [side for side, upwards in zip(sides, up, strict=True) if upwards]
-        lower = [side for side, upwards in zip(sides, up, strict=True) if not upwards]
+        sides += [
+            (rings[boundary.name][::-1], corners[boundary.name, level.z][::-1])
+            for boundary in level.above
+        ]
+        upward = [_bounds_upward_face(ring, [other for other, _ in sides]) for ring, _ in sides]
+        upper = [side for side, upwards in zip(sides, upward, strict=True) if upwards]
+        lower = [side for side, upwards in zip(sides, upward, strict=True) if not upwards]
         if upper:
             self.face(upper, upwards=True)
         if lower:
@@ -275,8 +280,8 @@ class _Mesh:
         """Add the flat face on the left of rings with the indices of their points."""
         key = tuple(ring.tobytes() for ring, _ in sides)
         if key not in self.triangulated:  # the faces of a plate differ only in height
-            self.triangulated[key] = triangulated([ring for ring, _ in sides])
-        triangles = np.concatenate([each for _, each in sides])[self.triangulated[key]]
+            self.triangulated[key] = triangulate([ring for ring, _ in sides])
+        triangles = np.concatenate([indices for _, indices in sides])[self.triangulated[key]]
         self.faces.append(triangles if upwards else triangles[:, ::-1])
 
     def wall(self, lower: IntArray, upper: IntArray, *, skew: bool = False) -> None:
@@ -355,33 +360,33 @@ class _Face:
         return sum(map(len, self.rings))
 
 
-def triangulated(rings: list[ComplexArray], most: int = PIECE) -> IntArray:
+def triangulate(rings: list[ComplexArray], most: int = PIECE) -> IntArray:
     """(m, 3) counter-clockwise triangles of the face on the left of disjoint rings.
 
     They index the points of all rings in one row. Of n points around h holes there are n - 2 + 2 h
     triangles (a further outer ring has two less). `most` points are triangulated at once.
     """
-    at, seen = np.concatenate(rings), np.concatenate(_tilted(rings))
-    indices = np.split(np.arange(len(at)), np.cumsum([len(ring) for ring in rings])[:-1])
-    flat = np.column_stack((seen.real, seen.imag))
-    if len(at) <= most:
+    points, tilted = np.concatenate(rings), np.concatenate(_tilted(rings))
+    indices = np.split(np.arange(len(points)), np.cumsum([len(ring) for ring in rings])[:-1])
+    flat = np.column_stack((tilted.real, tilted.imag))
+    if len(points) <= most:
         whole: IntArray = manifold3d.triangulate([flat[ring] for ring in indices])
         return whole
-    outward = [_area(at[ring]) > 0.0 for ring in indices]
+    outward = [_area(points[ring]) > 0.0 for ring in indices]
     waiting = _faces(
         [ring for ring, outer in zip(indices, outward, strict=True) if outer],
         [ring for ring, outer in zip(indices, outward, strict=True) if not outer],
-        at,
+        points,
     )
-    found: list[IntArray] = []
+    triangles: list[IntArray] = []
     while waiting:
         face = waiting.pop()
-        halves = _divided(face, at, seen) if face.count > most else []
+        halves = _divided(face, points, tilted) if face.count > most else []
         waiting += halves
         if not halves:
             ears = manifold3d.triangulate([flat[ring] for ring in face.rings])
-            found.append(np.concatenate(face.rings)[ears])
-    return np.concatenate(found)
+            triangles.append(np.concatenate(face.rings)[ears])
+    return np.concatenate(triangles)
 
 
 def _tilted(rings: list[ComplexArray]) -> list[ComplexArray]:
@@ -394,28 +399,30 @@ def _tilted(rings: list[ComplexArray]) -> list[ComplexArray]:
     return [ring / (1.0 + TILT / size * (ring * np.conj(TOWARDS)).real) for ring in rings]
 
 
-def _faces(outers: list[IntArray], holes: list[IntArray], at: ComplexArray) -> list[_Face]:
+def _faces(outers: list[IntArray], holes: list[IntArray], points: ComplexArray) -> list[_Face]:
     """Each hole in the smallest of the outer rings around it."""
     if len(outers) == 1:
         return [_Face(outers[0], tuple(holes))]
-    outers = sorted(outers, key=lambda ring: _area(at[ring]))
-    around = [shapely.Polygon(np.column_stack((at[ring].real, at[ring].imag))) for ring in outers]
-    shapely.prepare(around)
-    within: list[list[IntArray]] = [[] for _ in outers]
+    outers = sorted(outers, key=lambda ring: _area(points[ring]))
+    polygons = [
+        shapely.Polygon(np.column_stack((points[ring].real, points[ring].imag))) for ring in outers
+    ]
+    shapely.prepare(polygons)
+    inner: list[list[IntArray]] = [[] for _ in outers]
     for hole in holes:
-        start = shapely.Point(at[hole[0]].real, at[hole[0]].imag)
-        within[[each.contains(start) for each in around].index(True)].append(hole)
-    return [_Face(outer, tuple(each)) for outer, each in zip(outers, within, strict=True)]
+        start = shapely.Point(points[hole[0]].real, points[hole[0]].imag)
+        inner[[polygon.contains(start) for polygon in polygons].index(True)].append(hole)
+    return [_Face(outer, tuple(enclosed)) for outer, enclosed in zip(outers, inner, strict=True)]
 
 
-def _divided(face: _Face, at: ComplexArray, seen: ComplexArray) -> list[_Face]:
+def _divided(face: _Face, points: ComplexArray, tilted: ComplexArray) -> list[_Face]:
     """Two faces with the same points, or none if no diagonal was found."""
     if not face.holes:
-        return _across(face, at, seen)
-    return _through_hole(face, at, seen) or _across(face, at, seen)
+        return _across(face, points, tilted)
+    return _through_hole(face, points, tilted) or _across(face, points, tilted)
 
 
-def _across(face: _Face, at: ComplexArray, seen: ComplexArray) -> list[_Face]:
+def _across(face: _Face, points: ComplexArray, tilted: ComplexArray) -> list[_Face]:
     """The face divided along the shortest diagonal found, a quarter of the ring on either side."""
     ring, count = face.outer, len(face.outer)
     least = max(2, count // 4)  # a side is no diagonal
@@ -423,33 +430,37 @@ def _across(face: _Face, at: ComplexArray, seen: ComplexArray) -> list[_Face]:
         (start, (start + end) % count)
         for start in _evenly(count)
         for end in _nearest(
-            seen[ring[start]], seen[np.roll(ring, -start)], least, count - least + 1
+            tilted[ring[start]], tilted[np.roll(ring, -start)], least, count - least + 1
         )
     ]
-    around = seen[ring]
-    for i, j in sorted(pairs, key=lambda pair: float(abs(around[pair[0]] - around[pair[1]]))):
+    corners = tilted[ring]
+    for i, j in sorted(pairs, key=lambda pair: float(abs(corners[pair[0]] - corners[pair[1]]))):
         parts = [_along(ring, i, j), _along(ring, j, i)]
         # A diagonal outside of the ring would leave one of them clockwise.
-        if all(_turns_left(at[part]) for part in parts) and _clear(face, at, ring[i], ring[j]):
-            return _faces(parts, list(face.holes), at)
+        if all(_turns_left(points[part]) for part in parts) and _clear(
+            face, points, ring[i], ring[j]
+        ):
+            return _faces(parts, list(face.holes), points)
     return []
 
 
-def _through_hole(face: _Face, at: ComplexArray, seen: ComplexArray) -> list[_Face]:
+def _through_hole(face: _Face, points: ComplexArray, tilted: ComplexArray) -> list[_Face]:
     """The face divided along two diagonals, from its largest hole to the outer ring."""
     order = sorted(range(len(face.holes)), key=lambda k: len(face.holes[k]))
     hole = face.holes[order[-1]]
     bridges: list[tuple[int, int]] = []
     for start in _evenly(len(hole)):
-        ends = _nearest(seen[hole[start]], seen[face.outer], 0, len(face.outer))
-        for end in sorted(ends, key=lambda j: float(abs(seen[hole[start]] - seen[face.outer[j]]))):
-            if _clear(face, at, face.outer[end], hole[start]):
+        ends = _nearest(tilted[hole[start]], tilted[face.outer], 0, len(face.outer))
+        for end in sorted(
+            ends, key=lambda j: float(abs(tilted[hole[start]] - tilted[face.outer[j]]))
+        ):
+            if _clear(face, points, face.outer[end], hole[start]):
                 bridges.append((end, start))
                 break
     best: list[IntArray] = []
     for (i, k), (j, m) in combinations(bridges, 2):
-        there, here = at[face.outer[[i, j]]], at[hole[[k, m]]]
-        if i == j or not _apart(there[0], here[0], there[1], here[1]):
+        there, here = points[face.outer[[i, j]]], points[hole[[k, m]]]
+        if i == j or not _are_disjoint(there[0], here[0], there[1], here[1]):
             continue
         parts = [
             np.concatenate((_along(face.outer, i, j), _along(hole, m, k))),
@@ -457,7 +468,7 @@ def _through_hole(face: _Face, at: ComplexArray, seen: ComplexArray) -> list[_Fa
         ]
         if not best or min(map(len, parts)) > min(map(len, best)):
             best = parts
-    return _faces(best, [face.holes[k] for k in sorted(order[:-1])], at) if best else []
+    return _faces(best, [face.holes[k] for k in sorted(order[:-1])], points) if best else []
 
 
 def _evenly(count: int) -> list[int]:
@@ -465,9 +476,9 @@ def _evenly(count: int) -> list[int]:
     return sorted({count * k // STARTS for k in range(STARTS)})
 
 
-def _nearest(to: complex, ring: ComplexArray, first: int, end: int) -> Iterator[int]:
+def _nearest(target: complex, ring: ComplexArray, first: int, end: int) -> Iterator[int]:
     """Positions of the vertices nearest to a point, one in each part of ring[first:end]."""
-    away = ring - to
+    away = ring - target
     squares = away.real**2 + away.imag**2
     limits = [first + (end - first) * k // QUARTERS for k in range(QUARTERS + 1)]
     for low, high in pairwise(limits):
@@ -492,17 +503,19 @@ def _turns_left(ring: ComplexArray) -> bool:
     return _area(ring) > len(ring) ** 2 * ROUNDING * reach**2
 
 
-def _clear(face: _Face, at: ComplexArray, i: int, j: int) -> bool:
+def _clear(face: _Face, points: ComplexArray, i: int, j: int) -> bool:
     """Whether the segment between two vertices is proved to meet no side that ends at neither."""
     for ring in face.rings:
-        after = np.roll(ring, -1)
-        ends_there = (ring == i) | (ring == j) | (after == i) | (after == j)
-        if not np.all(ends_there | _apart(at[i], at[j], at[ring], at[after])):
+        following = np.roll(ring, -1)
+        ends_there = (ring == i) | (ring == j) | (following == i) | (following == j)
+        if not np.all(
+            ends_there | _are_disjoint(points[i], points[j], points[ring], points[following])
+        ):
             return False
     return True
 
 
-def _apart(
+def _are_disjoint(
     p: complex, q: complex, a: ComplexArray | complex, b: ComplexArray | complex
 ) -> BoolArray:
     """Whether segments pq and ab are proved disjoint: one lies on one side of the other's line."""
@@ -515,8 +528,8 @@ def _side(
     p: ComplexArray | complex, q: ComplexArray | complex, a: ComplexArray | complex
 ) -> FloatArray:
     """1 where point a is proved left of the line from p to q, -1 where right, otherwise 0."""
-    along, to = np.subtract(q, p), np.subtract(a, p)
-    left, right = along.real * to.imag, along.imag * to.real
+    along, offset = np.subtract(q, p), np.subtract(a, p)
+    left, right = along.real * offset.imag, along.imag * offset.real
     product = left - right
     proved = np.abs(product) > ROUNDING * (np.abs(left) + np.abs(right))
     return np.asarray(np.where(proved, np.sign(product), 0.0))
@@ -531,7 +544,7 @@ Nearest = Callable[[str, str], tuple[float, complex] | None]
 is farther than the tolerance."""
 
 
-def require_apart(part: Part, nearest: Nearest, tolerance: float) -> None:
+def require_gaps(part: Part, nearest: Nearest, tolerance: float) -> None:
     """Raise GeometryError with key "part" and the place if two walls, or edges at one height, come
     within `tolerance` [mm], that of the rings: no file of it tells them apart.
     """
@@ -539,17 +552,17 @@ def require_apart(part: Part, nearest: Nearest, tolerance: float) -> None:
     groups += [level.boundaries for level in part.levels]
     pairs = ((one.name, other.name) for group in groups for one, other in combinations(group, 2))
     for one, other in dict.fromkeys(pairs):
-        if (found := nearest(one, other)) is not None:
-            apart, place = found
+        if (closest := nearest(one, other)) is not None:
+            distance, place = closest
             raise GeometryError(
                 f"a solid within {tolerance:g} mm does not keep the {one} and the {other} apart:"
-                f" {apart:.3g} mm are left near ({place.real:.5g}, {place.imag:.5g}) mm; take a"
+                f" {distance:.3g} mm are left near ({place.real:.5g}, {place.imag:.5g}) mm; take a"
                 " smaller tolerance",
                 key="part",
             )
 
 
-def of_polygons(rings: Mapping[str, ComplexArray], tolerance: float) -> Nearest:
+def polygon_gaps(rings: Mapping[str, ComplexArray], tolerance: float) -> Nearest:
     """Of polygons (n,) [mm]."""
     lines = {
         name: shapely.LinearRing(np.column_stack((ring.real, ring.imag)))
@@ -567,19 +580,19 @@ def of_polygons(rings: Mapping[str, ComplexArray], tolerance: float) -> Nearest:
     return nearest
 
 
-def of_contours(contours: Mapping[str, Contour], tolerance: float) -> Nearest:
+def contour_gaps(contours: Mapping[str, Contour], tolerance: float) -> Nearest:
     """Of contours of lines and arcs, in closed form."""
     boxes = {name: _box(contour) for name, contour in contours.items()}
 
     def nearest(one: str, other: str) -> tuple[float, complex] | None:
         if not shapely.dwithin(boxes[one], boxes[other], tolerance):
             return None
-        apart = least_distance(*([Pieces.around([contours[name]]) for name in (one, other)]))
-        if apart > tolerance:
+        distance = least_distance(*([Pieces.around([contours[name]]) for name in (one, other)]))
+        if distance > tolerance:
             return None
         corners = contours[one].vertices, contours[other].vertices
-        off = np.abs(corners[0][:, None] - corners[1])
-        return apart, complex(corners[0][np.argmin(np.min(off, axis=1))])
+        distances = np.abs(corners[0][:, None] - corners[1])
+        return distance, complex(corners[0][np.argmin(np.min(distances, axis=1))])
 
     return nearest
 

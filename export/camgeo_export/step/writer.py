@@ -28,7 +28,7 @@ from camgeo.part.part import Band, Bevel, Boundary, Level, Part, written_contour
 from camgeo.reading import INSTANCES
 from camgeo.scene.formats.step import FORMAT
 from camgeo.units import MM_PER, LengthUnit, counted
-from camgeo_export.solid.prism import of_contours, require_apart
+from camgeo_export.solid.prism import contour_gaps, require_gaps
 from camgeo_export.verify.step import measure as deviation_of
 
 ENTITIES = 20
@@ -51,10 +51,13 @@ class StepWriter:
         """
         part = product.drawn.part
         part.require_steps(tolerance)
-        rings = {each.name: ring_of(each, product, tolerance) for each in part.boundaries}
+        rings = {
+            boundary.name: boundary_ring(boundary, product, tolerance)
+            for boundary in part.boundaries
+        }
         for bevel in part.bevels:
             if bevel.edge.name not in rings:
-                rings[bevel.edge.name] = edge_of(bevel, rings[bevel.boundary.name])
+                rings[bevel.edge.name] = bevel_ring(bevel, rings[bevel.boundary.name])
         pieces = sum(len(rings[band.wall.name].strands) for band in part.bands)
         if ENTITIES * pieces > INSTANCES:  # such a solid would not be read back
             raise FileError(
@@ -63,7 +66,7 @@ class StepWriter:
                 " tolerance needs fewer"
             )
         contours = {name: ring.contour for name, ring in rings.items()}
-        require_apart(part, of_contours(contours, tolerance), tolerance)
+        require_gaps(part, contour_gaps(contours, tolerance), tolerance)
         file = Entities()
         shape = add_product(file, display_title(product))
         context = add_context(file, product.unit)
@@ -84,14 +87,18 @@ class StepWriter:
 def _facts(part: Part, rings: dict[str, Ring], faces: int) -> dict[str, int | float | str]:
     """How many faces there are, of which kinds the pieces of walls are, and the volume."""
     bands = [(band, rings[band.wall.name].strands) for band in part.bands]
-    pieces = {upright: [each for band, own in bands if band.is_upright == upright for each in own]
-                for upright in (True, False)}  # fmt: skip
+    pieces = {
+        upright: [
+            piece for band, strands in bands if band.is_upright == upright for piece in strands
+        ]
+        for upright in (True, False)
+    }
     bent, cones = (
-        sum(1 for each in pieces[upright] if isinstance(each, Arc) and each.sweep)
+        sum(1 for strand in pieces[upright] if isinstance(strand, Arc) and strand.sweep)
         for upright in (True, False)
     )
-    splines = sum(not isinstance(each, Arc) for each in pieces[True])
-    volumes = [_area(band, own) * (band.z1 - band.z0) for band, own in bands]
+    splines = sum(not isinstance(strand, Arc) for strand in pieces[True])
+    volumes = [_area(band, strands) * (band.z1 - band.z0) for band, strands in bands]
     counts: dict[str, int | float | str] = {"faces": faces, "cylinders": bent}
     counts |= {"cones": cones} if cones else {}
     counts |= {"splines": splines} if splines else {}
@@ -106,17 +113,17 @@ def _area(band: Band, strands: tuple[Strand, ...]) -> float:
     if band.is_upright:
         return whole
 
-    def within(share: float) -> float:
+    def section_area(share: float) -> float:
         moved = parallel(strands, share * band.width, band.wall.name)
         return math.fsum(strand.moment for strand in moved)
 
     if (radius := band.wall.corner_radius) is None:
-        return (whole + 4.0 * within(0.5) + within(1.0)) / 6.0
+        return (whole + 4.0 * section_area(0.5) + section_area(1.0)) / 6.0
     shares, _, weights = gauss(
         np.zeros(1), np.ones(1), nodes_for_singularity(-1.0 - radius / band.width)
     )
     return 0.5 * math.fsum(
-        weight * within(share) for weight, share in zip(weights, shares[0], strict=True)
+        weight * section_area(share) for weight, share in zip(weights, shares[0], strict=True)
     )
 
 
@@ -135,7 +142,7 @@ SAGITTA = 0.01
 """Share of the tolerance by which such an arc may leave its chord."""
 
 
-def ring_of(boundary: Boundary, product: Product, tolerance: float) -> Ring:
+def boundary_ring(boundary: Boundary, product: Product, tolerance: float) -> Ring:
     """A boundary within `tolerance` [mm], material on its left.
 
     Raises ToleranceError if an arc is so flat that the ends miss its circle by more than the
@@ -149,31 +156,33 @@ def ring_of(boundary: Boundary, product: Product, tolerance: float) -> Ring:
     else:
         contour = approximating_arcs(curve, TOPOLOGY_TOLERANCE).contour
         strands = _open(curve)
-    apart = max((_off_circle(each) for each in strands if isinstance(each, Arc)), default=0.0)
-    if apart > UNCERTAINTY:
+    gap = max((_circle_gap(strand) for strand in strands if isinstance(strand, Arc)), default=0.0)
+    if gap > UNCERTAINTY:
         raise ToleranceError(
             f"arcs of the {boundary.name} are too flat for the numbers of the format",
             UNCERTAINTY,
-            apart,
+            gap,
         )
     if boundary.hole:
         strands = tuple(strand.reversed() for strand in strands[::-1])
     return Ring(strands, contour)
 
 
-def edge_of(bevel: Bevel, wall: Ring) -> Ring:
+def bevel_ring(bevel: Bevel, wall: Ring) -> Ring:
     """The edge of a chamfer, as far from the ring of its wall as the exact one from the wall."""
     strands = parallel(wall.strands, bevel.width, bevel.boundary.name)
-    return Ring(strands, contour_of(strands))
+    return Ring(strands, as_contour(strands))
 
 
 def _without_flattest(contour: Contour, tolerance: float) -> Contour:
     """The contour with the flattest arcs as lines."""
     sagittas = 2.0 * contour.radii * np.sin(0.25 * contour.sweeps) ** 2
     flat = sagittas <= SAGITTA * tolerance
-    kept = ~(flat & (contour.radii > FLATTEST))
+    curved = ~(flat & (contour.radii > FLATTEST))
     return Contour(
-        contour.vertices, np.where(kept, contour.sweeps, 0.0), np.where(kept, contour.centres, 0.0)
+        contour.vertices,
+        np.where(curved, contour.sweeps, 0.0),
+        np.where(curved, contour.centres, 0.0),
     )
 
 
@@ -186,7 +195,7 @@ def _open(curve: SplineContour) -> tuple[Strand, ...]:
     return strand.divided(float(inner[len(inner) // 2]))
 
 
-def _off_circle(arc: Arc) -> float:
+def _circle_gap(arc: Arc) -> float:
     """How far [mm] its ends are from the circle that the file states."""
     if not arc.sweep:
         return 0.0
@@ -229,16 +238,16 @@ def flat_faces(level: Level, rings: dict[str, Ring]) -> list[FlatFace]:
     Along a boundary that ends here the face looks upwards on the side of the material, along one
     that begins it looks downwards there.
     """
-    ends = {each.name for each in level.below}
-    holes = {each.name for each in level.boundaries if each.hole}
-    names = [each.name for each in level.boundaries]
+    ends = {boundary.name for boundary in level.below}
+    holes = {boundary.name for boundary in level.boundaries if boundary.hole}
+    names = [boundary.name for boundary in level.boundaries]
     around = {name: _around(name, names, rings) for name in names}
-    found = []
+    faces = []
     for name in names:
         if len(around[name]) % 2 == 0:
-            within = [one for one in names if around[one] == {*around[name], name}]
-            found.append(FlatFace((name, *within), upwards=(name in ends) != (name in holes)))
-    return found
+            inner = [one for one in names if around[one] == {*around[name], name}]
+            faces.append(FlatFace((name, *inner), upwards=(name in ends) != (name in holes)))
+    return faces
 
 
 def _around(name: str, names: Sequence[str], rings: dict[str, Ring]) -> set[str]:
@@ -252,7 +261,7 @@ def require_one_body(part: Part, faces: dict[float, list[FlatFace]]) -> None:
     groups: dict[tuple[float, FlatFace], set[tuple[float, FlatFace]]] = {}
     for z, flat in faces.items():
         groups |= {(z, face): {(z, face)} for face in flat}
-    for bands in courses_of(part):
+    for bands in wall_bands(part):
         feet = (bands[0].z0, bands[0].lower.name), (bands[-1].z1, bands[-1].upper.name)
         one, other = (
             groups[z, next(face for face in faces[z] if name in face.names)] for z, name in feet
@@ -266,15 +275,15 @@ def require_one_body(part: Part, faces: dict[float, list[FlatFace]]) -> None:
         )
 
 
-def courses_of(part: Part) -> list[list[Band]]:
+def wall_bands(part: Part) -> list[list[Band]]:
     """The bands of each wall, from its lower to its upper end."""
-    found: list[list[Band]] = []
+    walls: list[list[Band]] = []
     for band in part.bands:
-        if found and found[-1][-1].wall is band.wall and found[-1][-1].z1 == band.z0:
-            found[-1].append(band)
+        if walls and walls[-1][-1].wall is band.wall and walls[-1][-1].z1 == band.z0:
+            walls[-1].append(band)
         else:
-            found.append([band])
-    return found
+            walls.append([band])
+    return walls
 
 
 class Shell:
@@ -292,33 +301,33 @@ class Shell:
         """The shell; raises GeometryError if it would be several."""
         flat = {level.z: flat_faces(level, self.rings) for level in self.part.levels}
         require_one_body(self.part, flat)
-        for bands in courses_of(self.part):
+        for bands in wall_bands(self.part):
             if len(bands) == 1:
                 self._wall(bands[0])
             else:
                 self._bevelled(bands)
         for level in self.part.levels:
-            ends = {each.name for each in level.below}
+            ends = {boundary.name for boundary in level.below}
             for face in flat[level.z]:
                 self._flat(level, face, ends)
         return self.pen.file.add("CLOSED_SHELL", "", self.faces)
 
     def _bevelled(self, bands: Sequence[Band]) -> None:
         """The faces of a wall with chamfers, from below, and all edges between them."""
-        ends = [(bands[0].lower.name, bands[0].z0), *((each.upper.name, each.z1) for each in bands)]
-        rows = [row_of(self.pen, self.rings[name].strands, z - self.bottom) for name, z in ends]
+        ends = [(bands[0].lower.name, bands[0].z0), *((band.upper.name, band.z1) for band in bands)]
+        rows = [add_row(self.pen, self.rings[name].strands, z - self.bottom) for name, z in ends]
         for band, (lower, upper) in zip(bands, pairwise(rows), strict=True):
             edge = band.upper if band.lower is band.wall else band.lower
-            posts = posts_of(self.pen, lower, upper)
+            posts = add_posts(self.pen, lower, upper)
             for k in range(len(posts)):
-                after = (k + 1) % len(posts)
+                following = (k + 1) % len(posts)
                 around = [
                     (lower.edges[k], True),
-                    (posts[after], True),
+                    (posts[following], True),
                     (upper.edges[k], False),
                     (posts[k], False),
                 ]
-                surface, outwards = surface_of(self.pen, lower, upper, k)
+                surface, outwards = add_surface(self.pen, lower, upper, k)
                 self._face(edge.name, [self._loop(around)], surface, outwards)
         for end, row in zip(ends, rows, strict=True):
             self.edges[end] = row.edges
@@ -328,22 +337,22 @@ class Shell:
         name, file = wall.wall.name, self.pen.file
         strands = self.rings[name].strands
         heights = (wall.z0 - self.bottom, wall.z1 - self.bottom)
-        points = [[self.pen.point(each.start, z) for each in strands] for z in heights]
-        feet, heads = ([file.add("VERTEX_POINT", "", each) for each in row] for row in points)
+        points = [[self.pen.point(strand.start, z) for strand in strands] for z in heights]
+        feet, heads = ([file.add("VERTEX_POINT", "", point) for point in row] for row in points)
         posts = [
             file.add("EDGE_CURVE", "", feet[k], heads[k], self.pen.post(point), flag(True))
             for k, point in enumerate(points[0])
         ]
         lower, upper = [], []
         for k, strand in enumerate(strands):
-            after = (k + 1) % len(strands)
-            ends = [Ends(z, row[k], row[after]) for z, row in zip(heights, points, strict=True)]
+            following = (k + 1) % len(strands)
+            ends = [Ends(z, row[k], row[following]) for z, row in zip(heights, points, strict=True)]
             (below, above), surface, ahead = self.pen.piece(strand, *ends)
-            lower.append(file.add("EDGE_CURVE", "", feet[k], feet[after], below, flag(ahead)))
-            upper.append(file.add("EDGE_CURVE", "", heads[k], heads[after], above, flag(ahead)))
+            lower.append(file.add("EDGE_CURVE", "", feet[k], feet[following], below, flag(ahead)))
+            upper.append(file.add("EDGE_CURVE", "", heads[k], heads[following], above, flag(ahead)))
             around = [
                 (lower[k], True),
-                (posts[after], True),
+                (posts[following], True),
                 (upper[k], False),
                 (posts[k], False),
             ]
@@ -356,7 +365,7 @@ class Shell:
         for name in face.names:
             edges = [(edge, name in ends) for edge in self.edges[name, level.z]]
             loops.append(self._loop(edges if name in ends else edges[::-1]))
-        axes = self.pen.axes(level.z - self.bottom, UP if face.upwards else DOWN)
+        axes = self.pen.axes(level.z - self.bottom, UPWARDS if face.upwards else DOWNWARDS)
         self._face(level.name, loops, self.pen.file.add("PLANE", "", axes), same=True)
 
     def _loop(self, edges: Iterable[tuple[Ref, bool]]) -> Ref:
@@ -385,7 +394,7 @@ class Shell:
 
 Strand = Arc | CubicSpline
 
-UP, DOWN, ACROSS = (0.0, 0.0, 1.0), (0.0, 0.0, -1.0), (1.0, 0.0, 0.0)
+UPWARDS, DOWNWARDS, ACROSS = (0.0, 0.0, 1.0), (0.0, 0.0, -1.0), (1.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -415,13 +424,13 @@ class Pen:
         numbers = (place.real / self.scale, place.imag / self.scale, z / self.scale)
         return self.file.add("CARTESIAN_POINT", "", numbers)
 
-    def axes(self, z: float, axis: tuple[float, float, float] = UP) -> Ref:
+    def axes(self, z: float, axis: tuple[float, float, float] = UPWARDS) -> Ref:
         """Axes on the cam axis at a height [mm], the third one up or down."""
         return self._placement(self.point(0j, z), self._fixed(axis), self._fixed(ACROSS))
 
     def post(self, foot: Ref) -> Ref:
         """The vertical line through a point."""
-        return self.file.add("LINE", "", foot, self._up())
+        return self.file.add("LINE", "", foot, self._vertical())
 
     def rising(self, foot: Ref, along: complex, high: float) -> Ref:
         """The line from a point `along` in the plane and up by `high` [mm]."""
@@ -447,8 +456,8 @@ class Pen:
             return self.file.add("LINE", "", ends.start, vector), True
         ahead = strand.sweep > 0.0
         first = (strand.start if ahead else strand.end) - strand.centre
-        axes = self.placement(strand.centre, ends.z, UP, first)
-        return self.file.add("CIRCLE", "", axes, radius_of(strand) / self.scale), ahead
+        axes = self.placement(strand.centre, ends.z, UPWARDS, first)
+        return self.file.add("CIRCLE", "", axes, mean_radius(strand) / self.scale), ahead
 
     def upright(self, strand: Strand, ends: Ends) -> tuple[Ref, bool]:
         """The upright surface on a line or an arc, and whether its normal points to the right."""
@@ -458,15 +467,15 @@ class Pen:
             return self.plane(ends.start, (-1j * way, 0.0), way), True
         ahead = strand.sweep > 0.0
         first = (strand.start if ahead else strand.end) - strand.centre
-        axes = self.placement(strand.centre, ends.z, UP, first)
-        radius = radius_of(strand) / self.scale
+        axes = self.placement(strand.centre, ends.z, UPWARDS, first)
+        radius = mean_radius(strand) / self.scale
         return self.file.add("CYLINDRICAL_SURFACE", "", axes, radius), ahead
 
     def plane(self, through: Ref, normal: tuple[complex, float], way: complex) -> Ref:
         """The plane through a point, by its normal in the plane and upwards, and a level way."""
-        across, up = normal
-        size = math.hypot(abs(across), up)
-        axis = self.file.add("DIRECTION", "", (across.real / size, across.imag / size, up / size))
+        across, rise = normal
+        size = math.hypot(abs(across), rise)
+        axis = self.file.add("DIRECTION", "", (across.real / size, across.imag / size, rise / size))
         return self.file.add(
             "PLANE", "", self._placement(through, axis, self._direction(way))
         )  # fmt: skip
@@ -484,20 +493,20 @@ class Pen:
         """
         if isinstance(strand, CubicSpline):
             curves = (self._spline(strand, lower), self._spline(strand, upper))
-            surface = self.file.add("SURFACE_OF_LINEAR_EXTRUSION", "", curves[0], self._up())
+            surface = self.file.add("SURFACE_OF_LINEAR_EXTRUSION", "", curves[0], self._vertical())
             return curves, surface, True
         if not strand.sweep:
             return self._straight(strand, lower, upper)
-        radius = radius_of(strand) / self.scale
+        radius = mean_radius(strand) / self.scale
         # The arc turns counter-clockwise from the first axis, so that it crosses no seam.
         first = self._direction(
             (strand.start if strand.sweep > 0.0 else strand.end) - strand.centre
         )
         axes = [
-            self._placement(self.point(strand.centre, ends.z), self._fixed(UP), first)
+            self._placement(self.point(strand.centre, ends.z), self._fixed(UPWARDS), first)
             for ends in (lower, upper)
         ]
-        below, above = (self.file.add("CIRCLE", "", each, radius) for each in axes)
+        below, above = (self.file.add("CIRCLE", "", placement, radius) for placement in axes)
         surface = self.file.add("CYLINDRICAL_SURFACE", "", axes[0], radius)
         return (below, above), surface, strand.sweep > 0.0
 
@@ -510,7 +519,7 @@ class Pen:
         return (below, above), surface, True
 
     def _spline(self, spline: CubicSpline, ends: Ends) -> Ref:
-        inner = [self.point(each, ends.z) for each in spline.controls[1:-1].tolist()]
+        inner = [self.point(control, ends.z) for control in spline.controls[1:-1].tolist()]
         knots = [(knot, len(list(equal))) for knot, equal in groupby(spline.knots.tolist())]
         return self.file.add(
             "B_SPLINE_CURVE_WITH_KNOTS",
@@ -533,14 +542,14 @@ class Pen:
     def _fixed(self, direction: tuple[float, float, float]) -> Ref:
         return self.file.shared("DIRECTION", "", direction)
 
-    def _up(self) -> Ref:
-        return self.file.shared("VECTOR", "", self._fixed(UP), 1.0)
+    def _vertical(self) -> Ref:
+        return self.file.shared("VECTOR", "", self._fixed(UPWARDS), 1.0)
 
     def _placement(self, origin: Ref, axis: Ref, first: Ref) -> Ref:
         return self.file.add("AXIS2_PLACEMENT_3D", "", origin, axis, first)
 
 
-def radius_of(arc: Arc) -> float:
+def mean_radius(arc: Arc) -> float:
     """The radius [mm] that both ends are nearest to."""
     return 0.5 * (abs(arc.start - arc.centre) + abs(arc.end - arc.centre))
 
@@ -577,13 +586,15 @@ def parallel(strands: Sequence[Strand], width: float, name: str) -> tuple[Arc, .
     if any(_is_bent(*pair) for pair in zip((arcs[-1], *arcs[:-1]), arcs, strict=True)):
         return _mitred(arcs, width, name)
     places = []
-    for before, after in zip((arcs[-1], *arcs[:-1]), arcs, strict=True):
-        one, other = (1j * each.heading(after.start) for each in (before, after))
+    for previous, following in zip((arcs[-1], *arcs[:-1]), arcs, strict=True):
+        one, other = (1j * arc.heading(following.start) for arc in (previous, following))
         one, other = one / abs(one), other / abs(other)
-        places.append(after.start + width * (one + other) / (1.0 + (one.conjugate() * other).real))
-    found = []
+        places.append(
+            following.start + width * (one + other) / (1.0 + (one.conjugate() * other).real)
+        )
+    parallels = []
     for strand, (start, end) in zip(arcs, pairwise((*places, places[0])), strict=True):
-        radius = radius_of(strand) - math.copysign(width, strand.sweep)
+        radius = mean_radius(strand) - math.copysign(width, strand.sweep)
         if strand.sweep and not radius > 0.0:
             raise GeometryError(
                 f"an arc of the {name} has no parallel {width:g} mm within the material",
@@ -591,19 +602,19 @@ def parallel(strands: Sequence[Strand], width: float, name: str) -> tuple[Arc, .
                 value=f"{width:g}",
             )
         moved = Arc(start, end, strand.sweep, strand.centre)
-        off = max(abs(abs(each - strand.centre) - radius) for each in (start, end))
-        if strand.sweep and off > UNCERTAINTY:
+        gap = max(abs(abs(point - strand.centre) - radius) for point in (start, end))
+        if strand.sweep and gap > UNCERTAINTY:
             raise ToleranceError(
-                f"arcs of the {name} do not meet at the edge of its chamfer", UNCERTAINTY, off
+                f"arcs of the {name} do not meet at the edge of its chamfer", UNCERTAINTY, gap
             )
-        found.append(moved)
-    return tuple(found)
+        parallels.append(moved)
+    return tuple(parallels)
 
 
 def _mitred(arcs: Sequence[Arc], width: float, name: str) -> tuple[Arc, ...]:
     """The same of strands of which some meet in corners."""
     try:
-        moved = mitred(contour_of(arcs), -width)
+        moved = mitred(as_contour(arcs), -width)
     except GeometryError:
         raise GeometryError(
             f"the {name} has no parallel {width:g} mm within the material",
@@ -615,14 +626,14 @@ def _mitred(arcs: Sequence[Arc], width: float, name: str) -> tuple[Arc, ...]:
     return tuple(Arc(*piece) for piece in pieces)
 
 
-def _is_bent(before: Arc, after: Arc) -> bool:
+def _is_bent(previous: Arc, following: Arc) -> bool:
     """Whether a line and an arc meet in a corner; raises GeometryError if two arcs do."""
-    if not before.sweep and not after.sweep:
+    if not previous.sweep and not following.sweep:
         return False
-    one, other = (each.heading(after.start) for each in (before, after))
+    one, other = (arc.heading(following.start) for arc in (previous, following))
     if abs(other / abs(other) - one / abs(one)) <= SHARPEST:
         return False
-    if before.sweep and after.sweep:
+    if previous.sweep and following.sweep:
         raise GeometryError(
             "two arcs meet in a corner, along which there is no chamfer", key="part.chamfers"
         )
@@ -637,22 +648,22 @@ def _bend(line: Arc, arc: Arc, start: complex, end: complex) -> tuple[complex, f
     parabola; across it and upwards with u^2.
     """
     way = (line.end - line.start) / abs(line.end - line.start)
-    one, other = (abs(((each - arc.centre) * way.conjugate()).real) for each in (start, end))
+    one, other = (abs(((point - arc.centre) * way.conjugate()).real) for point in (start, end))
     share = one / (one + other)
     along = ((end - start) * way.conjugate()).real * way
     return start + 0.5 * along + share * (end - start - along), share
 
 
-def contour_of(strands: Sequence[Arc]) -> Contour:
+def as_contour(strands: Sequence[Arc]) -> Contour:
     """The same pieces as a contour."""
     vertices, sweeps, centres = zip(
-        *((each.start, each.sweep, each.centre) for each in strands), strict=True
+        *((strand.start, strand.sweep, strand.centre) for strand in strands), strict=True
     )
     return Contour(np.array(vertices), np.array(sweeps), np.array(centres))
 
 
 @dataclass(frozen=True, slots=True)
-class Row:
+class StrandRow:
     """The ends and the edges of strands at one height.
 
     Attributes
@@ -669,42 +680,46 @@ class Row:
     edges: list[Ref]
 
 
-def row_of(pen: Pen, strands: tuple[Strand, ...], z: float) -> Row:
+def add_row(pen: Pen, strands: tuple[Strand, ...], z: float) -> StrandRow:
     """The edges along strands at a height [mm]."""
     file = pen.file
-    points = [pen.point(each.start, z) for each in strands]
-    vertices = [file.add("VERTEX_POINT", "", each) for each in points]
+    points = [pen.point(strand.start, z) for strand in strands]
+    vertices = [file.add("VERTEX_POINT", "", point) for point in points]
     edges = []
     for k, strand in enumerate(strands):
-        after = (k + 1) % len(strands)
-        curve, same = pen.level(strand, Ends(z, points[k], points[after]))
+        following = (k + 1) % len(strands)
+        curve, same = pen.level(strand, Ends(z, points[k], points[following]))
         edges.append(
-            file.add("EDGE_CURVE", "", vertices[k], vertices[after], curve, flag(same))
+            file.add("EDGE_CURVE", "", vertices[k], vertices[following], curve, flag(same))
         )  # fmt: skip
-    return Row(strands, z, points, vertices, edges)
+    return StrandRow(strands, z, points, vertices, edges)
 
 
-def posts_of(pen: Pen, lower: Row, upper: Row) -> list[Ref]:
+def add_posts(pen: Pen, lower: StrandRow, upper: StrandRow) -> list[Ref]:
     """The edges from the ends of one row to those of the row above."""
-    found = []
+    posts = []
     for k, (one, other) in enumerate(zip(lower.strands, upper.strands, strict=True)):
         along = other.start - one.start
-        before, after = lower.strands[k - 1], one
+        previous, following = lower.strands[k - 1], one
         if lower.strands is upper.strands:
             line = pen.post(lower.points[k])
-        elif isinstance(before, Arc) and isinstance(after, Arc) and _is_bent(before, after):
-            pair = (before, after) if after.sweep else (after, before)
+        elif (
+            isinstance(previous, Arc)
+            and isinstance(following, Arc)
+            and _is_bent(previous, following)
+        ):
+            pair = (previous, following) if following.sweep else (following, previous)
             place, share = _bend(*pair, one.start, other.start)
             middle = pen.point(place, (1.0 - share) * lower.z + share * upper.z)
             line = pen.parabola((lower.points[k], middle, upper.points[k]))
         else:
             line = pen.rising(lower.points[k], along, upper.z - lower.z)
         ends = (lower.vertices[k], upper.vertices[k])
-        found.append(pen.file.add("EDGE_CURVE", "", *ends, line, flag(True)))
-    return found
+        posts.append(pen.file.add("EDGE_CURVE", "", *ends, line, flag(True)))
+    return posts
 
 
-def surface_of(pen: Pen, lower: Row, upper: Row, k: int) -> tuple[Ref, bool]:
+def add_surface(pen: Pen, lower: StrandRow, upper: StrandRow, k: int) -> tuple[Ref, bool]:
     """The surface between strands `k` of two rows, and whether its normal points to their right."""
     one, other = lower.strands[k], upper.strands[k]
     if lower.strands is upper.strands:
@@ -717,14 +732,16 @@ def surface_of(pen: Pen, lower: Row, upper: Row, k: int) -> tuple[Ref, bool]:
         inwards = ((other.start - one.start) * (1j * way).conjugate()).real
         # To the right of the way by the height, and up by as much as the face leans in.
         return pen.plane(lower.points[k], (-1j * way * high, inwards), way), True
-    radii = radius_of(one), radius_of(other)
+    radii = mean_radius(one), mean_radius(other)
     angle = math.atan2(abs(radii[1] - radii[0]), high)
     grows = radii[1] > radii[0]
     # From its smaller end up or down; it runs counter-clockwise about its axis, from the first.
     ahead = (one.sweep > 0.0) == grows
     longer = one if abs(one.sweep) >= abs(other.sweep) else other
     first = (longer.start if ahead else longer.end) - one.centre
-    base = pen.placement(one.centre, lower.z if grows else upper.z, UP if grows else DOWN, first)
+    base = pen.placement(
+        one.centre, lower.z if grows else upper.z, UPWARDS if grows else DOWNWARDS, first
+    )
     # About the third axis of its base, with the radius there, which grows along it.
     return pen.file.add("CONICAL_SURFACE", "", base, min(radii) / pen.scale, angle), one.sweep > 0.0
 
@@ -766,7 +783,7 @@ def flag(value: bool) -> Word:
     return Word(".T." if value else ".F.")
 
 
-def spelled(value: Value) -> str:
+def parameter_text(value: Value) -> str:
     """A parameter."""
     match value:
         case Ref():
@@ -774,14 +791,14 @@ def spelled(value: Value) -> str:
         case Word():
             return str(value)
         case str():
-            return f"'{encoded(value)}'"
+            return f"'{string_text(value)}'"
         case float():
             return real(value)
         case int():
             return str(value)
         case Typed():
-            return f"{value.kind}({spelled(value.value)})"
-    return f"({','.join(map(spelled, value))})"
+            return f"{value.kind}({parameter_text(value.value)})"
+    return f"({','.join(map(parameter_text, value))})"
 
 
 def real(value: float) -> str:
@@ -793,16 +810,16 @@ def real(value: float) -> str:
     return f"{mantissa}E{int(exponent)}" if exponent else mantissa
 
 
-def encoded(text: str) -> str:
+def string_text(text: str) -> str:
     """A string in the characters of ISO 646, with directives for all others; quotes and backslashes
     are doubled.
     """
     return CODED.sub(_directive, text.replace("\\", "\\\\").replace("'", "''"))
 
 
-def _directive(found: re.Match[str]) -> str:
-    digits = 4 if found[0][0] <= "\uffff" else 8
-    codes = "".join(f"{ord(each):0{digits}X}" for each in found[0])
+def _directive(match: re.Match[str]) -> str:
+    digits = 4 if match[0][0] <= "\uffff" else 8
+    codes = "".join(f"{ord(character):0{digits}X}" for character in match[0])
     return f"\\X{digits // 2}\\{codes}\\X0\\"
 
 
@@ -815,18 +832,20 @@ class Entities:
 
     def add(self, kind: str, *values: Value) -> Ref:
         """A new entity."""
-        return self._line(f"{kind}{spelled(values)}")
+        return self._line(f"{kind}{parameter_text(values)}")
 
     def shared(self, kind: str, *values: Value) -> Ref:
         """An entity that others may refer to as well: there is one of each."""
-        text = f"{kind}{spelled(values)}"
+        text = f"{kind}{parameter_text(values)}"
         if text not in self._known:
             self._known[text] = self._line(text)
         return self._known[text]
 
     def complex(self, *parts: tuple[str, tuple[Value, ...]]) -> Ref:
         """An entity of several types, in the order of the alphabet."""
-        return self._line(f"({''.join(f'{kind}{spelled(values)}' for kind, values in parts)})")
+        return self._line(
+            f"({''.join(f'{kind}{parameter_text(values)}' for kind, values in parts)})"
+        )
 
     def _line(self, text: str) -> Ref:
         self.lines.append(f"#{len(self.lines) + 1}={text};")
@@ -861,7 +880,7 @@ def header(product: Product, tolerance: float) -> list[str]:
         ("FILE_NAME", name),
         ("FILE_SCHEMA", ((SCHEMA,),)),
     ]
-    lines = [f"{kind}{spelled(values)};" for kind, values in records]
+    lines = [f"{kind}{parameter_text(values)};" for kind, values in records]
     return ["ISO-10303-21;", "HEADER;", *lines, "ENDSEC;", "DATA;"]
 
 

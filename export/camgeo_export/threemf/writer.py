@@ -74,14 +74,14 @@ class Item:
     transform: str | None = None
 
 
-def items_of(product: Product) -> tuple[Item, ...]:
+def package_items(product: Product) -> tuple[Item, ...]:
     """The objects of the package: the disc where it turns, or those on the plate."""
     plate = plate_pieces(product)
     if not plate:
         return (Item(display_title(product), product.drawn.printed.target),)
     return tuple(  # with the matrix of a shift, row by row
-        Item(each.name, each.part, each.colour, f"1 0 0 0 1 0 0 0 1 {each.x!r} {each.y!r} 0")
-        for each in plate
+        Item(piece.name, piece.part, piece.colour, f"1 0 0 0 1 0 0 0 1 {piece.x!r} {piece.y!r} 0")
+        for piece in plate
     )
 
 
@@ -98,9 +98,9 @@ class ThreeMfWriter:
 
     def write(self, product: Product, tolerance: float) -> Written:
         """The bodies [mm] within `tolerance` [mm]."""
-        items = items_of(product)
-        bodies = [body(each.part, tolerance, _exact) for each in items]
-        triangles = sum(len(each.triangles) for each in bodies)
+        items = package_items(product)
+        bodies = [body(item.part, tolerance, _exact) for item in items]
+        triangles = sum(len(solid.triangles) for solid in bodies)
         limit_facets(triangles, "the bodies would have")
         stream = io.BytesIO()
         with zipfile.ZipFile(stream, "w") as package:
@@ -114,7 +114,7 @@ class ThreeMfWriter:
         facts: dict[str, int | float | str] = {
             **({"bodies": ", ".join(plate)} if plate else {}),
             "triangles": triangles,
-            "volume_mm3": math.fsum(each.volume for each in bodies),
+            "volume_mm3": math.fsum(solid.volume for solid in bodies),
             **product.drawn.printed.facts,
         }
         file = f"{product.name}{self.format.suffix}"
@@ -126,13 +126,13 @@ class ThreeMfWriter:
         Raises FileError if the file is damaged, or one of them is not a closed body, or not named
         or placed as it should be.
         """
-        items, found = items_of(product), meshes_of(data)
-        places = [(each.name, each.transform) for each in items]
-        if [(name, transform) for name, transform, *_ in found] != places:
+        items, meshes = package_items(product), read_meshes(data)
+        places = [(item.name, item.transform) for item in items]
+        if [(name, transform) for name, transform, *_ in meshes] != places:
             raise FileError("the 3MF model has other objects, or not where they should be")
         return max(
             measure(item.part, vertices, triangles)
-            for item, (*_, vertices, triangles) in zip(items, found, strict=True)
+            for item, (*_, vertices, triangles) in zip(items, meshes, strict=True)
         )
 
 
@@ -145,14 +145,14 @@ def _model(
 ) -> bytes:
     """The model; an object for each of its vertices and triangles would take most of the time."""
     frame = ET.tostring(_frame(product, tolerance, items), "UTF-8", xml_declaration=True).decode()
-    before, *parts = re.split(f"{VERTICES}|{TRIANGLES}", frame)
-    written = [before]
-    for solid, between, after in zip(bodies, parts[::2], parts[1::2], strict=True):
+    head, *parts = re.split(f"{VERTICES}|{TRIANGLES}", frame)
+    written = [head]
+    for solid, middle, tail in zip(bodies, parts[::2], parts[1::2], strict=True):
         written += [
             *(f'<vertex x="{x!r}" y="{y!r}" z="{z!r}" />' for x, y, z in solid.vertices.tolist()),
-            between,
+            middle,
             *(f'<triangle v1="{a}" v2="{b}" v3="{c}" />' for a, b, c in solid.triangles.tolist()),
-            after,
+            tail,
         ]
     return "".join(written).encode()
 
@@ -178,23 +178,27 @@ def _frame(product: Product, tolerance: float, items: Sequence[Item]) -> ET.Elem
     for name, value in metadata.items():
         ET.SubElement(root, "metadata", {"name": name}).text = value
     resources = ET.SubElement(root, "resources")
-    coloured = [each for each in items if each.colour is not None]
+    coloured = [item for item in items if item.colour is not None]
     if coloured:
         group = ET.SubElement(resources, "basematerials", {"id": MATERIALS})
-        for each in coloured:
-            ET.SubElement(group, "base", {"name": each.name, "displaycolor": each.colour or ""})
+        for item in coloured:
+            ET.SubElement(group, "base", {"name": item.name, "displaycolor": item.colour or ""})
     build = ET.Element("build")
-    for number, each in enumerate(items):
-        own = {"id": str(number + 1 + bool(coloured)), "type": "model", "name": each.name}
+    for number, item in enumerate(items):
+        object_attributes = {
+            "id": str(number + 1 + bool(coloured)),
+            "type": "model",
+            "name": item.name,
+        }
         if coloured:
-            own |= {"pid": MATERIALS, "pindex": str(number)}
-        mesh = ET.SubElement(ET.SubElement(resources, "object", own), "mesh")
+            object_attributes |= {"pid": MATERIALS, "pindex": str(number)}
+        mesh = ET.SubElement(ET.SubElement(resources, "object", object_attributes), "mesh")
         ET.SubElement(mesh, "vertices").text = VERTICES
         ET.SubElement(mesh, "triangles").text = TRIANGLES
-        placed = {"objectid": own["id"]}
-        if each.transform is not None:
-            placed["transform"] = each.transform
-        ET.SubElement(build, "item", placed)
+        item_attributes = {"objectid": object_attributes["id"]}
+        if item.transform is not None:
+            item_attributes["transform"] = item.transform
+        ET.SubElement(build, "item", item_attributes)
     root.append(build)
     return root
 
@@ -204,7 +208,7 @@ Mesh = tuple[str, str | None, FloatArray, IntArray]
 (n, 3) [mm], not transformed, and its triangles (m, 3)."""
 
 
-def meshes_of(data: bytes) -> tuple[Mesh, ...]:
+def read_meshes(data: bytes) -> tuple[Mesh, ...]:
     """The objects of one of our packages, each built once, in their order.
 
     Raises FileError if it is damaged or holds anything else.
@@ -217,26 +221,28 @@ def meshes_of(data: bytes) -> tuple[Mesh, ...]:
             model = ET.fromstring(package.read(MODEL_PATH))
         objects = model.findall(f"{{{CORE}}}resources/{{{CORE}}}object")
         items = model.findall(f"{{{CORE}}}build/{{{CORE}}}item")
-        if [each.get("objectid") for each in items] != [each.get("id") for each in objects]:
+        if [element.get("objectid") for element in items] != [
+            element.get("id") for element in objects
+        ]:
             raise FileError("not every object of the 3MF package is built once")
-        found = tuple(_mesh(each, item) for each, item in zip(objects, items, strict=True))
+        meshes = tuple(_mesh(element, item) for element, item in zip(objects, items, strict=True))
     except (zipfile.BadZipFile, KeyError, ValueError, SyntaxError) as error:
         raise FileError(f"not a 3MF package by camgeo: {error}") from None
     if model.get("unit") != "millimeter":
         raise FileError("the 3MF model is not in millimetres")
-    return found
+    return meshes
 
 
-def _mesh(each: ET.Element, item: ET.Element) -> Mesh:
-    (mesh,) = each.findall(f"{{{CORE}}}mesh")
+def _mesh(element: ET.Element, item: ET.Element) -> Mesh:
+    (mesh,) = element.findall(f"{{{CORE}}}mesh")
     vertices = np.array(_numbers(mesh, "vertices", "vertex", ("x", "y", "z")), np.float64)
     triangles = np.array(_numbers(mesh, "triangles", "triangle", ("v1", "v2", "v3")), np.int64)
-    return each.get("name", ""), item.get("transform"), vertices, triangles
+    return element.get("name", ""), item.get("transform"), vertices, triangles
 
 
 def _numbers(mesh: ET.Element, group: str, tag: str, names: tuple[str, ...]) -> list[list[str]]:
-    found = mesh.iterfind(f"{{{CORE}}}{group}/{{{CORE}}}{tag}")
-    return [[each.attrib[name] for name in names] for each in found]
+    elements = mesh.iterfind(f"{{{CORE}}}{group}/{{{CORE}}}{tag}")
+    return [[element.attrib[name] for name in names] for element in elements]
 
 
 WRITER = ThreeMfWriter()

@@ -23,10 +23,10 @@ from camgeo.units import counted
 from camgeo_export.reading import AnyContour
 from camgeo_export.verify.plane import (
     Shape,
+    boundary_shapes,
     contour_checks,
     deviation,
     matched,
-    shapes_of,
 )
 
 PLACES = ("lower edge", "half way up", "upper edge")
@@ -80,11 +80,11 @@ def checks_of_body(
     vertices, triangles = merged(vertices, triangles)
     checks = solid_checks(vertices, triangles)
     corners = vertices[triangles]
-    levels, ranges = levels_of(corners[:, :, 2], tolerance)
+    levels, ranges = group_levels(corners[:, :, 2], tolerance)
     flat: BoolArray = (levels == levels[:, :1]).all(axis=1)
-    slopes = slopes_of(part)
-    leaning = sloping(vertices, triangles, ~flat, slopes, tolerance)
-    checks.append(upright(corners[~flat & (leaning < 0)], tolerance))
+    slopes = part_slopes(part)
+    leaning = slope_numbers(vertices, triangles, ~flat, slopes, tolerance)
+    checks.append(upright_check(corners[~flat & (leaning < 0)], tolerance))
     # Where a chamfer meets its wall, and between, there is no flat face.
     bare: BoolArray = np.zeros(len(ranges), dtype=np.bool_)
     for slope in slopes:
@@ -96,16 +96,16 @@ def checks_of_body(
     def contours(number: int) -> list[AnyContour]:
         return [polygon(vertices[loop]) for loop in border_loops(triangles[numbers == number])]
 
-    surfaces = Surfaces(ranges, contours, _chamfers_of(vertices, triangles, slopes, leaning))
+    surfaces = Surfaces(ranges, contours, _chamfer_lookup(vertices, triangles, slopes, leaning))
     return checks + surfaces.checks(part, extent, volume(vertices, triangles), tolerance)
 
 
-def _chamfers_of(
+def _chamfer_lookup(
     vertices: FloatArray, triangles: IntArray, slopes: Sequence[Slope], numbers: IntArray
 ) -> Callable[[float, float], Iterator[list[Contour]]]:
     """The contours of a mesh's chamfers, see `Surfaces`; `numbers` (m,) are those of `sloping`."""
-    place = {(each.z0, each.z1): k for k, each in enumerate(slopes)}
-    return lambda low, high: contours_of(vertices, triangles[numbers == place[low, high]])
+    place = {(slope.z0, slope.z1): k for k, slope in enumerate(slopes)}
+    return lambda low, high: chamfer_contours(vertices, triangles[numbers == place[low, high]])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -137,21 +137,23 @@ class Surfaces:
         tolerance : [mm].
         """
         checks = self._flat_checks(part, extent, volume, tolerance)
-        for slope in slopes_of(part):
+        for slope in part_slopes(part):
             checks += self._slope_checks(slope, extent, tolerance)
         return checks
 
     def _slope_checks(self, slope: Slope, extent: float, tolerance: float) -> Iterator[Check]:
         """The edges of chamfers and their sections half way up, against the part."""
         try:
-            found = list(self.chamfer(slope.z0, slope.z1))
+            sections = list(self.chamfer(slope.z0, slope.z1))
         except FileError as error:
             yield failed("deviation", str(error), slope.name)
             return
-        for place, own in enumerate(found):
-            shapes = shapes_of(slope.edges(place), extent, tolerance)
+        for place, contours in enumerate(sections):
+            shapes = boundary_shapes(slope.edges(place), extent, tolerance)
             where = f"{PLACES[place]} of the {slope.name}"
-            yield from _level_checks(partial(list, own), shapes, tolerance, self.extra, where, {})
+            yield from _level_checks(
+                partial(list, contours), shapes, tolerance, self.extra, where, {}
+            )
 
     def _flat_checks(
         self, part: Part, extent: float, volume: float, tolerance: float
@@ -160,30 +162,30 @@ class Surfaces:
         if len(self.ranges) != len(wanted):
             note = f"flat faces at {counted(len(self.ranges), 'height')}, not at {len(wanted)}: "
             return [failed("height", note + ", ".join(level.name for level in wanted))]
-        by_name = {shape.name: shape for shape in shapes_of(part.outlines, extent, tolerance)}
-        done: dict[tuple[str, bytes], None] = {}
+        by_name = {shape.name: shape for shape in boundary_shapes(part.outlines, extent, tolerance)}
+        checked: dict[tuple[str, bytes], None] = {}
         checks = []
         for number, level in enumerate(wanted):
             exact = level.z - wanted[0].z
-            off = self.ranges[number] - exact
-            height = exact + float(off[np.argmax(np.abs(off))])
+            deviations = self.ranges[number] - exact
+            height = exact + float(deviations[np.argmax(np.abs(deviations))])
             checks.append(near("height", height, exact, tolerance, "mm", level.name))
-            own = [by_name[boundary.name] for boundary in level.boundaries]
+            shapes = [by_name[boundary.name] for boundary in level.boundaries]
             contours = partial(self.contours, number)
-            checks += _level_checks(contours, own, tolerance, self.extra, level.name, done)
+            checks += _level_checks(contours, shapes, tolerance, self.extra, level.name, checked)
         return checks + _volume(part, by_name, volume, tolerance)
 
     def deviation(self, part: Part) -> float:
         """Largest proved deviation [mm] of flat faces and chamfers, in the plane and in height."""
         wanted, largest = part.levels, 0.0
         if len(self.ranges) != len(wanted):
-            found = counted(len(self.ranges), "height")
-            raise FileError(f"flat faces at {found}, expected {len(wanted)}")
+            count = counted(len(self.ranges), "height")
+            raise FileError(f"flat faces at {count}, expected {len(wanted)}")
         for number, level in enumerate(wanted):
-            off = float(np.abs(self.ranges[number] - (level.z - wanted[0].z)).max())
-            apart = deviation(self.contours(number), level.boundaries) + self.extra
-            largest = max(largest, off, apart)
-        for slope in slopes_of(part):
+            height_deviation = float(np.abs(self.ranges[number] - (level.z - wanted[0].z)).max())
+            plane_deviation = deviation(self.contours(number), level.boundaries) + self.extra
+            largest = max(largest, height_deviation, plane_deviation)
+        for slope in part_slopes(part):
             for place, contours in enumerate(self.chamfer(slope.z0, slope.z1)):
                 largest = max(largest, deviation(contours, slope.edges(place)) + self.extra)
         return largest
@@ -195,21 +197,21 @@ def _level_checks(
     tolerance: float,
     extra: float,
     name: str,
-    done: dict[tuple[str, bytes], None],
+    checked: dict[tuple[str, bytes], None],
 ) -> list[Check]:
     """The boundaries of one face; results of another face with the same points are reused."""
     try:
-        found = [each.counter_clockwise() for each in contours()]
+        loops = [contour.counter_clockwise() for contour in contours()]
     except (CamgeoError, KeyError) as error:
         return [failed("deviation", f"the boundary of the face cannot be traced: {error}", name)]
-    pairs, count = matched(found, shapes)
+    pairs, count = matched(loops, shapes)
     checks = [] if count.ok else [replace(count, of=name)]
     for shape, contour in pairs:
         if contour is not None:
             key = (shape.name, contour_bytes(contour))
-            if key in done:
+            if key in checked:
                 continue
-            done[key] = None
+            checked[key] = None
         checks += contour_checks(shape, contour, tolerance, extra=extra, where=name)
     return checks
 
@@ -221,17 +223,19 @@ def _volume(part: Part, shapes: dict[str, Shape], volume: float, tolerance: floa
     volumes, faces = [], []
     for band in part.bands:
         height = band.z1 - band.z0
-        ends = [_area((each,), shapes) for each in (band.lower, band.upper)]
-        between = 0.5 * (ends[0] + ends[1])
+        ends = [_area((boundary,), shapes) for boundary in (band.lower, band.upper)]
+        mean_area = 0.5 * (ends[0] + ends[1])
         if band.wall.corner_radius is not None and not band.is_upright:
-            between = math.copysign(chamfer_volume(band) / height, ends[0])
+            mean_area = math.copysign(chamfer_volume(band) / height, ends[0])
         elif not band.is_upright:
             # The parallel of a smooth curve encloses A(t) with A'' = 2 pi.
-            between -= math.copysign(math.pi * band.width**2 / 6.0, ends[0])
-        volumes.append(between * height)
+            mean_area -= math.copysign(math.pi * band.width**2 / 6.0, ends[0])
+        volumes.append(mean_area * height)
         slant = math.hypot(height, band.width)
-        faces.append(max(shapes[each.name].length for each in (band.lower, band.upper)) * slant)
-    faces += [abs(_area(each.below, shapes) - _area(each.above, shapes)) for each in part.levels]
+        faces.append(
+            max(shapes[boundary.name].length for boundary in (band.lower, band.upper)) * slant
+        )
+    faces += [abs(_area(level.below, shapes) - _area(level.above, shapes)) for level in part.levels]
     exact, allowed = math.fsum(volumes), tolerance * math.fsum(faces)
     return [near("volume", volume, exact, allowed, "mm^3")]
 
@@ -239,7 +243,8 @@ def _volume(part: Part, shapes: dict[str, Shape], volume: float, tolerance: floa
 def _area(boundaries: tuple[Boundary, ...], shapes: dict[str, Shape]) -> float:
     """Sum of the areas [mm^2], holes negative."""
     return math.fsum(
-        (shapes[each.name].area or 0.0) * (-1.0 if each.hole else 1.0) for each in boundaries
+        (shapes[boundary.name].area or 0.0) * (-1.0 if boundary.hole else 1.0)
+        for boundary in boundaries
     )
 
 
@@ -313,36 +318,36 @@ def solid_checks(vertices: FloatArray, triangles: IntArray) -> list[Check]:
     return checks
 
 
-def upright_facets(corners: FloatArray, within: float = 0.0) -> BoolArray:
+def upright_facets(corners: FloatArray, tolerance: float = 0.0) -> BoolArray:
     """(m,) whether facets (m, 3, 3) have a vertical edge, `within` a length [mm]."""
     plane = corners[:, :, 0] + 1j * corners[:, :, 1]
-    steep = np.abs(plane - np.roll(plane, 1, axis=1)) <= within
+    steep = np.abs(plane - np.roll(plane, 1, axis=1)) <= tolerance
     # A short edge of a flat border is not one.
-    steep &= np.abs(corners[:, :, 2] - np.roll(corners[:, :, 2], 1, axis=1)) > within
+    steep &= np.abs(corners[:, :, 2] - np.roll(corners[:, :, 2], 1, axis=1)) > tolerance
     return np.asarray(steep.any(axis=1))
 
 
-def upright(corners: FloatArray, within: float = 0.0) -> Check:
+def upright_check(corners: FloatArray, tolerance: float = 0.0) -> Check:
     """Each facet that is neither flat nor of a chamfer must have an edge that is vertical, `within`
     a length [mm].
     """
-    found = upright_facets(corners, within)
-    if found.all():
+    steep = upright_facets(corners, tolerance)
+    if steep.all():
         return Check("walls", "", "upright", ok=True)
-    first = corners[int(np.argmin(found))].mean(axis=0)
-    count = counted(int(np.count_nonzero(~found)), "facet")
+    first = corners[int(np.argmin(steep))].mean(axis=0)
+    count = counted(int(np.count_nonzero(~steep)), "facet")
     return failed("walls", f"{count} neither flat nor upright, one near {point_text(first)} mm")
 
 
-def levels_of(heights: FloatArray, within: float) -> tuple[IntArray, FloatArray]:
+def group_levels(heights: FloatArray, tolerance: float) -> tuple[IntArray, FloatArray]:
     """The numbers of the levels of `heights` [mm], ascending, in the same shape; and (k, 2) the
     least and greatest height of each level, in which each follows the one below `within` a length.
     """
-    found, index = np.unique(heights, return_inverse=True)
-    level = np.concatenate(([0], np.cumsum(np.diff(found) > within)))
+    unique, index = np.unique(heights, return_inverse=True)
+    level = np.concatenate(([0], np.cumsum(np.diff(unique) > tolerance)))
     first = np.flatnonzero(np.diff(level, prepend=-1))
-    last = np.append(first[1:] - 1, len(found) - 1)
-    return level[index.reshape(heights.shape)], np.column_stack((found[first], found[last]))
+    last = np.append(first[1:] - 1, len(unique) - 1)
+    return level[index.reshape(heights.shape)], np.column_stack((unique[first], unique[last]))
 
 
 def border_loops(triangles: IntArray) -> list[list[int]]:
@@ -351,20 +356,20 @@ def border_loops(triangles: IntArray) -> list[list[int]]:
     end = np.roll(triangles, -1, axis=1).reshape(-1).tolist()
     edges = set(zip(start, end, strict=True))
     border = [edge for edge in zip(start, end, strict=True) if edge[::-1] not in edges]
-    after = dict(border)
-    if len(after) != len(border):
+    successors = dict(border)
+    if len(successors) != len(border):
         raise FileError("boundaries of the mesh touch each other")
-    return list(_rings(after))
+    return list(_rings(successors))
 
 
-def _rings(after: dict[Vertex, Vertex]) -> Iterator[list[Vertex]]:
+def _rings(successors: dict[Vertex, Vertex]) -> Iterator[list[Vertex]]:
     """The closed chains in which each place is followed by one; KeyError if one is not closed."""
-    while after:
-        first, following = after.popitem()
+    while successors:
+        first, following = successors.popitem()
         ring = [first]
         while following != first:
             ring.append(following)
-            following = after.pop(following)
+            following = successors.pop(following)
         yield ring
 
 
@@ -411,24 +416,26 @@ class Slope:
         return tuple(band.upper if height else band.lower for band in self.bands)
 
 
-def slopes_of(part: Part) -> tuple[Slope, ...]:
+def part_slopes(part: Part) -> tuple[Slope, ...]:
     """The chamfers of a part, from the lowest upwards."""
     if not part.bevels:
         return ()
     base = part.layers[0].z0
-    found: dict[tuple[float, float], list[Band]] = {}
+    bands_by_heights: dict[tuple[float, float], list[Band]] = {}
     for band in part.bands:
         if not band.is_upright:
-            found.setdefault((band.z0 - base, band.z1 - base), []).append(band)
-    return tuple(Slope(*heights, tuple(found[heights])) for heights in sorted(found))
+            bands_by_heights.setdefault((band.z0 - base, band.z1 - base), []).append(band)
+    return tuple(
+        Slope(*heights, tuple(bands_by_heights[heights])) for heights in sorted(bands_by_heights)
+    )
 
 
-def sloping(
+def slope_numbers(
     vertices: FloatArray,
     triangles: IntArray,
     among: BoolArray,
     slopes: Sequence[Slope],
-    within: float,
+    tolerance: float,
 ) -> IntArray:
     """(m,) the numbers of the slopes to which facets belong, -1 for none.
 
@@ -441,8 +448,8 @@ def sloping(
     from scipy.sparse import coo_array  # only for parts with chamfers
     from scipy.sparse.csgraph import connected_components
 
-    own = np.flatnonzero(among & ~upright_facets(vertices[triangles], within))
-    corners = triangles[own]
+    leaning = np.flatnonzero(among & ~upright_facets(vertices[triangles], tolerance))
+    corners = triangles[leaning]
     pairs = np.concatenate((corners[:, :2], corners[:, 1:]))
     size = len(vertices)
     links = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(size, size))
@@ -453,12 +460,12 @@ def sloping(
     np.minimum.at(low, labels, heights.min(axis=1))
     np.maximum.at(high, labels, heights.max(axis=1))
     for number, slope in enumerate(slopes):
-        there = (np.abs(low - slope.z0) <= within) & (np.abs(high - slope.z1) <= within)
-        numbers[own[there[labels]]] = number
+        there = (np.abs(low - slope.z0) <= tolerance) & (np.abs(high - slope.z1) <= tolerance)
+        numbers[leaning[there[labels]]] = number
     return numbers
 
 
-def contours_of(vertices: FloatArray, triangles: IntArray) -> Iterator[list[Contour]]:
+def chamfer_contours(vertices: FloatArray, triangles: IntArray) -> Iterator[list[Contour]]:
     """Of the facets (m, 3) of a slope the lower edges, the sections half way up, the upper edges.
 
     Raises
@@ -482,17 +489,17 @@ def contours_of(vertices: FloatArray, triangles: IntArray) -> Iterator[list[Cont
 def _sections(vertices: FloatArray, triangles: IntArray, z: float) -> Iterator[FloatArray]:
     """Where edges cross a height (n, 3), loop by loop: each facet that does joins two."""
     above = vertices[:, 2] > z
-    after: dict[tuple[int, int], tuple[int, int]] = {}
+    successors: dict[tuple[int, int], tuple[int, int]] = {}
     for facet in triangles[above[triangles].any(axis=1) & ~above[triangles].all(axis=1)].tolist():
         for k in range(3):
             one, other = facet[k], facet[(k + 1) % 3]
             if not above[one] and above[other]:
-                up = (one, other)
+                rising = (one, other)
             elif above[one] and not above[other]:
-                down = (other, one)
-        after[up] = down
+                falling = (other, one)
+        successors[rising] = falling
     try:
-        rings = list(_rings(after))
+        rings = list(_rings(successors))
     except KeyError:
         raise FileError("the facets of a chamfer do not go round") from None
     for ring in rings:
@@ -526,9 +533,11 @@ def measure(part: Part, vertices: FloatArray, triangles: IntArray) -> float:
     vertices, triangles = merged(vertices, triangles)
     corners = vertices[triangles]
     flat = (corners[:, :, 2] == corners[:, :1, 2]).all(axis=1)
-    slopes = slopes_of(part)
-    numbers = sloping(vertices, triangles, ~flat, slopes, SAME * (1.0 + np.abs(vertices).max()))
-    walls = upright(corners[~flat & (numbers < 0)])
+    slopes = part_slopes(part)
+    numbers = slope_numbers(
+        vertices, triangles, ~flat, slopes, SAME * (1.0 + np.abs(vertices).max())
+    )
+    walls = upright_check(corners[~flat & (numbers < 0)])
     for check in (*solid_checks(vertices, triangles), walls):
         if not check.ok:
             raise FileError(f"the mesh fails the check '{check.name}': {check.note}")
@@ -538,5 +547,5 @@ def measure(part: Part, vertices: FloatArray, triangles: IntArray) -> float:
         level = triangles[flat & (corners[:, 0, 2] == heights[number])]
         return [polygon(vertices[loop]) for loop in border_loops(level)]
 
-    chamfers = _chamfers_of(vertices, triangles, slopes, numbers)
+    chamfers = _chamfer_lookup(vertices, triangles, slopes, numbers)
     return Surfaces(heights[:, None], contours, chamfers).deviation(part)

@@ -17,14 +17,14 @@ from camgeo.reading import DRAWING, check_text
 from camgeo.scene.formats.drawing import FORMAT as SHEET
 from camgeo.scene.formats.dxf import FORMAT
 from camgeo_export.drawing.writer import measure
-from camgeo_export.dxf.reader import Drawing, Item, Tag, drawing_of, gaps_up_to
-from camgeo_export.reading import COMPUTED, CUT, AnyContour, text_tokens
+from camgeo_export.dxf.reader import Drawing, Item, Tag, gap_steps, read_drawing
+from camgeo_export.reading import CUT, NUMBER_SLACK, AnyContour, text_tokens
 from camgeo_export.verify.plane import (
     Shape,
     all_checks,
+    boundary_shapes,
     contour_checks,
     corners_of_contour,
-    shapes_of,
 )
 
 HEAD_BYTES = 200_000
@@ -41,7 +41,7 @@ class DxfVerifier:
     """Verifies a DXF drawing."""
 
     format = "dxf"
-    slack = COMPUTED
+    slack = NUMBER_SLACK
     tokens = staticmethod(text_tokens)
 
     def origin(self, data: bytes) -> Origin:
@@ -69,37 +69,41 @@ class DxfVerifier:
     ) -> tuple[Check, ...]:
         """Unit, contents, and each closed contour against its boundary."""
         try:
-            drawing = drawing_of(data, reading.name)
+            drawing = read_drawing(data, reading.name)
         except FileError as error:
             return (failed("file", str(error)),)
         checks = [_unit(drawing, reading)]
         if _is_sheet(data):
             try:  # the edges of the front view and the dimensions against the part
-                off = measure(product, data)
+                largest = measure(product, data)
             except CamgeoError as error:
                 return (*checks, failed("contents", str(error)))
             return (
                 *checks,
-                at_most("deviation", off, tolerance, "mm", note="of edges and dimensions"),
+                at_most("deviation", largest, tolerance, "mm", note="of edges and dimensions"),
             )
         try:
-            gaps = gaps_up_to(tolerance)
-            found = drawing.outlines(reading.layer, reading.unit, gaps).about(reading.origin)
+            gaps = gap_steps(tolerance)
+            outlines = drawing.outlines(reading.layer, reading.unit, gaps).about(reading.origin)
         except CamgeoError as error:
             return (*checks, failed("closure", str(error)))
         checks += [
-            at_most("closure", found.gap, tolerance, "mm", note="largest gap between pieces"),
-            *(reported("not compared", CUT, note=note) for note in found.notes),
-            *flat_checks(drawing.on(reading.layer), drawing.scale(reading.unit), tolerance),
+            at_most("closure", outlines.gap, tolerance, "mm", note="largest gap between pieces"),
+            *(reported("not compared", CUT, note=note) for note in outlines.notes),
+            *flat_checks(
+                drawing.curves_on_layer(reading.layer), drawing.scale(reading.unit), tolerance
+            ),
         ]
-        shapes = shapes_of(product.drawn.part.boundaries, product.drawn.base_radius, tolerance)
-        if found.loose and len(found.contours) < len(shapes):
-            checks.append(failed("closure", found.loose))
-        outline = found.contours[0]
-        axis = "" if isinstance(outline, SplineContour) else found.off_axis(outline)
+        shapes = boundary_shapes(
+            product.drawn.part.boundaries, product.drawn.base_radius, tolerance
+        )
+        if outlines.loose and len(outlines.contours) < len(shapes):
+            checks.append(failed("closure", outlines.loose))
+        outline = outlines.contours[0]
+        axis = "" if isinstance(outline, SplineContour) else outlines.off_axis(outline)
         if axis:
             checks.append(reported("axis", "elsewhere", note=axis))
-        checks += all_checks(found.contours, shapes, tolerance, found.gap + found.followed)
+        checks += all_checks(outlines.contours, shapes, tolerance, outlines.gap + outlines.followed)
         if "camgeo" in _properties(data) and product.options[FORMAT].auxiliary:
             checks += [*_auxiliary(product, drawing, tolerance), _centre(drawing, tolerance)]
         return tuple(checks)
@@ -131,7 +135,7 @@ def _auxiliary(product: Product, drawing: Drawing, tolerance: float) -> list[Che
     checks = []
     if product.drawn.has_pitch_curve:
         try:
-            (pitch,) = drawing.contours("PITCH_CURVE", gaps_up_to(tolerance)[-1])
+            (pitch,) = drawing.contours("PITCH_CURVE", gap_steps(tolerance)[-1])
             checks += contour_checks(_pitch(product, tolerance), pitch, tolerance)
         except (CamgeoError, ValueError) as error:
             checks.append(failed("deviation", str(error), "pitch curve"))
@@ -147,17 +151,17 @@ def _auxiliary(product: Product, drawing: Drawing, tolerance: float) -> list[Che
 
 def _centre(drawing: Drawing, tolerance: float) -> Check:
     """The mark of the cam axis: lines whose middles lie on it."""
-    lines = [each for each in drawing.items if each.layer == "CENTRE" and each.kind == "LINE"]
+    lines = [item for item in drawing.items if item.layer == "CENTRE" and item.kind == "LINE"]
     try:
         middles = [
-            complex(each.number(10) + each.number(11), each.number(20) + each.number(21))
-            for each in lines
+            complex(line.number(10) + line.number(11), line.number(20) + line.number(21))
+            for line in lines
         ]
         half = 0.5 * drawing.scale()
     except (FileError, ValueError) as error:
         return failed("deviation", str(error), "centre mark")
-    off = max((abs(middle) for middle in middles), default=math.inf)
-    return at_most("deviation", half * off, tolerance, "mm", "centre mark")
+    distance = max((abs(middle) for middle in middles), default=math.inf)
+    return at_most("deviation", half * distance, tolerance, "mm", "centre mark")
 
 
 def _pitch(product: Product, tolerance: float) -> Shape:
@@ -172,8 +176,8 @@ def _pitch(product: Product, tolerance: float) -> Shape:
             raise GeometryError("is drawn as a spline, which camgeo never does")
         return product.drawn.pitch_deviation(contour)
 
-    def polygon(within: float) -> Contour:
-        points = product.drawn.pitch_contour(0.5 * within).contour.points(0.5 * within)
+    def polygon(tolerance: float) -> Contour:
+        points = product.drawn.pitch_contour(0.5 * tolerance).contour.points(0.5 * tolerance)
         return Contour.polygon(points)
 
     contour = product.drawn.pitch_contour(min(tolerance, 1e-3 * product.drawn.base_radius)).contour
@@ -207,17 +211,19 @@ def flat_checks(items: Iterable[Item], scale: float, limit: float) -> list[Check
     `scale` is in mm per unit of the drawing.
     """
     worst = {name: at_most(name, 0.0, limit, "mm") for name in ("elevation", "thickness", "width")}
-    for each in (each for item in items for each in (item, *item.vertices)):
-        wide = WIDTHS.get(each.kind, ())
-        for tag in each.tags:
+    for entity in (entity for item in items for entity in (item, *item.vertices)):
+        wide = WIDTHS.get(entity.kind, ())
+        for tag in entity.tags:
             name = "elevation" if tag.code in HEIGHTS else "width" if tag.code in wide else ""
             name = "thickness" if tag.code == THICKNESS else name
             if name and worst[name].value is not None:
-                worst[name] = max(worst[name], _at_most(name, each, tag, scale, limit), key=_size)
+                worst[name] = max(
+                    worst[name], _limit_check(name, entity, tag, scale, limit), key=_size
+                )
     return list(worst.values())
 
 
-def _at_most(name: str, item: Item, tag: Tag, scale: float, limit: float) -> Check:
+def _limit_check(name: str, item: Item, tag: Tag, scale: float, limit: float) -> Check:
     try:
         value = abs(item.value(tag)) * scale
     except FileError as error:

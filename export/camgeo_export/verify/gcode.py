@@ -56,11 +56,18 @@ from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, joined, t
 from camgeo.reading import PROGRAM, check_text
 from camgeo.scene.formats.gcode import FORMAT
 from camgeo.units import MM_PER, counted
-from camgeo_export.interpreter.moves import CutterMove, Enough, Findings, Loop, Radius, judge
-from camgeo_export.interpreter.moves import Run as Program
+from camgeo_export.interpreter.moves import (
+    CutterMove,
+    Enough,
+    Findings,
+    Loop,
+    Radius,
+    check_compensation,
+)
+from camgeo_export.interpreter.moves import ProgramRun as Program
 from camgeo_export.interpreter.run import run
-from camgeo_export.reading import COMPUTED, text_tokens
-from camgeo_export.verify.plane import Shape, contour_checks, shapes_of
+from camgeo_export.reading import NUMBER_SLACK, text_tokens
+from camgeo_export.verify.plane import Shape, boundary_shapes, contour_checks
 
 NAMES = {1.0: "mm", 25.4: "inch"}
 
@@ -73,7 +80,7 @@ class GcodeVerifier:
     """Verifies a milling program."""
 
     format = "gcode"
-    slack = COMPUTED
+    slack = NUMBER_SLACK
     tokens = staticmethod(text_tokens)
 
     def origin(self, data: bytes) -> Origin:
@@ -82,8 +89,8 @@ class GcodeVerifier:
             check_text(data, PROGRAM, "the file")
         except FileError as error:
             return Origin(damage=str(error))
-        said = stated(notes_of(data.decode("ascii", "replace")))
-        return Origin(said.version, said.scene, said.tolerance)
+        notes = parse_notes(comment_texts(data.decode("ascii", "replace")))
+        return Origin(notes.version, notes.scene, notes.tolerance)
 
     def checks(
         self, product: Product, data: bytes, reading: Reading, tolerance: float
@@ -92,24 +99,24 @@ class GcodeVerifier:
         if lacking := FORMAT.lacking(product.values):
             note = f"to compare a program with it the scene {' and '.join(lacking)}"
             return (failed("operations", note),)
-        said = stated(notes_of(data.decode("ascii", "replace")))
-        if (side := _side(product, said.second)) is None:
+        notes = parse_notes(comment_texts(data.decode("ascii", "replace")))
+        if (side := _side(product, notes.second)) is None:
             return (failed("program", "it is for a second side, which the scene does not have"),)
         programs = side_programs(side)
-        if len(programs) > 1 and not 1 <= said.program <= len(programs):
+        if len(programs) > 1 and not 1 <= notes.program <= len(programs):
             return (
                 failed("program", f"it does not say which one of {len(programs)} programs it is"),
             )
-        product = programs[said.program - 1 if len(programs) > 1 else 0]
+        product = programs[notes.program - 1 if len(programs) > 1 else 0]
         machine = load(product.milled.gcode.machine)
         limits = machine.arcs
-        bench = bench_of(product, machine) if said.version else Bench()
+        bench = program_bench(product, machine) if notes.version else Bench()
         try:
             program = run(data, machine, bench, fatal=("words", "path"))
             program.refuse("words", "path")
             program = program.in_the_part(product.milled.zero)
         except FileError as error:
-            hint = "" if said.version else f"; it is read as a program for {machine.name}"
+            hint = "" if notes.version else f"; it is read as a program for {machine.name}"
             return (failed("program", f"{error}{hint}"),)
         compensated = (*_compensation(product, program, machine),)
         checks = [
@@ -138,12 +145,12 @@ class GcodeVerifier:
         of one whose path is not known.
         """
         program = run(data, machine, Bench())
-        side = _side(product, stated(program.comments).second)
+        side = _side(product, parse_notes(program.comments).second)
         if side is None:
             note = "it is for a second side, which the scene does not have"
             return (LineFinding(0, "unknown-side", WORK, note),)
         if program.compensated is not None or any(
-            each.concerns in ("words", "path") for each in program.findings
+            finding.concerns in ("words", "path") for finding in program.findings
         ):
             return ()
         return work_findings(side, program.in_the_part(side.milled.zero))
@@ -162,17 +169,17 @@ def _side(product: Product, second: bool) -> Product | None:
 def _compensation(product: Product, program: Program, machine: Machine) -> Iterator[Check]:
     """Programs of ours are compensated as they are to be; of others the offsets are not known."""
     move, cuts = program.compensated, product.milled.cuts
-    if not stated(program.comments).version:
+    if not parse_notes(program.comments).version:
         if move is not None:
             yield failed(
                 "compensation",
                 f"line {move.line}: the control keeps the cutter off the path by what it knows",
             )
-    elif fault := fault_of(cuts, program, machine, stated(program.comments)):
+    elif fault := compensation_fault(cuts, program, machine, parse_notes(program.comments)):
         yield failed("compensation", fault)
     elif move is not None:
         for cut, most in zip(
-            filter(compensation_side, cuts), stated(program.comments).offsets, strict=True
+            filter(compensation_side, cuts), parse_notes(program.comments).offsets, strict=True
         ):
             note = f"its offset may be {most:g} mm off, either way"
             yield Check("compensation", cut.name, compensation_mode(cut), ok=True, note=note)
@@ -190,7 +197,7 @@ def _without(program: Program, name: str, *concerns: str) -> Check:
 def _paths(product: Product, program: Program, tolerance: float, extra: float) -> list[Check]:
     """Every operation runs its closed path at each of its depths, and no other."""
     centres = tuple(cut.centre for cut in product.milled.contour_cuts)
-    exact = shapes_of(centres, product.drawn.base_radius, tolerance)
+    exact = boundary_shapes(centres, product.drawn.base_radius, tolerance)
     # The area within a cutter's path is of no interest.
     shapes = {
         cut.name: replace(shape, name=cut.name, deviation=partial(beyond_slack, cut), area=None)
@@ -198,23 +205,25 @@ def _paths(product: Product, program: Program, tolerance: float, extra: float) -
     }
     areas = {cut.name: cut for cut in product.milled.cuts if isinstance(cut, AreaCut | LetterCut)}
     others = {cut.name for cut in product.milled.cuts} - set(shapes)
-    found = [loop for loop in program.loops(tolerance) if loop.operation not in others]
-    loops = [(_owner(loop, shapes), loop) for loop in found]
+    closed_paths = [loop for loop in program.loops(tolerance) if loop.operation not in others]
+    loops = [(_owner(loop, shapes), loop) for loop in closed_paths]
     checks: list[Check] = []
     for name, area in areas.items():
         short = too_near(area, [move for move in program.moves if move.operation == name])
         checks.append(at_most("wall", short, tolerance, "mm", name))
     for cut in product.milled.contour_cuts:
-        own = [loop for name, loop in loops if name == cut.name]
-        checks.append(_passes(cut, own, max(program.step, tolerance)))
+        cut_loops = [loop for name, loop in loops if name == cut.name]
+        checks.append(_passes(cut, cut_loops, max(program.step, tolerance)))
         same: dict[bytes, list[Loop]] = {}
-        for loop in own:
+        for loop in cut_loops:
             shape = loop.contour.vertices.tobytes() + loop.contour.sweeps.tobytes()
             same.setdefault(shape, []).append(loop)
         for alike in same.values():
             heights = sorted((loop.z for loop in alike), reverse=True)
             where = (
-                "" if len(heights) == len(own) else f"Z {', '.join(f'{z:g}' for z in heights)} mm"
+                ""
+                if len(heights) == len(cut_loops)
+                else f"Z {', '.join(f'{z:g}' for z in heights)} mm"
             )
             contour = alike[0].contour
             mismatch = extra + max(loop.mismatch for loop in alike)
@@ -233,13 +242,13 @@ def _passes(cut: ContourCut, loops: list[Loop], slack: float) -> Check:
     depths = np.array(cut.depths)
     missing = depths[~near(depths, (loop.z for loop in loops), slack)].tolist()
     count = len(depths)
-    found = f"{count - len(missing)} of {count}"
+    passes = f"{count - len(missing)} of {count}"
     note = f"no closed path at Z {', '.join(f'{z:g}' for z in missing)} mm" if missing else ""
     level = np.array([loop.z for loop in loops if loop.level])
     stray = level[~near(level, cut.depths, slack)]
     if len(stray) and not missing:
         note = f"a closed path at Z {stray[0]:g} mm, which is not one of its depths"
-    return Check("passes", cut.name, found, ok=not note, note=note)
+    return Check("passes", cut.name, passes, ok=not note, note=note)
 
 
 def _owner(loop: Loop, shapes: dict[str, Shape]) -> str:
@@ -275,23 +284,23 @@ def simulation_checks(product: Product, program: Program, tolerance: float) -> l
     if program.compensated is not None:
         return [reported(NAME, "none", note="the control computes the path of the cutter")]
     try:
-        found = traced(product, program, product.milled.cuts)
-        runs = _among_others(product, tuple(each.run for each in found), tolerance)
+        traces = trace_program(product, program, product.milled.cuts)
+        runs = _among_others(product, tuple(trace.run for trace in traces), tolerance)
     except FileError as error:
         return [failed(NAME, str(error))]
     whole = product.milled if product.milled.whole is None else product.milled.whole
     level = program.step if math.isfinite(program.step) else 0.0
-    done = job(whole, whole.cuts, runs, tolerance, level=level)
-    told = [
+    sides = job(whole, whole.cuts, runs, tolerance, level=level)
+    reports = [
         (flaw, flaw.sentence if side.side.runs is runs else f"of the other side, {flaw.sentence}")
-        for side, flaws in zip(done, side_flaws(done), strict=True)
+        for side, flaws in zip(sides, side_flaws(sides), strict=True)
         for flaw in flaws
     ]
-    if wrong := [(flaw, text) for flaw, text in told if not flaw.watched]:
+    if wrong := [(flaw, text) for flaw, text in reports if not flaw.watched]:
         return [failed(NAME, text, flaw.operation) for flaw, text in wrong]
     names = {run.name for run in runs}
     checks = [Check(NAME, "", counted(len(names), "operation"), ok=True)]
-    return checks + [Check(NAME, flaw.operation, ok=None, note=text) for flaw, text in told]
+    return checks + [Check(NAME, flaw.operation, ok=None, note=text) for flaw, text in reports]
 
 
 def _among_others(
@@ -301,10 +310,10 @@ def _among_others(
     whole = product.milled.whole
     if whole is None:
         return runs
-    own = {cut.name for cut in product.milled.cuts}
+    names = {cut.name for cut in product.milled.cuts}
     planned = toolpath_runs(whole.toolpath(tolerance))
-    first = next(k for k, each in enumerate(planned) if each.name in own)
-    others = [each for each in planned if each.name not in own]
+    first = next(k for k, operation in enumerate(planned) if operation.name in names)
+    others = [operation for operation in planned if operation.name not in names]
     return (*others[:first], *runs, *others[first:])
 
 
@@ -315,7 +324,7 @@ def _spec(product: Product) -> MillingSpec:
 
 
 @dataclass(frozen=True, slots=True)
-class Traced:
+class Trace:
     """What a tool of a program does in one operation.
 
     Attributes
@@ -330,7 +339,7 @@ class Traced:
     lines: tuple[int, ...]
 
 
-def traced(product: Product, program: Program, cuts: Iterable[Cut]) -> tuple[Traced, ...]:
+def trace_program(product: Product, program: Program, cuts: Iterable[Cut]) -> tuple[Trace, ...]:
     """What each tool of a program does, operation by operation, with its lines; `cuts` are those
     that it may name.
 
@@ -345,12 +354,12 @@ def traced(product: Product, program: Program, cuts: Iterable[Cut]) -> tuple[Tra
     spec = _spec(product)
     tools = {tool.number: tool for tool in spec.tools}
     clamps = () if spec.holding is None else spec.holding.clamps
-    always = tuple(each.obstacle for each in clamps if not (each.since or each.until))
+    always = tuple(clamp.obstacle for clamp in clamps if not (clamp.since or clamp.until))
     named = {cut.name: cut for cut in cuts}
     heights = [abs(z) for move in program.moves for z in (move.z_start, move.z_end)]
     above = max(filter(math.isfinite, heights), default=0.0)
     above = max(above, product.milled.gcode.heights.clearance)
-    found = []
+    traces = []
     for (name, number), group in groupby(program.moves, lambda move: (move.operation, move.tool)):
         moves = list(group)
         cut = named.get(name)
@@ -364,8 +373,8 @@ def traced(product: Product, program: Program, cuts: Iterable[Cut]) -> tuple[Tra
         obstacles = always if cut is None else cut.obstacles  # those that neither come nor go
         title = name or f"tool {number}"
         for start, chain, lines in _chains(moves, above):
-            found.append(Traced(tool_run(known, title, chain, obstacles, start), known, lines))
-    return tuple(found)
+            traces.append(Trace(tool_run(known, title, chain, obstacles, start), known, lines))
+    return tuple(traces)
 
 
 def _chains(
@@ -376,8 +385,12 @@ def _chains(
     for _, group in groupby(steps, lambda step: step is None):
         chain = [step for step in group if step is not None]
         if chain:
-            own = [(move, line) for _, parts, line in chain for move in parts]
-            yield chain[0][0], tuple(move for move, _ in own), tuple(line for _, line in own)
+            numbered_moves = [(move, line) for _, parts, line in chain for move in parts]
+            yield (
+                chain[0][0],
+                tuple(move for move, _ in numbered_moves),
+                tuple(line for _, line in numbered_moves),
+            )
 
 
 def _step(move: CutterMove, above: float) -> tuple[Point, list[Move], int] | None:
@@ -442,32 +455,34 @@ def work_findings(product: Product, program: Program) -> tuple[LineFinding, ...]
     """What the tools of the scene, run as the program says, do to its blank and its part."""
     cuts = _cuts(product)
     try:
-        found = traced(product, program, cuts)
+        traces = trace_program(product, program, cuts)
     except FileError as error:
         place, _, what = str(error).rpartition(": ")
         line = int(place.removeprefix("line ")) if place else 0
         return (LineFinding(line, "unknown-tool", WORK, what),)
-    if not found:
+    if not traces:
         return ()
     # What is wrong is told once for each name.
-    runs = tuple(replace(each.run, name=f"{k} {each.run.name}") for k, each in enumerate(found))
-    done = _done(product, cuts, runs, program.step if math.isfinite(program.step) else 0.0)
+    runs = tuple(replace(trace.run, name=f"{k} {trace.run.name}") for k, trace in enumerate(traces))
+    sides = _simulate_sides(
+        product, cuts, runs, program.step if math.isfinite(program.step) else 0.0
+    )
     bench = Workbench(product.milled.part, _spec(product))
-    told = []
-    for side, flaws in zip(done, side_flaws(done), strict=True):
-        own = side.side.runs is runs
+    findings = []
+    for side, flaws in zip(sides, side_flaws(sides), strict=True):
+        in_program = side.side.runs is runs
         for flaw, seen in zip(side.simulation.flaws, flaws, strict=True):
-            if own and not seen.watched:
-                told.append(_finding(flaw, seen, found, bench))
+            if in_program and not seen.watched:
+                findings.append(_finding(flaw, seen, traces, bench))
             elif not seen.watched:  # as it is planned, or what is left after both sides
-                told.append(
+                findings.append(
                     LineFinding(0, RULES[seen.name], WORK, f"of the other side, {seen.sentence}")
                 )
-        told += _too_deep(side.setup, found) if own else ()
-    return tuple(sorted(told, key=lambda each: each.line or math.inf))
+        findings += _too_deep(side.setup, traces) if in_program else ()
+    return tuple(sorted(findings, key=lambda finding: finding.line or math.inf))
 
 
-def _done(
+def _simulate_sides(
     product: Product, cuts: tuple[Cut, ...], runs: tuple[ToolRun, ...], level: float
 ) -> tuple[SimulatedSide, ...]:
     """Both sides of the job, or the only one; also where nothing can be planned of it."""
@@ -498,31 +513,31 @@ def _cuts(product: Product) -> tuple[Cut, ...]:
         )
 
 
-def _finding(flaw: Flaw, seen: Flaw, found: Sequence[Traced], bench: Workbench) -> LineFinding:
+def _finding(flaw: Flaw, seen: Flaw, traces: Sequence[Trace], bench: Workbench) -> LineFinding:
     """A flaw with its line; `seen` is the same with its place as the work lies."""
     number, _, name = flaw.operation.partition(" ")
-    each = found[int(number)]
+    trace = traces[int(number)]
     what = seen.sentence.removeprefix(f"{flaw.operation}: ")
-    reason = _too_large(flaw, each.tool, bench) if flaw.name in ("gouge", "rest") else ""
+    reason = _too_large(flaw, trace.tool, bench) if flaw.name in ("gouge", "rest") else ""
     what = f"{name}: {what}; {reason}" if reason else f"{name}: {what}"
-    return LineFinding(_line(flaw, each), RULES[flaw.name], WORK, what)
+    return LineFinding(_line(flaw, trace), RULES[flaw.name], WORK, what)
 
 
 def _too_large(flaw: Flaw, tool: Tool, bench: Workbench) -> str:
     """Whether the wall at the place of a flaw is too narrow for the tool; empty if not."""
     place = np.array([complex(*flaw.place[:2])])
     contours = [wall.boundary.arcs(ALLOWED, "fast").contour for wall in bench.part.walls]
-    away = [float(distances(place, Track.around(each))[0]) for each in contours]
+    away = [float(distances(place, Track.around(contour))[0]) for contour in contours]
     return bench.too_large(tool, bench.part.walls[int(np.argmin(away))].boundary)
 
 
-def _line(flaw: Flaw, each: Traced) -> int:
+def _line(flaw: Flaw, trace: Trace) -> int:
     """The first line of a run that comes to the place of a flaw as deep as it is told."""
-    run = each.run
+    run = trace.run
     if flaw.name == "rest":
         return 0
     if flaw.name == "loose":
-        lined = zip(each.lines, run.moves, strict=True)
+        lined = zip(trace.lines, run.moves, strict=True)
         return max((line for line, move in lined if not isinstance(move, Rapid)), default=0)
     moves = [Feed(move.end, 1.0) if isinstance(move, Rapid) else move for move in run.moves]
     course = feed_course(moves, run.start)
@@ -534,21 +549,21 @@ def _line(flaw: Flaw, each: Traced) -> int:
     if not np.any(np.isfinite(away)):
         return 0
     touching = np.flatnonzero(away <= max(run.radius, float(np.min(away))) + ALLOWED)
-    return each.lines[int(course.moves[touching[0]])]
+    return trace.lines[int(course.moves[touching[0]])]
 
 
-def _too_deep(setup: Setup, found: Sequence[Traced]) -> Iterator[LineFinding]:
+def _too_deep(setup: Setup, traces: Sequence[Trace]) -> Iterator[LineFinding]:
     """The first move of each run that digs deeper than its tool may, for each limit."""
-    told: set[tuple[int, str]] = set()
-    for depth in depths(setup, [each.run for each in found]):
-        each = found[depth.run]
-        limits = _limits(each.tool, depth) if each.tool.kind == END_MILL else ()
+    reported: set[tuple[int, str]] = set()
+    for depth in depths(setup, [trace.run for trace in traces]):
+        trace = traces[depth.run]
+        limits = _limits(trace.tool, depth) if trace.tool.kind == END_MILL else ()
         for rule, value, limit, what in limits:
-            if limit is not None and value > limit + DEEPER and (depth.run, rule) not in told:
-                told.add((depth.run, rule))
+            if limit is not None and value > limit + DEEPER and (depth.run, rule) not in reported:
+                reported.add((depth.run, rule))
                 x, y, _ = depth.place
-                text = f"{each.run.name}: {what} at X {x:.4g}, Y {y:.4g} mm"
-                line = each.lines[depth.move]
+                text = f"{trace.run.name}: {what} at X {x:.4g}, Y {y:.4g} mm"
+                line = trace.lines[depth.move]
                 yield LineFinding(line, rule, WORK, text, f"{value:.4g} mm", f"{limit:g} mm")
 
 
@@ -556,8 +571,13 @@ def _limits(tool: Tool, depth: Depth) -> tuple[tuple[str, float, float | None, s
     """Rule, depth, limit if any and words for what an end mill must not do."""
     return (
         ("slot-depth", depth.ahead, tool.stepdown, "a slot deeper than the tool's stepdown"),
-        ("flute-length", depth.beside, tool.flute_length, "deeper than the cutting edges are"),
-        ("holder", depth.beside, tool.stick_out, "deeper than the tool sticks out of its holder"),
+        ("flute-length", depth.engagement, tool.flute_length, "deeper than the cutting edges are"),
+        (
+            "holder",
+            depth.engagement,
+            tool.stick_out,
+            "deeper than the tool sticks out of its holder",
+        ),
     )
 
 
@@ -598,22 +618,22 @@ class Depth:
     run: int
     move: int
     ahead: float
-    beside: float
+    engagement: float
     place: Point
 
 
 def depths(setup: Setup, runs: Sequence[ToolRun]) -> Iterator[Depth]:
     """What stands at the cutter in each feed move that is not straight up or down."""
     courses = [feed_course(run.moves, run.start) for run in runs]
-    if not any(len(each) for each in courses):
+    if not any(len(course) for course in courses):
         return
     whole = joined(courses)
-    owners = np.concatenate([np.full(len(each), k) for k, each in enumerate(courses)])
+    owners = np.concatenate([np.full(len(course), k) for k, course in enumerate(courses)])
     radii = np.array([run.radius for run in runs])[owners]
     standing = _standing(setup)
     moving = np.flatnonzero(whole.lengths > 0.0)
     for first in range(0, len(moving), BATCH):
-        yield from _of_pieces(
+        yield from _piece_depths(
             moving[first : first + BATCH], whole, owners, radii, standing
         )  # fmt: skip
 
@@ -626,15 +646,15 @@ def _standing(setup: Setup) -> Callable[[ComplexArray], FloatArray]:
     slabs = setup.leftover.slabs
 
     def left(places: ComplexArray) -> FloatArray:
-        found = np.full(len(places), -np.inf)
+        heights = np.full(len(places), -np.inf)
         for slab in slabs:  # from the lowest
-            found[shapely.contains_xy(slab.material, places.real, places.imag)] = slab.z1
-        return found
+            heights[shapely.contains_xy(slab.material, places.real, places.imag)] = slab.z1
+        return heights
 
     return left
 
 
-def _of_pieces(
+def _piece_depths(
     pieces: np.ndarray[tuple[int], np.dtype[np.intp]],
     whole: Course,
     owners: np.ndarray[tuple[int], np.dtype[np.intp]],
@@ -651,11 +671,11 @@ def _of_pieces(
     order = np.repeat(numbers, len(SIDES))
     tops = standing(looked)
     cleared = _cleared(whole, _near(whole, looked, radii), looked, order, radii)
-    found = np.minimum(tops, cleared).reshape(-1, len(SIDES)) - tips[:, None]
+    material = np.minimum(tops, cleared).reshape(-1, len(SIDES)) - tips[:, None]
     for k, piece in enumerate(numbers.tolist()):
-        at = (float(places[k].real), float(places[k].imag), float(tips[k]))
-        ahead, beside = max(0.0, float(found[k, 0])), max(0.0, float(np.max(found[k])))
-        yield Depth(int(owners[piece]), int(whole.moves[piece]), ahead, beside, at)
+        tip = (float(places[k].real), float(places[k].imag), float(tips[k]))
+        ahead, engagement = max(0.0, float(material[k, 0])), max(0.0, float(np.max(material[k])))
+        yield Depth(int(owners[piece]), int(whole.moves[piece]), ahead, engagement, tip)
 
 
 def _near(whole: Course, places: ComplexArray, radii: FloatArray) -> BoolArray:
@@ -677,9 +697,11 @@ def _cleared(
     """(k,) lowest Z [mm] of a tip that passed over each place before; infinite if none did."""
     picked = np.flatnonzero(near)
     some = taken(whole, picked)
-    over = some.apart(places[:, None]) < (1.0 - 2.0 * RIM) * radii[picked]
-    over &= picked[None, :] < order[:, None]
-    return np.asarray(np.min(np.where(over, some.lowest[None, :], np.inf), axis=1, initial=np.inf))
+    passed = some.apart(places[:, None]) < (1.0 - 2.0 * RIM) * radii[picked]
+    passed &= picked[None, :] < order[:, None]
+    return np.asarray(
+        np.min(np.where(passed, some.lowest[None, :], np.inf), axis=1, initial=np.inf)
+    )
 
 
 # -- measure --------------------------------------------------------------------------------------
@@ -695,16 +717,16 @@ def measure(product: Product, data: bytes) -> float:
     Raises FileError if the program is incomplete, unsafe or in the wrong unit.
     """
     machine = load(product.milled.gcode.machine)
-    program = run(data, machine, bench_of(product, machine), most=1)
+    program = run(data, machine, program_bench(product, machine), most=1)
     program.refuse("words", "path")
     program = program.in_the_part(product.milled.zero)
     if program.mm_per_unit != MM_PER[product.unit]:
         raise FileError(f"the program is not in {product.unit}")
     program.refuse()
-    said, cuts = stated(program.comments), product.milled.cuts
-    if said.tolerance is None:  # then it could not be verified later
+    notes, cuts = parse_notes(program.comments), product.milled.cuts
+    if notes.tolerance is None:  # then it could not be verified later
         raise FileError("the program does not state its tolerance")
-    if fault := fault_of(cuts, program, machine, said):
+    if fault := compensation_fault(cuts, program, machine, notes):
         raise FileError(fault)
     gap = 0.0 if program.compensated is None else program.step
     program, rest = centred(cuts, program, machine)
@@ -725,8 +747,8 @@ def measure(product: Product, data: bytes) -> float:
         default=0.0,  # there may be a face or a drilled hole alone
     )
     arcs = any(move.kind == "arc" for move in program.moves)
-    own = machine.arcs.interpolation if arcs else 0.0
-    return path + rest + program.blending + program.naive_cam + own
+    interpolation = machine.arcs.interpolation if arcs else 0.0
+    return path + rest + program.blending + program.naive_cam + interpolation
 
 
 def beyond_slack(cut: ContourCut, contour: Contour | SplineContour) -> float:
@@ -736,7 +758,7 @@ def beyond_slack(cut: ContourCut, contour: Contour | SplineContour) -> float:
     return max(0.0, cut.centre.deviation(contour) - cut.slack)
 
 
-def bench_of(product: Product, machine: Machine) -> Bench:
+def program_bench(product: Product, machine: Machine) -> Bench:
     """The work of a program of ours: its blank, and its heights, which are printed rounded; all in
     its own coordinates.
     """
@@ -798,13 +820,15 @@ def too_near(cut: AreaCut | LetterCut, moves: Sequence[CutterMove]) -> float:
 # Whether a program of ours compensates for the cutter's radius as its cuts say.
 
 
-def offset_of(cuts: Sequence[Cut], machine: Machine, off: float = 0.0) -> Radius:
+def offset_function(cuts: Sequence[Cut], machine: Machine, excess: float = 0.0) -> Radius:
     """The offset of each compensated move [mm], if the tool table holds what it is to hold.
 
     With `off` [mm] it holds as much more.
     """
     table = {
-        cut.tool.number: _of_table(cut, machine) + off for cut in cuts if compensation_side(cut)
+        cut.tool.number: _table_radius(cut, machine) + excess
+        for cut in cuts
+        if compensation_side(cut)
     }
     return lambda move: table[move.radius_offset] + move.oversize
 
@@ -814,7 +838,7 @@ def centred(cuts: Sequence[Cut], program: Program, machine: Machine) -> tuple[Pr
 
     A nominal radius that is printed rounded leaves an offset below the last decimal.
     """
-    offset = offset_of(cuts, machine)
+    offset = offset_function(cuts, machine)
     sizes = [abs(offset(move)) for move in program.moves if move.compensation]
     rest = max((size for size in sizes if size <= program.step), default=0.0)
 
@@ -825,14 +849,16 @@ def centred(cuts: Sequence[Cut], program: Program, machine: Machine) -> tuple[Pr
     return program.centred(printed), rest
 
 
-def _of_table(cut: Cut, machine: Machine) -> float:
+def _table_radius(cut: Cut, machine: Machine) -> float:
     """The radius [mm] that the table holds for the nominal cutter."""
     words = machine.compensation
     alone = compensation_mode(cut) == WEAR and (words is None or not words.nominal)
     return 0.0 if alone else cut.tool.radius
 
 
-def fault_of(cuts: Sequence[Cut], program: Program, machine: Machine, said: Stated) -> str:
+def compensation_fault(
+    cuts: Sequence[Cut], program: Program, machine: Machine, notes: ProgramNotes
+) -> str:
     """What is wrong with the compensation of a program; empty if nothing is.
 
     Every cut is compensated as it is to be, from a straight move to another one, with the offset
@@ -845,20 +871,22 @@ def fault_of(cuts: Sequence[Cut], program: Program, machine: Machine, said: Stat
             return f"line {move.line}: compensated by the control"
     if not compensated:
         return ""
-    if len(said.offsets) != len(compensated):
+    if len(notes.offsets) != len(compensated):
         return "its comments do not say how far the offsets of its tools may be off"
-    for cut, most in zip(compensated, said.offsets, strict=True):
-        own = [move for move in program.moves if move.operation == cut.name]
-        found = _of_cut(cut, own, program.step, machine) or _beyond(cut, own, machine, most)
-        if found:
-            return found
+    for cut, most in zip(compensated, notes.offsets, strict=True):
+        moves = [move for move in program.moves if move.operation == cut.name]
+        fault = _cut_fault(cut, moves, program.step, machine) or _offset_fault(
+            cut, moves, machine, most
+        )
+        if fault:
+            return fault
     return ""
 
 
-def _of_cut(cut: Cut, moves: Sequence[CutterMove], step: float, machine: Machine) -> str:
+def _cut_fault(cut: Cut, moves: Sequence[CutterMove], step: float, machine: Machine) -> str:
     side, tool = compensation_side(cut), cut.tool
     flat = [move for move in moves if move.kind != "rapid" and move.start != move.end]
-    oversize = _of_table(cut, machine) and compensation_mode(cut) == WEAR
+    oversize = _table_radius(cut, machine) and compensation_mode(cut) == WEAR
     expected = -tool.radius if oversize else 0.0
     for number, move in enumerate(flat):
         if not move.compensation:
@@ -874,14 +902,14 @@ def _of_cut(cut: Cut, moves: Sequence[CutterMove], step: float, machine: Machine
     return ""
 
 
-def _beyond(cut: Cut, moves: Sequence[CutterMove], machine: Machine, most: float) -> str:
+def _offset_fault(cut: Cut, moves: Sequence[CutterMove], machine: Machine, most: float) -> str:
     """What a controller refuses with an offset that the comments allow."""
-    for off in (0.0, most, -most):
+    for excess in (0.0, most, -most):
         findings = Findings(1)
         try:
-            judge(moves, offset_of((cut,), machine, off), findings)
+            check_compensation(moves, offset_function((cut,), machine, excess), findings)
         except Enough:
-            return f"with an offset {off:g} mm off its nominal one, {findings.found[0]}"
+            return f"with an offset {excess:g} mm off its nominal one, {findings.reported[0]}"
     return ""
 
 
@@ -896,7 +924,9 @@ NUMBER = r"([-+.\de]+)"
 
 TOLERANCE = re.compile(rf"\btolerance (?:{NUMBER} inch, )?{NUMBER} mm", re.IGNORECASE)
 
-ONE_OF = re.compile(r"program (\d{1,4}) of \d{1,4}, run in this order", re.ASCII | re.IGNORECASE)
+PROGRAM_NUMBER = re.compile(
+    r"program (\d{1,4}) of \d{1,4}, run in this order", re.ASCII | re.IGNORECASE
+)
 
 OFFSET = re.compile(
     r"\bcompensation (?:wear|control): .{1,200}?"
@@ -913,7 +943,7 @@ HASH_DIGITS = 64
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Stated:
+class ProgramNotes:
     """What the comments of a program state.
 
     Attributes
@@ -934,23 +964,23 @@ class Stated:
     second: bool = False
 
 
-def notes_of(text: str) -> list[str]:
+def comment_texts(text: str) -> list[str]:
     """The comments in a text of any dialect, without brackets."""
-    return [(inside or after).strip() for inside, after in NOTE.findall(text)]
+    return [(bracketed or rest).strip() for bracketed, rest in NOTE.findall(text)]
 
 
-def stated(notes: Iterable[str]) -> Stated:
+def parse_notes(notes: Iterable[str]) -> ProgramNotes:
     """What `notes`, the comments of a program without brackets, state; long ones may be wrapped."""
     lines = [note.strip() for note in notes]
     text = " ".join(lines)
     scene, tolerance = SCENE.search(text), TOLERANCE.search(text)
     named = (re.match(r"camgeo (\S+)", line, re.IGNORECASE) for line in lines)
-    versions = [found[1].rstrip(",").lower() for found in named if found]
-    return Stated(
+    versions = [match[1].rstrip(",").lower() for match in named if match]
+    return ProgramNotes(
         versions[0] if versions else "",
         scene.group(1).replace(" ", "")[:HASH_DIGITS].lower() if scene else "",
         parse_tolerance(tolerance.group(2).lower()) if tolerance else None,
-        int(one.group(1)) if (one := ONE_OF.search(text)) else 0,
+        int(one.group(1)) if (one := PROGRAM_NUMBER.search(text)) else 0,
         tuple(_size(most) for _, most in OFFSET.findall(text)),
         any(line.lower().startswith(SECOND_SIDE) for line in lines),
     )

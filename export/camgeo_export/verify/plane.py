@@ -54,15 +54,17 @@ def matched(
     equal = len(contours) == len(shapes)
     note = "" if equal else f"closed contours expected: {names}"
     count = Check("contours", "", float(len(contours)), float(len(shapes)), ok=equal, note=note)
-    found = sorted(contours, key=lambda contour: abs(contour.area))
+    remaining = sorted(contours, key=lambda contour: abs(contour.area))
     wanted = sorted(shapes, key=_size)
     if equal:
         outlines = [shape.polygon(FINE * shape.length) for shape in wanted]
         return list(zip(wanted, paired(contours, outlines), strict=True)), count
     pairs: list[tuple[Shape, AnyContour | None]] = []
     for shape in reversed(wanted):
-        best = min(found, key=lambda each: abs(abs(each.area) - _size(shape)), default=None)
-        found = [each for each in found if each is not best]
+        best = min(
+            remaining, key=lambda contour: abs(abs(contour.area) - _size(shape)), default=None
+        )
+        remaining = [contour for contour in remaining if contour is not best]
         pairs.insert(0, (shape, best))
     return pairs, count
 
@@ -100,23 +102,25 @@ def contour_checks(
     extra : further contributions to the deviation [mm], e.g. gaps that were joined.
     where : location of the contour, appended to the shape's name.
     """
-    of = f"{shape.name}, {where}" if where else shape.name
+    label = f"{shape.name}, {where}" if where else shape.name
     if contour is None:
-        return [failed("deviation", "there is no contour for it", of)]
+        return [failed("deviation", "there is no contour for it", label)]
     if not (math.isfinite(contour.length) and contour.area != 0.0):
-        return [failed("deviation", "the contour encloses nothing", of)]
+        return [failed("deviation", "the contour encloses nothing", label)]
     contour = contour.counter_clockwise()
     checks = [
-        _deviation(shape, contour, tolerance, extra, of),
-        _kink(shape, contour, tolerance, of),
+        _deviation(shape, contour, tolerance, extra, label),
+        _kink(shape, contour, tolerance, label),
     ]
     if shape.area is not None:
         allowed = tolerance * (shape.length + math.pi * tolerance)
-        checks.append(near("area", contour.area, shape.area, allowed, "mm^2", of))
+        checks.append(near("area", contour.area, shape.area, allowed, "mm^2", label))
     return checks
 
 
-def _deviation(shape: Shape, contour: AnyContour, tolerance: float, extra: float, of: str) -> Check:
+def _deviation(
+    shape: Shape, contour: AnyContour, tolerance: float, extra: float, label: str
+) -> Check:
     try:
         value = shape.deviation(contour) + extra
     except (GeometryError, ToleranceError) as error:
@@ -125,9 +129,9 @@ def _deviation(shape: Shape, contour: AnyContour, tolerance: float, extra: float
             isinstance(error, GeometryError) and error.key
         ):  # the fault is the contour's all the same
             reason = "the contour cannot be compared with the exact curve"
-        return failed("deviation", f"{reason}; {_where(shape, contour, tolerance)}", of)
+        return failed("deviation", f"{reason}; {_where(shape, contour, tolerance)}", label)
     note = "" if value <= tolerance else _where(shape, contour, tolerance)
-    return at_most("deviation", value, tolerance, "mm", of, note)
+    return at_most("deviation", value, tolerance, "mm", label, note)
 
 
 def _where(shape: Shape, contour: AnyContour, tolerance: float) -> str:
@@ -147,21 +151,21 @@ def _where(shape: Shape, contour: AnyContour, tolerance: float) -> str:
     return text
 
 
-def _kink(shape: Shape, contour: AnyContour, tolerance: float, of: str) -> Check:
+def _kink(shape: Shape, contour: AnyContour, tolerance: float, label: str) -> Check:
     """The largest kink where the exact outline has no corner.
 
     The limit is what the tolerance permits: whoever rounds the numbers of a file or redraws its
     curves within the tolerance turns its pieces by no more. `SLOPE` suffices where the outline
     hardly bends along a piece; elsewhere its own turn there is allowed in addition.
     """
-    joints = joints_of(contour)
+    joints = contour_joints(contour)
     with np.errstate(divide="ignore"):
-        limits = SLOPE * tolerance * (1.0 / joints.before + 1.0 / joints.after)
+        limits = SLOPE * tolerance * (1.0 / joints.previous_length + 1.0 / joints.next_length)
     limits = np.minimum(limits, math.pi)
     smooth = joints.kinks > ROUNDING
     for corner in shape.corners:
-        apart = np.abs(joints.places - corner)
-        smooth &= (apart > 2.0 * tolerance) & (apart > np.min(apart))
+        distances = np.abs(joints.places - corner)
+        smooth &= (distances > 2.0 * tolerance) & (distances > np.min(distances))
     kinks: FloatArray = np.where(smooth, joints.kinks, 0.0)
     for k in np.flatnonzero(kinks > limits):
         limits[k] += _turn_near(shape, complex(joints.places[k]), float(kinks[k]), tolerance)
@@ -169,7 +173,7 @@ def _kink(shape: Shape, contour: AnyContour, tolerance: float, of: str) -> Check
     worst = int(np.argmax(np.where(beyond, kinks - limits, -1.0) if np.any(beyond) else kinks))
     value, limit = math.degrees(float(kinks[worst])), math.degrees(float(limits[worst]))
     return at_most(
-        "kink", value, limit, "deg", of, f"at {place_text(complex(joints.places[worst]))}"
+        "kink", value, limit, "deg", label, f"at {place_text(complex(joints.places[worst]))}"
     )
 
 
@@ -181,7 +185,7 @@ def _turn_near(shape: Shape, place: complex, kink: float, tolerance: float) -> f
     """
     reach = tolerance * (1.0 + 1.0 / math.sin(min(kink, 0.5 * math.pi)))
     try:
-        joints = joints_of(shape.polygon(FINER * tolerance))
+        joints = contour_joints(shape.polygon(FINER * tolerance))
     except (ToleranceError, UndercutError):
         return 0.0
     return float(np.sum(joints.kinks[np.abs(joints.places - place) <= reach]))
@@ -223,7 +227,9 @@ class Shape:
     area: float | None
 
 
-def shapes_of(boundaries: tuple[Boundary, ...], extent: float, tolerance: float) -> list[Shape]:
+def boundary_shapes(
+    boundaries: tuple[Boundary, ...], extent: float, tolerance: float
+) -> list[Shape]:
     """The shapes of a part's boundaries.
 
     Parameters
@@ -238,8 +244,8 @@ def _shape(boundary: Boundary, loose: float, tolerance: float) -> Shape:
     if isinstance(boundary, ScaledBoundary):
         return _scaled(boundary, loose, tolerance)
 
-    def polygon(within: float) -> Contour:
-        return boundary.polyline(within, "fast").contour
+    def polygon(limit: float) -> Contour:
+        return boundary.polyline(limit, "fast").contour
 
     length = polygon(loose).length
     if isinstance(boundary, CurveBoundary):
@@ -254,27 +260,30 @@ def _shape(boundary: Boundary, loose: float, tolerance: float) -> Shape:
 
 
 def _scaled(boundary: ScaledBoundary, loose: float, tolerance: float) -> Shape:
-    own, by = _shape(boundary.unscaled, loose / boundary.factor, tolerance), boundary.factor
+    unscaled, factor = (
+        _shape(boundary.unscaled, loose / boundary.factor, tolerance),
+        boundary.factor,
+    )
     return replace(
-        own,
+        unscaled,
         deviation=boundary.deviation,
-        polygon=lambda within: boundary.polyline(within, "fast").contour,
-        corners=own.corners * by,
-        length=own.length * by,
-        area=None if own.area is None else own.area * by**2,
+        polygon=lambda limit: boundary.polyline(limit, "fast").contour,
+        corners=unscaled.corners * factor,
+        length=unscaled.length * factor,
+        area=None if unscaled.area is None else unscaled.area * factor**2,
     )
 
 
 def corners_of_path(path: Path, tolerance: float) -> ComplexArray:
     """(k,) complex [mm] corners of `path`, and the ends of its arcs shorter than `tolerance`."""
-    slight = [each for each in path.pivots if abs(each.distance * each.sweep) <= tolerance]
-    points = [point for each in slight for point in (each.start, each.end)]
+    slight = [pivot for pivot in path.pivots if abs(pivot.distance * pivot.sweep) <= tolerance]
+    points = [point for pivot in slight for point in (pivot.start, pivot.end)]
     return np.array(points, dtype=np.complex128)
 
 
 def corners_of_contour(contour: Contour) -> ComplexArray:
     """(k,) complex [mm] vertices at which a contour of tangent pieces still has a kink."""
-    joints = joints_of(contour)
+    joints = contour_joints(contour)
     return np.asarray(joints.places[joints.kinks > FLAT])
 
 
@@ -291,22 +300,22 @@ class Joints:
 
     places: ComplexArray
     kinks: FloatArray
-    before: FloatArray
-    after: FloatArray
+    previous_length: FloatArray
+    next_length: FloatArray
 
 
-def joints_of(contour: AnyContour) -> Joints:
+def contour_joints(contour: AnyContour) -> Joints:
     """The joints of `contour`; each cubic of a spline counts as a piece, as a file's splines need
     not be smooth inside.
     """
     if isinstance(contour, Contour):
-        return _of_pieces(contour)
-    parts = [_of_strand(strand) for strand in contour.strands]
+        return _piece_joints(contour)
+    parts = [_strand_joints(strand) for strand in contour.strands]
     places, starts, ends, lengths = (np.concatenate([part[k] for part in parts]) for k in range(4))
     return _joints(places, starts, ends, lengths.real)
 
 
-def _of_pieces(contour: Contour) -> Joints:
+def _piece_joints(contour: Contour) -> Joints:
     chords = contour.ends - contour.vertices
     turning = 1j * np.sign(contour.sweeps)
     arcs = contour.sweeps != 0.0
@@ -323,7 +332,7 @@ def _joints(
     return Joints(places, kinks, np.roll(lengths, 1), lengths)
 
 
-def _of_strand(strand: CubicSpline | Arc) -> tuple[ComplexArray, ...]:
+def _strand_joints(strand: CubicSpline | Arc) -> tuple[ComplexArray, ...]:
     """Starts of its pieces, their directions at start and end, and their lengths."""
     if isinstance(strand, CubicSpline):
         pieces = strand.beziers
@@ -358,8 +367,8 @@ def deviation(contours: Sequence[AnyContour], boundaries: tuple[Boundary, ...]) 
     """
     if len(contours) != len(boundaries):
         names = ", ".join(boundary.name for boundary in boundaries)
-        found = counted(len(contours), "closed contour")
-        raise FileError(f"{found}, expected {len(boundaries)}: {names}")
+        count = counted(len(contours), "closed contour")
+        raise FileError(f"{count}, expected {len(boundaries)}: {names}")
     outlines = [boundary.arcs(TOPOLOGY_TOLERANCE, "fast").contour for boundary in boundaries]
     pairs = zip(boundaries, paired(contours, outlines), strict=True)
     return max(boundary.deviation(contour.counter_clockwise()) for boundary, contour in pairs)
@@ -371,20 +380,20 @@ def paired(contours: Sequence[AnyContour], outlines: Sequence[Contour]) -> list[
     The order of the areas distinguishes boundaries that lie inside each other; those of about the
     same size, such as the holes of a bolt circle and letters, lie at different places.
     """
-    (wanted, middles), (given, places) = map(_areas_and_middles, (outlines, contours))
-    unsure = [TOPOLOGY_TOLERANCE * each.length for each in outlines]
+    (wanted, middles), (areas, places) = map(_areas_and_middles, (outlines, contours))
+    unsure = [TOPOLOGY_TOLERANCE * outline.length for outline in outlines]
     order = np.argsort(wanted, kind="stable").tolist()
-    free = np.argsort(given, kind="stable").tolist()
-    found: dict[int, AnyContour] = {}
+    free = np.argsort(areas, kind="stable").tolist()
+    matches: dict[int, AnyContour] = {}
     while order:
         alike = _alike([(wanted[k], unsure[k]) for k in order])
         ours, free = free[:alike], free[alike:]
         for k in order[:alike]:
             away = np.abs(places[ours] - middles[k])
-            away += np.abs(np.sqrt(given[ours]) - np.sqrt(wanted[k]))
-            found[k] = contours[ours.pop(int(np.argmin(away)))]
+            away += np.abs(np.sqrt(areas[ours]) - np.sqrt(wanted[k]))
+            matches[k] = contours[ours.pop(int(np.argmin(away)))]
         order = order[alike:]
-    return [found[k] for k in range(len(outlines))]
+    return [matches[k] for k in range(len(outlines))]
 
 
 def _alike(areas: Sequence[tuple[float, float]]) -> int:
@@ -402,19 +411,19 @@ def _alike(areas: Sequence[tuple[float, float]]) -> int:
 
 def _areas_and_middles(contours: Sequence[AnyContour]) -> tuple[FloatArray, ComplexArray]:
     """(n,), (n,) complex areas [mm^2] and middles [mm] of contours."""
-    areas = np.array([abs(each.area) for each in contours])
-    return areas, np.array([_middle(each) for each in contours])
+    areas = np.array([abs(contour.area) for contour in contours])
+    return areas, np.array([_middle(contour) for contour in contours])
 
 
 def _middle(contour: AnyContour) -> complex:
     """Middle of its bounding box [mm]."""
-    points = points_of(contour, LOOSE * reach_of(contour))
+    points = sample_points(contour, LOOSE * contour_reach(contour))
     sides = (points.real, points.imag)
-    x, y = (0.5 * float(np.min(each) + np.max(each)) for each in sides)
+    x, y = (0.5 * float(np.min(coordinates) + np.max(coordinates)) for coordinates in sides)
     return complex(x, y)
 
 
-def reach_of(contour: AnyContour) -> float:
+def contour_reach(contour: AnyContour) -> float:
     """Largest distance of its vertices, or of its control points, from the cam axis [mm]."""
     if isinstance(contour, SplineContour):
         return contour.reach
@@ -431,20 +440,20 @@ def farthest(polygon: Contour, contour: AnyContour, sagitta: float) -> tuple[flo
     In both directions; for splines, only from them to the polygon. Arcs are replaced by chords
     that lie within `sagitta` [mm] of them.
     """
-    found = [_largest(polygon.vertices, points_of(contour, sagitta))]
+    largest = [_largest(polygon.vertices, sample_points(contour, sagitta))]
     if isinstance(contour, Contour):
-        found.append(_largest(contour.points(sagitta), polygon.vertices))
-    return max(found, key=lambda each: each[0])
+        largest.append(_largest(contour.points(sagitta), polygon.vertices))
+    return max(largest, key=lambda pair: pair[0])
 
 
-def points_of(contour: AnyContour, sagitta: float) -> ComplexArray:
+def sample_points(contour: AnyContour, sagitta: float) -> ComplexArray:
     """(m,) complex [mm] points on the contour, in any order."""
     share = np.arange(PARTS) / PARTS
     if isinstance(contour, Contour):
         lines = contour.sweeps == 0.0
         starts, ends = contour.vertices[lines, None], contour.ends[lines, None]
-        between = (starts + (ends - starts) * share).ravel()
-        return np.concatenate((contour.points(sagitta), between))
+        line_points = (starts + (ends - starts) * share).ravel()
+        return np.concatenate((contour.points(sagitta), line_points))
     parts: list[ComplexArray] = []
     for strand in contour.strands:
         if isinstance(strand, CubicSpline):
@@ -456,12 +465,12 @@ def points_of(contour: AnyContour, sagitta: float) -> ComplexArray:
 
 def _largest(course: ComplexArray, points: ComplexArray) -> tuple[float, complex]:
     """Largest distance of `points` from the closed polygon `course`, and where."""
-    distances = distances_from(course, points)
+    distances = distances_to_polygon(course, points)
     index = int(np.argmax(distances))
     return float(distances[index]), complex(points[index])
 
 
-def distances_from(course: ComplexArray, points: ComplexArray) -> FloatArray:
+def distances_to_polygon(course: ComplexArray, points: ComplexArray) -> FloatArray:
     """(n,) distance of `points` from the closed polygon `course`."""
     import shapely
 

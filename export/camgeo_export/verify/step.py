@@ -31,12 +31,12 @@ from camgeo_export.part21 import (
     Face,
     Solid,
     Use,
-    header_of,
+    header_record,
 )
-from camgeo_export.reading import OF_ARCS, AnyContour, text_tokens
+from camgeo_export.reading import ARC_SLACK, AnyContour, text_tokens
 from camgeo_export.verify.body import (
     Surfaces,
-    levels_of,
+    group_levels,
     no_body,
 )
 
@@ -51,13 +51,13 @@ class StepVerifier:
     """Verifies a STEP file."""
 
     format = "step"
-    slack = OF_ARCS
+    slack = ARC_SLACK
     tokens = staticmethod(text_tokens)
 
     def origin(self, data: bytes) -> Origin:
         """From the description in the header."""
         try:
-            values = header_of(data, "FILE_DESCRIPTION").values
+            values = header_record(data, "FILE_DESCRIPTION").values
         except FileError as error:
             return Origin(damage=str(error))
         lines = values[0] if values and isinstance(values[0], tuple) else ()
@@ -74,7 +74,7 @@ class StepVerifier:
     ) -> tuple[Check, ...]:
         """Unit, the shell, and the solid against the part."""
         try:
-            solid = Solid.of(data)
+            solid = Solid.from_bytes(data)
         except FileError as error:
             return (failed("file", str(error)),)
         part = product.drawn.part
@@ -87,11 +87,11 @@ class StepVerifier:
         checks += shell
         if not all(check.ok for check in shell if check.name in TOPOLOGY):
             return tuple(checks)
-        bounds = bounds_of(solid)
+        bounds = level_bounds(solid)
         ranges, contours = levels(bounds, tolerance)
         base = float(ranges[0, 0]) if len(ranges) else 0.0
         try:
-            found = volume_of(bounds, solid.faces)
+            volume = volume_by_levels(bounds, solid.faces)
         except FileError as error:
             return (*checks, failed("body", str(error)))
         surfaces = Surfaces(
@@ -100,7 +100,7 @@ class StepVerifier:
             lambda low, high: slope_contours(solid, low + base, high + base, tolerance),
             gap(solid),
         )
-        return (*checks, *surfaces.checks(part, product.drawn.base_radius, found, tolerance))
+        return (*checks, *surfaces.checks(part, product.drawn.base_radius, volume, tolerance))
 
 
 VERIFIER = StepVerifier()
@@ -118,12 +118,12 @@ Bound = tuple[float, AnyContour]
 """Of a loop of a flat face its height [mm] and its contour, in its direction from above."""
 
 
-def shell_checks(solid: Solid, within: float) -> list[Check]:
+def shell_checks(solid: Solid, tolerance: float) -> list[Check]:
     """All checks of the shell; `within` is how near [mm] edges meet vertices and surfaces."""
     checks = [_closed(solid), _oriented(solid)]
     if not all(check.ok for check in checks):
         return checks
-    checks += [_uncertainty(solid, within), _walls(solid, within)]
+    checks += [_uncertainty(solid, tolerance), _walls(solid, tolerance)]
     if all(check.ok for check in checks):
         checks.append(_outwards(solid))
     return checks
@@ -135,30 +135,30 @@ def gap(solid: Solid) -> float:
     An arc through both vertices is the circle's own, turned and stretched: it moves no point by
     more than thrice as far as its ends.
     """
-    return 3.0 * max(use.edge.off for use in _uses(solid))
+    return 3.0 * max(use.edge.gap for use in _uses(solid))
 
 
-def bounds_of(solid: Solid) -> list[Bound]:
+def level_bounds(solid: Solid) -> list[Bound]:
     """The loops of all flat faces, in the order of the file; raises FileError."""
     return [_bound(loop) for face in solid.faces if face.is_level for loop in face.loops]
 
 
-def levels(bounds: Sequence[Bound], within: float) -> tuple[FloatArray, list[list[AnyContour]]]:
+def levels(bounds: Sequence[Bound], tolerance: float) -> tuple[FloatArray, list[list[AnyContour]]]:
     """(k, 2) least and greatest height of each level, from 0, and the contours at each."""
     if not bounds:
         return np.zeros((0, 2)), []
-    numbers, ranges = levels_of(np.array([z for z, _ in bounds]), within)
-    found: list[list[AnyContour]] = [[] for _ in ranges]
+    numbers, ranges = group_levels(np.array([z for z, _ in bounds]), tolerance)
+    contours: list[list[AnyContour]] = [[] for _ in ranges]
     for (_, contour), number in zip(bounds, numbers.tolist(), strict=True):
-        found[number].append(contour)
-    return ranges, found
+        contours[number].append(contour)
+    return ranges, contours
 
 
-def volume_of(bounds: Iterable[Bound], faces: Iterable[Face]) -> float:
+def volume_by_levels(bounds: Iterable[Bound], faces: Iterable[Face]) -> float:
     """The enclosed volume [mm^3] by flat faces, with the `bounds`, and by the chamfers among the
     `faces`; positive where they look outwards. Raises FileError for one that cannot be read.
     """
-    leaning = (volume_below(face) for face in faces if face.is_inclined)
+    leaning = (column_volume(face) for face in faces if face.is_inclined)
     return math.fsum((*(z * contour.area for z, contour in bounds), *leaning))
 
 
@@ -173,7 +173,7 @@ def _closed(solid: Solid) -> Check:
             for use, following in zip(loop, (*loop[1:], loop[0]), strict=True):
                 if use.ends[1] != following.ends[0]:
                     what = f"edge #{use.edge.number} does not end where #{following.edge.number}"
-                    return failed("closed", f"a loop of {face.told} is open: {what} begins")
+                    return failed("closed", f"a loop of {face.label} is open: {what} begins")
     users: dict[int, list[int]] = defaultdict(list)
     for number, face in enumerate(solid.faces):
         for use in face.uses:
@@ -214,24 +214,26 @@ def _oriented(solid: Solid) -> Check:
     return Check("oriented", "", float(len(twice)), None, 0.0, "edges run twice", not twice, note)
 
 
-def _uncertainty(solid: Solid, within: float) -> Check:
+def _uncertainty(solid: Solid, tolerance: float) -> Check:
     """Ends lie on their curves, edges on the surfaces of their faces."""
     worst, place = 0.0, ""
     for face in solid.faces:
         for use in face.uses:
-            off = max(use.edge.off, face.distance_from(use.edge))
-            if not off <= worst:
-                worst, place = off, f"edge #{use.edge.number} of {face.told}"
-    note = "" if worst <= within else f"{place} does not meet its vertices, or leaves the surface"
-    return at_most("uncertainty", worst, within, "mm", note=note)
+            distance = max(use.edge.gap, face.edge_distance(use.edge))
+            if not distance <= worst:
+                worst, place = distance, f"edge #{use.edge.number} of {face.label}"
+    note = (
+        "" if worst <= tolerance else f"{place} does not meet its vertices, or leaves the surface"
+    )
+    return at_most("uncertainty", worst, tolerance, "mm", note=note)
 
 
-def _walls(solid: Solid, within: float) -> Check:
+def _walls(solid: Solid, tolerance: float) -> Check:
     """Each face is level, or between two heights, with its normal out of the material."""
     for face in solid.faces:
-        note = _flat_fault(face) if face.is_level else _wall_fault(face, within)
+        note = _flat_fault(face) if face.is_level else _wall_fault(face, tolerance)
         if note:
-            return failed("walls", f"{face.told} {note}")
+            return failed("walls", f"{face.label} {note}")
     return Check("walls", "", "upright", ok=True)
 
 
@@ -241,33 +243,33 @@ def _flat_fault(face: Face) -> str:
         return "has an upright edge"
     areas = sorted((_bound(loop)[1].area for loop in face.loops), key=abs)
     signs = [area > 0.0 for area in areas]
-    holes = [sign != face.looks_up for sign in signs]
+    holes = [sign != face.is_upward for sign in signs]
     right = all(holes[:-1]) and not holes[-1] and all(areas)
     return "" if right else "is turned against its edges"
 
 
-def _wall_fault(face: Face, within: float) -> str:
+def _wall_fault(face: Face, tolerance: float) -> str:
     """What is wrong with one between two heights: the edges below it have it on their left, and so
     have those above.
     """
     low, high = face.heights
     if face.is_inclined:
         try:
-            rows_of(face)
+            edge_rows(face)
         except FileError as error:
             return f"cannot be read: {error}"
-    for use in (each for each in face.uses if each.edge.strands):
-        below = abs(use.edge.z - low) <= within
-        if not below and abs(use.edge.z - high) > within:
+    for use in (use for use in face.uses if use.edge.strands):
+        below = abs(use.edge.z - low) <= tolerance
+        if not below and abs(use.edge.z - high) > tolerance:
             return f"has edge #{use.edge.number} between its lower and its upper end"
-        if any(face.has_up_on_left_of(strand) != below for strand in use.strands):
+        if any(face.rises_to_left(strand) != below for strand in use.strands):
             return "is turned against its edges"
     return ""
 
 
 def _outwards(solid: Solid) -> Check:
     """The volume is positive, and the same by flat faces and by walls."""
-    by_levels = volume_of(bounds_of(solid), solid.faces)
+    by_levels = volume_by_levels(level_bounds(solid), solid.faces)
     by_walls = math.fsum(_volume_of_wall(face) for face in solid.faces if not face.is_level)
     if not by_levels > 0.0:
         return failed("outwards", "the shell is turned inside out")
@@ -277,7 +279,7 @@ def _outwards(solid: Solid) -> Check:
 def _volume_of_wall(face: Face) -> float:
     """The share of a wall in the volume [mm^3]."""
     if face.is_inclined:
-        return volume_within(face)
+        return inclined_volume(face)
     low, high = face.heights
     moments = [
         strand.moment
@@ -299,11 +301,11 @@ def _bound(loop: Sequence[Use]) -> Bound:
 FARTHEST = 1e3
 """Half heights of a face, from its middle, beyond which no parabola needs to be known to turn."""
 
-Row = tuple[Use, Arc]
+RowStrand = tuple[Use, Arc]
 """A strand and the edge that it is of, which runs as the strand does."""
 
 
-def rows_of(face: Face) -> tuple[list[Row], list[Row]]:
+def edge_rows(face: Face) -> tuple[list[RowStrand], list[RowStrand]]:
     """As many lower and upper strands of an inclined face, with the material on their left.
 
     Raises
@@ -312,18 +314,18 @@ def rows_of(face: Face) -> tuple[list[Row], list[Row]]:
         If there are not as many, of the same kinds, or splines among them.
     """
     low, high = face.heights
-    rows: tuple[list[Row], list[Row]] = ([], [])
-    for use in (each for each in face.uses if each.edge.strands):
+    rows: tuple[list[RowStrand], list[RowStrand]] = ([], [])
+    for use in (use for use in face.uses if use.edge.strands):
         upper = use.edge.z - low > high - use.edge.z
         way = Use(use.edge, use.forward != upper)
         for strand in way.strands:
             if not isinstance(strand, Arc):
-                raise FileError(f"{face.told} has an edge that is neither a line nor an arc")
+                raise FileError(f"{face.label} has an edge that is neither a line nor an arc")
             rows[upper].append((way, strand))
     rows[True].reverse()
     kinds = [[bool(strand.sweep) for _, strand in row] for row in rows]
     if kinds[0] != kinds[1] or not kinds[0]:
-        raise FileError(f"{face.told} has other edges above than below")
+        raise FileError(f"{face.label} has other edges above than below")
     return rows
 
 
@@ -332,14 +334,14 @@ def _is_bent(face: Face) -> bool:
     return any(use.edge.bend is not None for use in face.uses)
 
 
-def _section(face: Face, rows: tuple[list[Row], list[Row]], z: float) -> list[Arc]:
+def _section(face: Face, rows: tuple[list[RowStrand], list[RowStrand]], z: float) -> list[Arc]:
     """The section at a height [mm] of a face with bent edges, in as many pieces as it has below."""
     lower, upper = ([strand for _, strand in row] for row in rows)
     posts = {use.edge.foot: use.edge for use in face.uses if not use.edge.strands}
     ends = _chained(rows[0])
     if any(end not in posts for end in ends):
-        raise FileError(f"{face.told} has no edges between those below and above")
-    start, end = (posts[end].place_at(z) for end in ends)
+        raise FileError(f"{face.label} has no edges between those below and above")
+    start, end = (posts[end].section_point(z) for end in ends)
     shares = [k / len(lower) for k in range(1, len(lower))]
     low, high = face.heights
     share = (z - low) / (high - low)
@@ -347,16 +349,16 @@ def _section(face: Face, rows: tuple[list[Row], list[Row]], z: float) -> list[Ar
     turn = math.fsum((1.0 - share) * a.sweep + share * b.sweep
                      for a, b in zip(lower, upper, strict=True))  # fmt: skip
     if not turn:
-        inner = [start + each * (end - start) for each in shares]
+        inner = [start + fraction * (end - start) for fraction in shares]
     else:
         angle = phase((end - centre) / (start - centre))
         turn = angle + TURN * round((turn - angle) / TURN)
-        inner = [centre + (start - centre) * cmath.exp(1j * each * turn) for each in shares]
+        inner = [centre + (start - centre) * cmath.exp(1j * fraction * turn) for fraction in shares]
     places = pairwise((start, *inner, end))
     return [Arc(a, b, turn / len(lower), centre) for a, b in places]
 
 
-def _middles(face: Face, rows: tuple[list[Row], list[Row]]) -> list[Arc]:
+def _middles(face: Face, rows: tuple[list[RowStrand], list[RowStrand]]) -> list[Arc]:
     """The section half way up."""
     if _is_bent(face):
         return _section(face, rows, 0.5 * sum(face.heights))
@@ -370,12 +372,12 @@ def _middle_section(lower: Arc, upper: Arc) -> Arc:
         return Arc(start, end, 0.0, 0j)
     share = 0.5 * (1.0 + upper.radius / lower.radius)
     start, end = (
-        lower.centre + share * (each - lower.centre) for each in (lower.start, lower.end)
+        lower.centre + share * (point - lower.centre) for point in (lower.start, lower.end)
     )  # fmt: skip
     return Arc(start, end, lower.sweep, lower.centre)
 
 
-def volume_within(face: Face) -> float:
+def inclined_volume(face: Face) -> float:
     """The share of an inclined face in the volume [mm^3], by its sections: Simpson's rule, exact as
     these are squares of lengths, or if edges are bent Gauss's one with enough nodes.
     """
@@ -384,7 +386,7 @@ def volume_within(face: Face) -> float:
         return _volume_by_sections(face, low, high)
     return (high - low) * math.fsum(
         (one.moment + 4.0 * _middle_section(one, other).moment + other.moment) / 6.0
-        for (_, one), (_, other) in zip(*rows_of(face), strict=True)
+        for (_, one), (_, other) in zip(*edge_rows(face), strict=True)
     )
 
 
@@ -392,10 +394,10 @@ def _volume_by_sections(face: Face, low: float, high: float) -> float:
     """The same for bent edges: sections are analytic in z but where a parabola turns."""
     half = 0.5 * (high - low)
     bends = [use.edge.bend for use in face.uses if use.edge.bend is not None]
-    if not all(each.is_monotonic for each in bends):
-        raise FileError(f"{face.told} has an edge that rises and falls")
-    place = min(FARTHEST, *(abs(each.turning - low - half) / half for each in bends))
-    rows = rows_of(face)
+    if not all(bend.is_monotonic for bend in bends):
+        raise FileError(f"{face.label} has an edge that rises and falls")
+    place = min(FARTHEST, *(abs(bend.turning - low - half) / half for bend in bends))
+    rows = edge_rows(face)
     heights, _, weights = gauss(np.array([low]), np.array([high]), nodes_for_singularity(-place))
     return half * math.fsum(
         weight * strand.moment
@@ -404,33 +406,33 @@ def _volume_by_sections(face: Face, low: float, high: float) -> float:
     )
 
 
-def volume_below(face: Face) -> float:
+def column_volume(face: Face) -> float:
     """The same by heights, as of flat faces: the integral of z over its area seen from above."""
     low, high = face.heights
-    lower, upper = (math.fsum(strand.moment for _, strand in row) for row in rows_of(face))
-    return volume_within(face) - (high * upper - low * lower)
+    lower, upper = (math.fsum(strand.moment for _, strand in row) for row in edge_rows(face))
+    return inclined_volume(face) - (high * upper - low * lower)
 
 
 def slope_contours(
-    solid: Solid, low: float, high: float, within: float
+    solid: Solid, low: float, high: float, tolerance: float
 ) -> Iterator[list[AnyContour]]:
     """Of the inclined faces from `low` to `high`, `within` a length [mm], the contours of the lower
     edges, of the sections half way up and of the upper edges; raises FileError.
     """
     ends = np.array([low, high])
     faces = [
-        each
-        for each in solid.faces
-        if each.is_inclined and np.all(np.abs(ends - each.heights) <= within)
+        face
+        for face in solid.faces
+        if face.is_inclined and np.all(np.abs(ends - face.heights) <= tolerance)
     ]
     if not faces:
         raise FileError("there is no chamfer")
-    rows = [rows_of(face) for face in faces]
+    rows = [edge_rows(face) for face in faces]
     chains = [_chained(lower) for lower, _ in rows]
     # The order in which lower edges follow each other is that of the faces all the way up.
     order = _loops(chains)
     for place in range(3):
-        found = []
+        contours = []
         for loop in order:
             strands = []
             for k in loop:
@@ -438,30 +440,30 @@ def slope_contours(
                     strands += _middles(faces[k], rows[k])
                 else:
                     strands += [strand for _, strand in rows[k][place // 2]]
-            found.append(closed(strands))
-        yield found
+            contours.append(closed(strands))
+        yield contours
 
 
-def _chained(row: Sequence[Row]) -> tuple[int, int]:
+def _chained(row: Sequence[RowStrand]) -> tuple[int, int]:
     """The vertices where a row begins and ends."""
     return row[0][0].ends[0], row[-1][0].ends[1]
 
 
 def _loops(chains: Iterable[tuple[int, int]]) -> list[list[int]]:
     """The numbers of chains, loop by loop, each from the vertex where the one before it ends."""
-    after = {start: (number, end) for number, (start, end) in enumerate(chains)}
-    found = []
-    while after:
-        first = next(iter(after))
+    successors = {start: (number, end) for number, (start, end) in enumerate(chains)}
+    loops = []
+    while successors:
+        first = next(iter(successors))
         vertex = first
         loop: list[int] = []
         while not loop or vertex != first:
-            if vertex not in after:
+            if vertex not in successors:
                 raise FileError("the faces of a chamfer do not go round")
-            number, vertex = after.pop(vertex)
+            number, vertex = successors.pop(vertex)
             loop.append(number)
-        found.append(loop)
-    return found
+        loops.append(loop)
+    return loops
 
 
 # -- measure --------------------------------------------------------------------------------------
@@ -482,13 +484,13 @@ def measure(product: Product, data: bytes) -> float:
         part.require_heights()
     except GeometryError as error:
         raise FileError(f"no solid to compare this with: {error.message}") from None
-    solid = Solid.of(data)
+    solid = Solid.from_bytes(data)
     if solid.unit != MM_PER[product.unit]:
         raise FileError(f"the solid is in {solid.unit_name}, not in {product.unit}")
     for check in shell_checks(solid, UNCERTAINTY):
         if not check.ok:
             raise FileError(f"the solid fails the check '{check.name}': {check.note}")
-    ranges, contours = levels(bounds_of(solid), UNCERTAINTY)
+    ranges, contours = levels(level_bounds(solid), UNCERTAINTY)
     surfaces = Surfaces(
         ranges,
         contours.__getitem__,

@@ -68,8 +68,8 @@ class StlVerifier:
 
     def origin(self, data: bytes) -> Origin:
         """From the header, which has room only for the first digits of the scene's hash."""
-        found = OURS.match(data[:PREFIX])
-        version, scene = (found[1].decode(), found[3].decode()) if found else ("", "")
+        match = OURS.match(data[:PREFIX])
+        version, scene = (match[1].decode(), match[3].decode()) if match else ("", "")
         try:
             _check(data)
         except FileError as error:
@@ -86,7 +86,7 @@ class StlVerifier:
         if ours:  # it states no tolerance, so what cannot be written again is checked here
             checks += [_header(data, product), _attributes(data)]
         try:
-            normals, corners = _facets_of(data)
+            normals, corners = _read_facets(data)
         except FileError as error:
             return (*checks, failed("file", f"no mesh: {error}"))
         if not np.abs(corners).max(initial=0.0) <= COORDINATE:  # or NaN
@@ -125,9 +125,9 @@ def _damage(data: bytes) -> str:
 
 def _unit(data: bytes, reading: Reading) -> tuple[LengthUnit, Check]:
     """Ours are in mm and say so; others state no unit."""
-    found = OURS.match(data[:PREFIX])
-    if found:
-        return "mm", equal("unit", found[2].decode(), "mm", note="camgeo's STL files are in mm")
+    match = OURS.match(data[:PREFIX])
+    if match:
+        return "mm", equal("unit", match[2].decode(), "mm", note="camgeo's STL files are in mm")
     if reading.unit is not None:
         return reading.unit, reported("unit", reading.unit, note="by --unit")
     return "mm", reported("unit", "mm", note="assumed: STL has no unit; give another with --unit")
@@ -140,10 +140,10 @@ def _is_binary(data: bytes) -> bool:
 
 def _header(data: bytes, product: Product) -> Check:
     """The part that the header names, as far as there is room for it."""
-    found = OURS.match(data[:PREFIX])
-    assert found is not None  # it is one of ours
-    named = data[found.end() : HEADER_BYTES].decode("ascii", "replace").strip()
-    room = HEADER_BYTES - found.end() - 1
+    match = OURS.match(data[:PREFIX])
+    assert match is not None  # it is one of ours
+    named = data[match.end() : HEADER_BYTES].decode("ascii", "replace").strip()
+    room = HEADER_BYTES - match.end() - 1
     name = product.name.encode("ascii", "replace").decode()[: max(room, 0)].strip()
     return equal("part", named, name, note="the header names another part")
 
@@ -159,7 +159,7 @@ def _attributes(data: bytes) -> Check:
     return Check("attributes", "", "none", ok=True)
 
 
-def _facets_of(data: bytes) -> tuple[FloatArray, FloatArray]:
+def _read_facets(data: bytes) -> tuple[FloatArray, FloatArray]:
     """(m, 3) normals and (m, 3, 3) corners, as in the file; raises FileError."""
     if _is_binary(data):
         return _binary_facets(data)

@@ -8,9 +8,9 @@ from camgeo.design.product import Product
 from camgeo.design.verify import Check, Origin, Reading, failed, parse_tolerance, reported
 from camgeo.errors import CamgeoError, FileError
 from camgeo.scene.formats.format import CUT_SVG
-from camgeo_export.reading import OF_ARCS, text_tokens
-from camgeo_export.svg import check_xml, drawing_of
-from camgeo_export.verify.plane import all_checks, shapes_of
+from camgeo_export.reading import ARC_SLACK, text_tokens
+from camgeo_export.svg import check_xml, read_drawing
+from camgeo_export.verify.plane import all_checks, boundary_shapes
 
 NOTE = re.compile(
     rb"<desc>camgeo ([^;<]{1,100}); scene ([0-9a-f]{1,64}); tolerance ([-+.0-9e]{1,40}) mm</desc>"
@@ -25,7 +25,7 @@ class CutSvgVerifier:
     """Verifies an SVG drawing at true size."""
 
     format = CUT_SVG.name
-    slack = OF_ARCS
+    slack = ARC_SLACK
     tokens = staticmethod(text_tokens)
 
     def origin(self, data: bytes) -> Origin:
@@ -34,11 +34,11 @@ class CutSvgVerifier:
             check_xml(data, "the file")
         except FileError as error:
             return Origin(damage=str(error))
-        found = NOTE.search(data[:HEAD_BYTES])
+        match = NOTE.search(data[:HEAD_BYTES])
         damage = "" if data.rstrip().endswith(b"</svg>") else "not a complete SVG drawing"
-        if found is None:
+        if match is None:
             return Origin(damage=damage)
-        version, scene, tolerance = (each.decode("utf-8", "replace") for each in found.groups())
+        version, scene, tolerance = (group.decode("utf-8", "replace") for group in match.groups())
         return Origin(version, scene, parse_tolerance(tolerance), damage)
 
     def checks(
@@ -46,11 +46,13 @@ class CutSvgVerifier:
     ) -> tuple[Check, ...]:
         """Size, and each closed contour against its boundary."""
         try:
-            drawing = drawing_of(data, reading.name)
+            drawing = read_drawing(data, reading.name)
         except CamgeoError as error:
             return (failed("file", str(error)),)
         unit = reported("unit", drawing.scale, "mm", note="of one unit of the drawing")
-        shapes = shapes_of(product.drawn.part.boundaries, product.drawn.base_radius, tolerance)
+        shapes = boundary_shapes(
+            product.drawn.part.boundaries, product.drawn.base_radius, tolerance
+        )
         return (unit, *all_checks(drawing.contours, shapes, tolerance))
 
 

@@ -25,7 +25,7 @@ from camgeo.errors import FileError
 from camgeo.numeric.arrays import FloatArray, IntArray
 from camgeo.reading import COORDINATE, FACETS, Limits, beyond, check_size, parse_number
 from camgeo.units import counted
-from camgeo_export.reading import COMPUTED, text_tokens
+from camgeo_export.reading import NUMBER_SLACK, text_tokens
 from camgeo_export.verify.body import body_checks, checks_of_body, compensation_checks
 
 PACKAGE: Final = Limits("3MF package", 16_000_000)
@@ -84,11 +84,11 @@ class ThreeMfVerifier:
     """Verifies a 3MF package."""
 
     format = "3mf"
-    slack = COMPUTED
+    slack = NUMBER_SLACK
 
     def tokens(self, data: bytes) -> Iterator[tuple[str, str]]:
         """Those of the elements of all parts."""
-        for name, part in sorted(parts_of(data).items()):
+        for name, part in sorted(unpack_parts(data).items()):
             yield name, name
             for number, element in enumerate(part.split(b"<")):
                 yield from text_tokens(element, f"{name}, element {number}")
@@ -96,7 +96,7 @@ class ThreeMfVerifier:
     def origin(self, data: bytes) -> Origin:
         """From the metadata of the model."""
         try:
-            parts = parts_of(data)
+            parts = unpack_parts(data)
             check_bodies(parts)
             _, metadata = _head(parts)
         except (SyntaxError, FileError) as error:
@@ -112,7 +112,7 @@ class ThreeMfVerifier:
         self, product: Product, data: bytes, reading: Reading, tolerance: float
     ) -> tuple[Check, ...]:
         """Package, unit, and the body against the part."""
-        parts = parts_of(data)
+        parts = unpack_parts(data)
         valid = package_checks(parts)
         unit, metadata = _head(parts)
         plate = plate_pieces(product) if metadata.get("Application", "").startswith(OURS) else ()
@@ -229,7 +229,7 @@ Key = tuple[str, str]
 """Part and id of an object."""
 
 
-def parts_of(data: bytes) -> dict[str, bytes]:
+def unpack_parts(data: bytes) -> dict[str, bytes]:
     """The parts of a package by name; raises FileError if it is damaged or beyond the"""
     check_size(len(data), PACKAGE, NAME)
     count = data.count(ENTRY)
@@ -287,8 +287,8 @@ def _check_xml(parts: Mapping[str, bytes]) -> None:
     elements.
     """
     for name, content in parts.items():
-        found = ENCODING.match(content)
-        if (found is not None and found[1].lower() not in UTF8) or b"\0" in content:
+        declaration = ENCODING.match(content)
+        if (declaration is not None and declaration[1].lower() not in UTF8) or b"\0" in content:
             raise FileError(f"{name}: is not encoded as UTF-8")
         if b"<!DOCTYPE" in content or b"<!ENTITY" in content:
             raise FileError(f"{name}: has a document type declaration, which 3MF forbids")
@@ -327,14 +327,14 @@ def check_bodies(parts: Mapping[str, bytes]) -> None:
     for name, content in parts.items():
         if not name.lower().endswith(".model"):
             continue
-        for kind, own, number, inner in _bodies(content, name):
+        for kind, key, number, inner in _bodies(content, name):
             if kind == "item":
                 built += inner
                 continue
             if len(facets) >= OBJECTS:
                 raise beyond(NAME, f"more than {OBJECTS:,} objects", OBJECTS, PACKAGE)
-            facets[own] = facets.get(own, 0) + number
-            inside.setdefault(own, []).extend(inner)
+            facets[key] = facets.get(key, 0) + number
+            inside.setdefault(key, []).extend(inner)
     absent = next((key for key in (*built, *chain(*inside.values())) if key not in facets), None)
     if absent is not None:
         raise FileError(f"it builds the object {absent[1]!r:.40}, which does not exist")
@@ -351,12 +351,12 @@ def check_bodies(parts: Mapping[str, bytes]) -> None:
 
 def _bodies(content: bytes, name: str) -> Iterator[tuple[str, Key, int, list[Key]]]:
     """Each object of a model with its facets and the objects in it; each item with its object."""
-    own, facets, inner = (name, ""), 0, list[Key]()
+    key, facets, inner = (name, ""), 0, list[Key]()
     for event, item in ET.iterparse(io.BytesIO(content), events=("start", "end")):
         tag = item.tag.rpartition("}")[2]
         if event == "start":
             if tag == "object":
-                own, facets, inner = (name, item.get("id", "")), 0, []
+                key, facets, inner = (name, item.get("id", "")), 0, []
             continue
         if tag == "triangle":
             facets += 1
@@ -373,19 +373,19 @@ def _bodies(content: bytes, name: str) -> Iterator[tuple[str, Key, int, list[Key
             path = posixpath.normpath(item.get(PATH, name)).removeprefix("/")
             inner.append((path, item.get("objectid", "")))
             if tag == "item":
-                yield "item", own, 0, inner
+                yield "item", key, 0, inner
                 inner = []
         elif tag == "object":
-            yield "object", own, facets, inner
-            own, facets, inner = (name, ""), 0, []
+            yield "object", key, facets, inner
+            key, facets, inner = (name, ""), 0, []
         item.clear()
 
 
 def _check_numbers(texts: Collection[str | None], what: str) -> None:
     for text in texts:
         if text is None or parse_number(text) is None:
-            found = "nothing" if text is None else repr(text[:40])
-            raise FileError(f"{what} has {found}, which is not a number of at most {COORDINATE:g}")
+            quoted = "nothing" if text is None else repr(text[:40])
+            raise FileError(f"{what} has {quoted}, which is not a number of at most {COORDINATE:g}")
 
 
 # -- model ----------------------------------------------------------------------------------------
@@ -403,7 +403,7 @@ SPACE: Final = f"{XML}space"
 READ_EXTENSIONS: Final = (PRODUCTION,)
 """Namespaces of the extensions that a model may require: they only spread it over several files."""
 
-ATTRIBUTES_OF: Final[Mapping[str, Collection[str]]] = {
+CORE_ATTRIBUTES: Final[Mapping[str, Collection[str]]] = {
     "model": ("unit", LANGUAGE, "requiredextensions", "recommendedextensions", "thumbnail"),
     "metadata": ("name", "preserve", "type"),
     "metadatagroup": (),
@@ -469,7 +469,7 @@ def check_model(content: bytes, thumbnails: Collection[str]) -> None:
     for group in root.iter(core("metadatagroup")):
         _check_metadata(group, prefixes)
     _check_metadata(root, prefixes)
-    order = [each.tag for each in root if each.tag in (core("resources"), core("build"))]
+    order = [element.tag for element in root if element.tag in (core("resources"), core("build"))]
     if order != [core("resources"), core("build")]:
         raise fault("3.4", "it has not one element resources, and after it one element build")
     _check_items(root, _objects(root, thumbnails))
@@ -478,16 +478,16 @@ def check_model(content: bytes, thumbnails: Collection[str]) -> None:
 def _check_elements(root: ET.Element) -> None:
     """2.3.2: every element and attribute of the core namespace is known."""
     name = core("")
-    for each in root.iter():
-        if SPACE in each.attrib:
+    for element in root.iter():
+        if SPACE in element.attrib:
             raise fault("2.3.4", "it has the attribute xml:space")
-        if not each.tag.startswith(name):
+        if not element.tag.startswith(name):
             continue
-        tag = each.tag.removeprefix(name)
-        if tag not in ATTRIBUTES_OF:
+        tag = element.tag.removeprefix(name)
+        if tag not in CORE_ATTRIBUTES:
             raise fault("2.3.2", f"the element {tag} is not expected")
-        for attribute in each.attrib:
-            if attribute not in ATTRIBUTES_OF[tag] and not attribute.startswith("{"):
+        for attribute in element.attrib:
+            if attribute not in CORE_ATTRIBUTES[tag] and not attribute.startswith("{"):
                 raise fault("2.3.2", f"the attribute {attribute} of {tag} is not expected")
 
 
@@ -495,16 +495,16 @@ def _check_metadata(holder: ET.Element, prefixes: Mapping[str, str]) -> None:
     """3.4.1: a name of metadata is there once, and one of `METADATA`, or has a namespace that the
     model declares.
     """
-    found: set[str] = set()
-    for each in holder.findall(core("metadata")):
-        name = each.get("name", "")
+    names: set[str] = set()
+    for element in holder.findall(core("metadata")):
+        name = element.get("name", "")
         prefix, colon, _ = name.partition(":")
-        if name in found:
+        if name in names:
             raise fault("3.4.1", f"the metadata {name!r} appears twice")
         if prefix not in prefixes if colon else name not in METADATA:
             wanted = "neither one of 3MF's own nor of a namespace that the model declares"
             raise fault("3.4.1", f"the metadata {name!r} is {wanted}")
-        found.add(name)
+        names.add(name)
 
 
 def _objects(root: ET.Element, thumbnails: Collection[str]) -> dict[str, ET.Element]:
@@ -513,19 +513,19 @@ def _objects(root: ET.Element, thumbnails: Collection[str]) -> dict[str, ET.Elem
     """
     objects: dict[str, ET.Element] = {}
     groups: dict[str, int] = {}  # how many properties each has
-    for each in root.iterfind(core("resources") + "/*"):
-        key, own = each.get("id", ""), each.tag.startswith(core(""))
+    for resource in root.iterfind(core("resources") + "/*"):
+        key, is_core = resource.get("id", ""), resource.tag.startswith(core(""))
         if not 1 <= _number(key) <= LARGEST:
-            if own:
+            if is_core:
                 raise fault("3.4.2", f"the resource id {key!r} is not valid")
             continue  # not a resource: an extension may have other elements here
         if key in objects or key in groups:
             raise fault("3.4.2", f"the resource id {key!r} appears twice")
-        if each.tag == core("object"):
-            _check_object(each, objects, groups, thumbnails)
-            objects[key] = each
+        if resource.tag == core("object"):
+            _check_object(resource, objects, groups, thumbnails)
+            objects[key] = resource
         else:
-            groups[key] = len(each)
+            groups[key] = len(resource)
     for base in root.iterfind(core("resources", "basematerials", "base")):
         if not COLOUR.fullmatch(base.get("displaycolor", "")):
             raise fault("5.1.1", f"{base.get('displaycolor')!r} is not a colour #RRGGBB")
@@ -533,39 +533,39 @@ def _objects(root: ET.Element, thumbnails: Collection[str]) -> dict[str, ET.Elem
 
 
 def _check_object(
-    each: ET.Element,
+    element: ET.Element,
     objects: Mapping[str, ET.Element],
     groups: Mapping[str, int],
     thumbnails: Collection[str],
 ) -> None:
     """4: an object is a mesh or has components; it refers to objects and groups before it."""
-    name = f"the object {each.get('id')}"
-    if each.get("type", "model") not in TYPES:
-        raise fault("4", f"{each.get('type')!r} is not a type of object")
-    shapes = [*each.findall(core("mesh")), *each.findall(core("components"))]
+    name = f"the object {element.get('id')}"
+    if element.get("type", "model") not in TYPES:
+        raise fault("4", f"{element.get('type')!r} is not a type of object")
+    shapes = [*element.findall(core("mesh")), *element.findall(core("components"))]
     if len(shapes) != 1:
         raise fault("4", f"{name} has {len(shapes)} meshes or lists of components, not one")
-    picture = each.get("thumbnail")
+    picture = element.get("thumbnail")
     if picture is not None and picture not in thumbnails:
         raise fault("4", f"the thumbnail {picture!r} of {name} is not a part that the model names")
-    if "pindex" in each.attrib and "pid" not in each.attrib:
+    if "pindex" in element.attrib and "pid" not in element.attrib:
         raise fault("4", f"{name} has a pindex and no pid")
-    _check_properties(each, each.get("pid"), ("pindex",), groups, "4", name)
-    for component in each.iterfind(core("components", "component")):
+    _check_properties(element, element.get("pid"), ("pindex",), groups, "4", name)
+    for component in element.iterfind(core("components", "component")):
         other = component.get("objectid", "")
         if PATH not in component.attrib and other not in objects:
             raise fault(
                 "4.2.1", f"{name} has the component {other!r}, which is no object before it"
             )
-    count = len(each.findall(core("mesh", "vertices", "vertex")))
-    for triangle in each.iterfind(core("mesh", "triangles", "triangle")):
+    count = len(element.findall(core("mesh", "vertices", "vertex")))
+    for triangle in element.iterfind(core("mesh", "triangles", "triangle")):
         corners = [_number(triangle.get(corner)) for corner in ("v1", "v2", "v3")]
         if min(corners) < 0 or max(corners) >= count or len({*corners}) != len(corners):
             stated = ", ".join(str(triangle.get(corner)) for corner in ("v1", "v2", "v3"))
             wanted = f"not three different ones of its {counted(count, 'vertex', 'vertices')}"
             raise fault("4.1.4.1", f"a triangle of {name} has the corners {stated}, {wanted}")
         if len(triangle.attrib) > len(corners):
-            pid = triangle.get("pid", each.get("pid"))
+            pid = triangle.get("pid", element.get("pid"))
             _check_properties(triangle, pid, ("p1", "p2", "p3"), groups, "4.1.4.1", name)
 
 
@@ -590,8 +590,8 @@ def _check_properties(
 
 def _number(text: str | None) -> int:
     """A whole number from 0; -1 for any other text."""
-    found = (text or "").strip()
-    return int(found) if found.isascii() and found.isdecimal() else -1
+    digits = (text or "").strip()
+    return int(digits) if digits.isascii() and digits.isdecimal() else -1
 
 
 def _check_items(root: ET.Element, objects: Mapping[str, ET.Element]) -> None:
@@ -602,9 +602,9 @@ def _check_items(root: ET.Element, objects: Mapping[str, ET.Element]) -> None:
     if not items:
         raise FileError("it builds nothing: its build has no item")
     others: set[str] = set()
-    for key, each in objects.items():
-        inner = [one.get("objectid") for one in each.iterfind(core("components", "component"))]
-        if any(one in others for one in inner) or (not inner and each.get("type") == "other"):
+    for key, element in objects.items():
+        inner = [one.get("objectid") for one in element.iterfind(core("components", "component"))]
+        if any(one in others for one in inner) or (not inner and element.get("type") == "other"):
             others.add(key)
     for item in items:
         key = item.get("objectid", "")
@@ -642,7 +642,7 @@ NEEDED: Final = (MODEL_RELATION, PRINT_TICKET, *PICTURES)
 ONCE: Final = {False: (MODEL_RELATION, THUMBNAIL), True: (PRINT_TICKET,)}
 """Those that a package has once, and those that a model has."""
 
-TYPE_OF: Final[Mapping[str, Collection[str]]] = {
+TARGET_TYPES: Final[Mapping[str, Collection[str]]] = {
     MODEL_RELATION: (MODEL_TYPE,),
     THUMBNAIL: ("image/png", "image/jpeg"),
     PRINT_TICKET: ("application/vnd.ms-printing.printticket+xml",),
@@ -672,13 +672,13 @@ def model_path(parts: Mapping[str, bytes]) -> str:
     for name in (CONTENT_TYPES_PATH, RELATIONSHIPS_PATH):
         if name not in parts:
             raise FileError(f"it has no {name}: other programs do not read it")
-    found = _relations(parts, "")
-    models = [target for kind, target in found if kind == MODEL_RELATION]
+    relations = _relations(parts, "")
+    models = [target for kind, target in relations if kind == MODEL_RELATION]
     if len(models) != 1:
         raise FileError(f"{RELATIONSHIPS_PATH}: {len(models)} models are named, not one")
     types = _types(parts)
-    for kind, target in (*found, *_relations(parts, models[0])):
-        _check_type(types, target, TYPE_OF.get(kind, ()))
+    for kind, target in (*relations, *_relations(parts, models[0])):
+        _check_type(types, target, TARGET_TYPES.get(kind, ()))
     _check_type(types, RELATIONSHIPS_PATH, (RELATIONSHIP_TYPE,))
     return models[0]
 
@@ -697,7 +697,7 @@ def _relations(parts: Mapping[str, bytes], source: str) -> list[Relation]:
     folder, name = posixpath.split(source)
     path = posixpath.join(folder, "_rels", f"{name}.rels")
     seen: set[str] = set()
-    found: dict[Relation, Relation] = {}  # by what there may be once
+    relations: dict[Relation, Relation] = {}  # by what there may be once
     for element in _children(parts, path, RELATIONSHIPS, "Relationships") if path in parts else ():
         key, kind, target = (element.get(word, "") for word in ("Id", "Type", "Target"))
         if not IDENTIFIER.fullmatch(key) or key in seen:
@@ -710,34 +710,36 @@ def _relations(parts: Mapping[str, bytes], source: str) -> list[Relation]:
         if kind in NEEDED and (whole[0] != "/" or part not in parts):
             raise fault("2.1.1", f"{path}: the target {target!r} is not in the package")
         once = (kind, "" if kind in ONCE[bool(source)] else part)
-        if once in found:
+        if once in relations:
             raise fault("2.1", f"{path}: it has two relationships of the type {kind}")
-        found[once] = (kind, part)
-    return list(found.values())
+        relations[once] = (kind, part)
+    return list(relations.values())
 
 
 def _children(parts: Mapping[str, bytes], path: str, namespace: str, root: str) -> list[ET.Element]:
     """The elements of a part, whose root must be `root` of the `namespace`."""
     try:
-        found = ET.fromstring(parts[path])
+        element = ET.fromstring(parts[path])
     except SyntaxError as error:
         raise FileError(f"{path}: {error}") from None
-    if found.tag != f"{{{namespace}}}{root}":
-        raise FileError(f"{path}: its root is {found.tag}, not {root} of {namespace}")
-    return list(found)
+    if element.tag != f"{{{namespace}}}{root}":
+        raise FileError(f"{path}: its root is {element.tag}, not {root} of {namespace}")
+    return list(element)
 
 
 def _types(parts: Mapping[str, bytes]) -> dict[tuple[str, str], str]:
     """The content types that are stated, by extension or by part."""
     types: dict[tuple[str, str], str] = {}
-    for each in _children(parts, CONTENT_TYPES_PATH, CONTENT_TYPES, "Types"):
-        kind = each.tag.rpartition("}")[2]
-        key = each.get({"Default": "Extension", "Override": "PartName"}.get(kind, ""), "").lower()
+    for element in _children(parts, CONTENT_TYPES_PATH, CONTENT_TYPES, "Types"):
+        kind = element.tag.rpartition("}")[2]
+        key = element.get(
+            {"Default": "Extension", "Override": "PartName"}.get(kind, ""), ""
+        ).lower()
         if not key or (kind, key) in types:
             raise FileError(
                 f"{CONTENT_TYPES_PATH}: {kind} {key!r} is not expected, or appears twice"
             )
-        types[kind, key] = each.get("ContentType", "")
+        types[kind, key] = element.get("ContentType", "")
     return types
 
 
@@ -745,9 +747,11 @@ def _check_type(types: Mapping[tuple[str, str], str], part: str, allowed: Collec
     """That the content type of a part is one of those that its kind may have, if there are any."""
     extension = posixpath.splitext(part.lower())[1].removeprefix(".")
     extension = extension or posixpath.basename(part).removeprefix(".")
-    found = types.get(("Override", f"/{part.lower()}"), types.get(("Default", extension), ""))
-    if allowed and found not in allowed:
-        what = f"the type of {part} is {found or 'not stated'}"
+    content_type = types.get(
+        ("Override", f"/{part.lower()}"), types.get(("Default", extension), "")
+    )
+    if allowed and content_type not in allowed:
+        what = f"the type of {part} is {content_type or 'not stated'}"
         raise FileError(f"{CONTENT_TYPES_PATH}: {what}, not {' or '.join(allowed)}")
 
 
@@ -779,8 +783,8 @@ def plate_checks(
         compare = partial(checks_of_body, piece.part, piece.reach, tolerance=tolerance)
         alone = packed({f"/{MODEL_PATH}": _alone(model, number), **parts})
         checks += [
-            replace(each, of=f"{piece.name}: {each.of}" if each.of else piece.name)
-            for each in _mesh_checks(alone, scale, compare)
+            replace(check, of=f"{piece.name}: {check.of}" if check.of else piece.name)
+            for check in _mesh_checks(alone, scale, compare)
         ]
     return checks
 
@@ -791,13 +795,13 @@ def _alone(model: bytes, number: int) -> bytes:
     resources = root.find(f"{{{CORE}}}resources")
     build = root.find(f"{{{CORE}}}build")
     assert resources is not None  # it has objects
-    kept = resources.findall(f"{{{CORE}}}object")[number]
-    for each in resources.findall(f"{{{CORE}}}object"):
-        if each is not kept:
-            resources.remove(each)
+    selected = resources.findall(f"{{{CORE}}}object")[number]
+    for element in resources.findall(f"{{{CORE}}}object"):
+        if element is not selected:
+            resources.remove(element)
     if build is not None:
         root.remove(build)
-    own = ET.SubElement(root, f"{{{CORE}}}build")
-    ET.SubElement(own, f"{{{CORE}}}item", {"objectid": kept.get("id", "")})
-    found: bytes = ET.tostring(root, "UTF-8", xml_declaration=True)
-    return found
+    build_element = ET.SubElement(root, f"{{{CORE}}}build")
+    ET.SubElement(build_element, f"{{{CORE}}}item", {"objectid": selected.get("id", "")})
+    data: bytes = ET.tostring(root, "UTF-8", xml_declaration=True)
+    return data
