@@ -187,7 +187,7 @@ def test_a_force_of_the_train_off_by_its_error_moves_no_figure_by_more_than_stat
     found = with_train(name)
     nodes = found.effects._nodes("contact-force")
     train = nodes.result("vibration")
-    monkeypatch.setattr(Response, "error_of", lambda _self, _reading: 0.05)
+    monkeypatch.setattr(Response, "reading_error", lambda _self, _reading: 0.05)
     told = {each: found.effect(each) for each in FOLLOWING}
     for result in told.values():
         valued = {each.name for each in result.findings if each.value is not None}

@@ -15,7 +15,7 @@ from typing import Final, NoReturn
 import numpy as np
 
 from camgeo.check.finding import Finding, held
-from camgeo.dynamics.effects.contact import FLANKS, INNER, OUTER, sides_of, with_other_side
+from camgeo.dynamics.effects.contact import FLANKS, INNER, OUTER, side_names, with_other_side
 from camgeo.dynamics.effects.effect import (
     SPEED,
     Bound,
@@ -28,7 +28,7 @@ from camgeo.dynamics.effects.effect import (
 )
 from camgeo.dynamics.effects.results import CONTACT_FORCE
 from camgeo.dynamics.effects.tables import PressureRequirements
-from camgeo.dynamics.effects.wording import at, missed, placed
+from camgeo.dynamics.effects.wording import at_angle, placed, tolerance_error
 from camgeo.dynamics.state.state import Model
 from camgeo.errors import EffectError, GeometryError
 from camgeo.kinematics.time_course import TimeCourse, period
@@ -80,18 +80,18 @@ def compute(request: Request[PressureRequirements]) -> ContactPressure:
     """
     force = request.results[CONTACT_FORCE]
     subject = request.subject
-    main = _of_disc(request, subject, force.normal, force.edges)
+    main = _disc_pressure(request, subject, force.normal, force.edges)
     if subject.returning is None:
         return main
     try:
-        other = _of_disc(request, subject.returning, scaled(force.normal, -1.0), force.edges)
+        other = _disc_pressure(request, subject.returning, scaled(force.normal, -1.0), force.edges)
     except EffectError as error:  # of the return disc, or of the opposite side
-        names, noun = sides_of(subject)
+        names, noun = side_names(subject)
         raise replace(error, message=f"{names[OUTER]} {noun}: {error.message}") from error
     return replace(with_other_side(subject, main, other), returning=other)
 
 
-def _of_disc(
+def _disc_pressure(
     request: Request[PressureRequirements], subject: Subject, normal: Quantity, edges: FloatArray
 ) -> ContactPressure:
     """The pressure on one disc, `subject`; `edges` are those of the force `normal`."""
@@ -128,20 +128,20 @@ def _of_disc(
             Column("contact pressure", "MPa", contact.pressure, data.limit, inside),
             Column("subsurface shear", "MPa", scaled(contact.pressure, SHEAR_SHARE), None, inside),
         ),
-        errors={} if life is None else errors_of(life),
+        errors={} if life is None else figure_errors(life),
         contact=contact,
         largest=Extreme(worst.pressure(data.modulus), worst.angle),
         life=life,
     )
 
 
-def errors_of(life: Life) -> dict[str, Bound]:
+def figure_errors(life: Life) -> dict[str, Bound]:
     """The errors of what is integrated; all else is exact."""
-    found = {"roller-speed": _relative(life.speed / RPM, life.speed_error)}
+    errors = {"roller-speed": _relative(life.speed / RPM, life.speed_error)}
     if life.seconds is not None:
-        found["roller-life"] = _relative(life.seconds / HOUR, life.error)
-        found["equivalent-roller-load"] = _relative(life.load, life.load_error)
-    return found
+        errors["roller-life"] = _relative(life.seconds / HOUR, life.error)
+        errors["equivalent-roller-load"] = _relative(life.load, life.load_error)
+    return errors
 
 
 def _relative(value: float, error: float) -> Bound:
@@ -174,7 +174,7 @@ def _worst(contact: LineContact, angle: float, square: float) -> Worst:
     """The contact at `angle` [rad], from the side on which p^2 is `square`."""
     phi = np.array([angle])
     sides: tuple[Side, ...] = ("right", "left")
-    side = min(sides, key=lambda each: abs(float(contact.square(phi, each)[0]) - square))
+    side = min(sides, key=lambda side: abs(float(contact.square(phi, side)[0]) - square))
     load, radius = contact.load_and_radius(phi, side)
     sense = int(contact.carried(phi, side)[1][0])
     follower = contact.subject.cam.follower
@@ -232,7 +232,7 @@ class Worst:
     @property
     def place(self) -> str:
         """The place in words."""
-        return at(self.angle)
+        return at_angle(self.angle)
 
     def pressure(self, modulus: float) -> float:
         """p [MPa] for E* `modulus` [MPa]; 0 without force, whatever the radius."""
@@ -362,19 +362,19 @@ def life_findings(life: Life, data: PressureRequirements) -> tuple[Finding, ...]
         value=speed,
         unit="rev/min",
     )
-    asked = None if data.life is None else data.life / HOUR
+    required = None if data.life is None else data.life / HOUR
     if life.seconds is None:
         unlimited = (
             "nothing presses the roller on its flank, so the life of its bearing has no limit"
         )
-        return (Finding("roller-life", "ok", unlimited, limit=asked, unit="h"), turning)
+        return (Finding("roller-life", "ok", unlimited, limit=required, unit="h"), turning)
     hours = life.seconds / HOUR
-    known = f"over {LONGEST:,.0f}" if hours > max(LONGEST, asked or 0.0) else f"{hours:.6g}"
+    known = f"over {LONGEST:,.0f}" if hours > max(LONGEST, required or 0.0) else f"{hours:.6g}"
     text = f"basic rating life of the roller bearing {known} h"
     heavy = life.load > HEAVY * data.rating
     most = HEAVY * data.rating
     return (
-        held("roller-life", text, hours, asked, "h", least=True),
+        held("roller-life", text, hours, required, "h", least=True),
         Finding(
             name="equivalent-roller-load",
             severity="warning" if heavy else "ok",
@@ -486,7 +486,9 @@ def rolling_life(
         return Life(0.0, speed, None, 0.0, turned, 0.0)
     error = worn.error / worn.value
     if max(error, turned) > tolerance:
-        raise missed("the life of the roller bearing", max(error, turned), "itself", tolerance)
+        raise tolerance_error(
+            "the life of the roller bearing", max(error, turned), "itself", tolerance
+        )
     return Life(
         load=rating * (worn.value / turns.value) ** (1.0 / exponent),
         speed=speed,
@@ -590,10 +592,10 @@ class LineContact:
         beyond = loaded & (radius <= CUSP * self.scale)
         if np.any(beyond):
             self._refuse(float(phi[beyond][0]), float(np.min(radius[beyond])))
-        found = np.zeros(len(phi))
+        squares = np.zeros(len(phi))
         share = self.modulus / (math.pi * self.width)
-        np.divide(share * load, radius, out=found, where=loaded)
-        return found
+        np.divide(share * load, radius, out=squares, where=loaded)
+        return squares
 
     def pressure(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) p [MPa], see `square`."""
@@ -603,11 +605,11 @@ class LineContact:
         """Raise EffectError if a cusp or undercut is loaded between `edges` (k,) [rad]."""
         scale = self.scale
 
-        def under_load(phi: FloatArray, side: Side) -> FloatArray:
+        def loaded_radius(phi: FloatArray, side: Side) -> FloatArray:
             load, radius = self.load_and_radius(phi, side)
             return np.where(load > 0.0, radius, scale)
 
-        lowest = piecewise_lowest(under_load, edges)
+        lowest = piecewise_lowest(loaded_radius, edges)
         if lowest.value <= CUSP * scale:
             self._refuse(lowest.place, lowest.value)
 
@@ -617,8 +619,8 @@ class LineContact:
         what = CORNERS.get(self.subject.state.model, what)
         touching = self.subject.cam.follower.touching
         raise EffectError(
-            f"the pressure is infinite {at(angle)}: {what} carries the {touching} there; 1 + d"
-            f" kappa is {value:.6g} and must be above 0",
+            f"the pressure is infinite {at_angle(angle)}: {what} carries the {touching} there; 1 +"
+            f" d kappa is {value:.6g} and must be above 0",
             finding="infinite-contact-pressure",
             value=value,
             limit=0.0,

@@ -32,7 +32,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camgeo.dynamics.effects.effect import Results, Subject
-from camgeo.dynamics.effects.forces import Force, at_rates, rates_of, refuse_locked, shaft_and_turn
+from camgeo.dynamics.effects.forces import Force, at_rates, cam_rates, refuse_locked, shaft_and_turn
 from camgeo.dynamics.effects.results import (
     GRAVITY,
     INERTIA,
@@ -89,12 +89,12 @@ class Loads:
 
     def weight(self, phi: FloatArray) -> ComplexArray:
         """(n,) of the follower's own masses."""
-        return np.full(len(phi), self.pull * sum(each.mass for each in self.own()))
+        return np.full(len(phi), self.pull * sum(mass.mass for mass in self.follower_masses()))
 
-    def own(self) -> list[Mass]:
+    def follower_masses(self) -> list[Mass]:
         """The masses of the follower itself."""
         masses = () if self.inertia is None else self.inertia.masses
-        return [each for each in masses if each.name not in BEYOND]
+        return [mass for mass in masses if mass.name not in BEYOND]
 
     def of_spring(self, phi: FloatArray, side: Side) -> ComplexArray:
         """(n,) on the follower; 0 if it is a torque."""
@@ -114,11 +114,11 @@ class Loads:
 
     def on_pivot(self, phi: FloatArray, side: Side) -> ComplexArray:
         """(4, n) coefficients of R + F_c."""
-        found = -self.of_coupler(phi, side)
-        found[0] -= self.of_spring(phi, side) + self.weight(phi)
-        for each in self.own():
-            found += each.mass * acceleration(each.rates(phi, side))
-        return found
+        coefficients = -self.of_coupler(phi, side)
+        coefficients[0] -= self.of_spring(phi, side) + self.weight(phi)
+        for mass in self.follower_masses():
+            coefficients += mass.mass * acceleration(mass.rates(phi, side))
+        return coefficients
 
     def on_guide(self, phi: FloatArray, side: Side) -> FloatArray:
         """(4, n) coefficients of S without that of F_c."""
@@ -138,7 +138,7 @@ class Loads:
         """
         if self.subject.cam.follower.pivot is not None:
             return self.on_pivot(phi, side)[:, np.newaxis]
-        return self._on_ends(friction, self.on_guide(phi, side), phi, side).swapaxes(0, 1)
+        return self._end_forces(friction, self.on_guide(phi, side), phi, side).swapaxes(0, 1)
 
     def per_far(self, friction: Friction, phi: FloatArray, side: Side) -> ComplexArray:
         """(k, n) the loads of `on_bearings` by one unit more of force on the far member of the
@@ -148,9 +148,9 @@ class Loads:
         force = zero if self.coupler is None else self.coupler.per_far(phi, side)
         if self.subject.cam.follower.pivot is not None:
             return -force[np.newaxis]
-        return self._on_ends(friction, self.across(force), phi, side)
+        return self._end_forces(friction, self.across(force), phi, side)
 
-    def _on_ends(
+    def _end_forces(
         self, friction: Friction, force: FloatArray, phi: FloatArray, side: Side
     ) -> ComplexArray:
         """(k, ..., n) the forces of near and far end for the side `force`, or of the guide."""
@@ -159,7 +159,9 @@ class Loads:
         return ends if friction.guide_length is not None else ends[:1]
 
 
-def loads_of(subject: Subject, results: Results, forces: tuple[Force, ...], *, idle: bool) -> Loads:
+def follower_loads(
+    subject: Subject, results: Results, forces: tuple[Force, ...], *, idle: bool
+) -> Loads:
     """What acts on the follower besides the contact, of all `forces`; the coupler of a linkage on
     which nothing acts only if `idle`.
 
@@ -172,9 +174,9 @@ def loads_of(subject: Subject, results: Results, forces: tuple[Force, ...], *, i
     inertia, gravity = results.get(INERTIA), results.get(GRAVITY)
     linkage, coupler = subject.drive.linkage, None
     beyond = inertia is not None and (
-        inertia.moved > 0.0 or any(each.name in BEYOND for each in inertia.masses)
+        inertia.moved > 0.0 or any(mass.name in BEYOND for mass in inertia.masses)
     )
-    beyond = beyond or any(each.far is not None for each in forces)
+    beyond = beyond or any(force.far is not None for force in forces)
     if linkage is not None and (idle or beyond):
         refuse_locked(subject, "")
         coupler = Coupler(subject, linkage, forces, inertia, gravity)
@@ -251,20 +253,20 @@ class Coupler:
         """Coefficients (4, n) c0 to c3 of the forces, see `camgeo.dynamics.effects.forces`."""
         linkage, inertia = self.linkage, self.inertia
         stroke = self.subject.state.output.jet(phi, side)
-        own = self.subject.state.motion.jet(phi, side, 2)
+        follower = self.subject.state.motion.jet(phi, side, 2)
         near, rod, way = self._pose(stroke[0])
         along = rod / np.abs(rod)
 
         demand, moment = np.zeros((2, 4, len(phi)))
-        for each in self.forces:
-            if each.far is not None:
-                demand -= each.far(phi, side)
+        for force in self.forces:
+            if force.far is not None:
+                demand -= force.far(phi, side)
         left = np.zeros((4, len(phi)), dtype=np.complex128)
         pull = 0j if self.gravity is None else self.gravity.pull
         weight = np.zeros_like(left)
         if inertia is not None:
             demand += inertia.moved * acceleration(stroke[1:3])
-            first, last = self._ends(linkage.joint_rates(stroke[0], stroke[1:3], own[1:3]))
+            first, last = self._ends(linkage.joint_rates(stroke[0], stroke[1:3], follower[1:3]))
             turning = (last - first) / rod
             moment -= inertia.coupler_moment * acceleration(turning.imag)
             for mass in inertia.masses:
@@ -285,8 +287,8 @@ class Coupler:
 
     def at_speed(self, phi: FloatArray, side: Side) -> Joints:
         """The forces (n,) at the speed of the scene."""
-        rates, found = rates_of(self.subject, phi, side), self.joints(phi, side)
-        return Joints(*(at_rates(each, rates) for each in (found.near, found.far, found.held)))
+        rates, joints = cam_rates(self.subject, phi, side), self.joints(phi, side)
+        return Joints(*(at_rates(force, rates) for force in (joints.near, joints.far, joints.held)))
 
     def per_far(self, phi: FloatArray, side: Side) -> ComplexArray:
         """(n,) F_A for one unit more of Q."""
@@ -307,5 +309,5 @@ class Coupler:
         tip T, a carriage the pin P.
         """
         _, turn = shaft_and_turn(self.subject, self.linkage)
-        pin, tip = (turn * each for each in both)
+        pin, tip = (turn * point for point in both)
         return (pin, tip) if self.subject.cam.follower.pivot is None else (tip, pin)

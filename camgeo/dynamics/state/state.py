@@ -61,7 +61,7 @@ class Used:
     sense: int = 0
 
 
-def order_with(output: Motion, course: TimeCourse | None) -> int:
+def time_order(output: Motion, course: TimeCourse | None) -> int:
     """The order of the highest derivative of `output` over time that the `course` lets be
     continuous, up to `FULL_ORDER`: where alpha jumps, so does the acceleration unless s' is 0.
     """
@@ -113,13 +113,13 @@ class Demanded:
     @property
     def order(self) -> int:
         """See `State`."""
-        own = min(joint.order for joint in breaks(self.drive.plan))
-        return min(own, order_with(self.output, self.course))
+        plan_order = min(joint.order for joint in breaks(self.drive.plan))
+        return min(plan_order, time_order(self.output, self.course))
 
     @property
     def shocks(self) -> tuple[float, ...]:
         """See `State`."""
-        return tuple(each.cam_angle for each in breaks(self.drive.plan) if each.order < 1)
+        return tuple(joint.cam_angle for joint in breaks(self.drive.plan) if joint.order < 1)
 
     @property
     def curve(self) -> PitchCurve:
