@@ -81,9 +81,11 @@ def compute(request: Request[BalanceRequirements]) -> Balance:
     spec = subject.part_spec
     if spec is not None and spec.density is not None:
         data = replace(data, density=spec.density)  # both agree if both are stated
+    # Density times thickness: a hole through the disc removes this mass per unit of its area.
     per_area = data.density * (part.disc[-1].z1 - part.disc[0].z0)
     moments = disc_moments(part, data.density, request.tolerance * QUADRATURE_SHARE)
     mass, unbalance, unsure = moments.area, moments.first, moments.first_error
+    # The solid disc of this mass is the scale of the error: the distance of the centre may be 0.
     radius = math.sqrt(mass / (per_area * math.pi))
     error = max(moments.area_error / mass, unsure / (mass * radius))
     if not error <= request.tolerance:
@@ -314,7 +316,7 @@ class HoleRow:
 
     @property
     def centres(self) -> tuple[complex, ...]:
-        """Of the holes, in cam coordinates [mm]."""
+        """Centres of the holes in cam coordinates [mm]."""
         return tuple(
             complex(self.radius * math.cos(angle), self.radius * math.sin(angle))
             for angle in self.directions
@@ -347,6 +349,7 @@ def rows(unbalance: complex, per_area: float, radius: float, largest: float) -> 
         if diameter is None or diameter > largest:
             continue
         delta = 0.0 if count == 1 else 2.0 * math.asin(0.5 * PITCH * diameter / radius)
+        # The row is symmetric about the heavy direction.
         middle = 0.5 * (count - 1)
         directions = tuple(heavy + (k - middle) * delta for k in range(count))
         yield HoleRow(count, diameter, radius, directions)
@@ -376,6 +379,8 @@ def largest_removable(per_area: float, radius: float, largest: float) -> float:
     def removed(count: int) -> float:
         if count == 1:
             return largest**2
+        # Half the angle between neighbours of the largest diameter; the row spans half a turn at
+        # most.
         u = min(math.asin(min(0.5 * PITCH * largest / radius, 1.0)), 0.5 * math.pi / count)
         diameter = min(largest, 2.0 * radius * math.sin(u) / PITCH)
         return diameter**2 * math.sin(count * u) / math.sin(u)
@@ -454,7 +459,7 @@ class HoleSpace:
 
 
 GRAM_MM: Final = 1e6
-"""From t mm to g mm."""
+"""Factor from t mm to g mm."""
 
 
 def figure_errors(
@@ -476,6 +481,7 @@ def figure_errors(
     """
     mass, unbalance = moments.area, abs(moments.first)
     bound = Bound(unsure, mass * radius)
+    # The centre is U / m: to first order the errors of both add up.
     centre_error = (unsure + unbalance / mass * moments.area_error) / mass
     errors = {
         "disc-mass": Bound(moments.area_error, mass).times(KG),
@@ -483,6 +489,7 @@ def figure_errors(
         "unbalance": bound.times(GRAM_MM),
     }
     if spin is not None:
+        # The force is linear in U, so that of a unit unbalance is the factor of its error.
         forces = ("unbalance-force", "unbalance force x", "unbalance force y")
         errors |= dict.fromkeys(forces, bound.times(spin.largest_force_of_unit()))
     if arm is not None:
@@ -515,11 +522,13 @@ class Spin:
         return unbalance_force(self.unbalance, self.rotation, phi, self.course.rates(phi, side))
 
     def largest_force(self) -> Extreme:
-        """Its largest magnitude [N], and the first cam angle [rad] at which it has it."""
+        """The largest magnitude of the force [N], and the first cam angle [rad] where it is
+        reached.
+        """
         return self._largest(lambda phi, side: np.abs(self.force(phi, side)))
 
     def largest_force_of_unit(self) -> float:
-        """The same for an unbalance of 1 t mm."""
+        """The largest force [N] of an unbalance of 1 t mm."""
         return replace(self, unbalance=1.0 + 0.0j).largest_force().value
 
     def largest_speed(self) -> float:

@@ -102,7 +102,9 @@ class BearingFriction:
     per_far: Callable[[FloatArray, Side], ComplexArray]
 
     def with_force(self, force: Force) -> BearingFriction:
-        """The same with a `force` besides."""
+        """The friction with one more `force`, which loads the bearings if it acts on the far member
+        of a linkage.
+        """
         if force.far is None:
             return self
         far = force.far
@@ -123,7 +125,9 @@ class BearingFriction:
         return np.asarray(self.drag(phi, side) * np.sum(sizes, axis=0))
 
     def largest(self, phi: FloatArray, side: Side, rates: FloatArray) -> FloatArray:
-        """(n,) the same of the sizes of all terms of the A_i: what rounding is measured by."""
+        """(n,) lambda times the sum of the magnitudes of all terms of the A_i [N or N mm]: the
+        scale of their rounding.
+        """
         sizes = at_rates(np.abs(self.noncontact_loads(phi, side)), np.abs(rates))
         return np.asarray(self.rubbing.lever * np.sum(sizes, axis=0))
 
@@ -139,7 +143,9 @@ def solve_balance(
 
     All of R, b and w are multiplied by u. The result means nothing where kappa is not above 0.
     """
+    # Elsewhere the balance has no certain root, and the force stays 0.
     sound = jam_reserve(free, drag, per_normal) > 0.0
+    # The directions at a very large |N|, from which the iteration is monotone.
     d = unit_vectors(per_normal, np.ones_like(per_normal))
 
     def solved(d: ComplexArray) -> FloatArray:
@@ -154,6 +160,8 @@ def solve_balance(
     for _ in range(MOST_STEPS):
         turned = unit_vectors(noncontact + per_normal * n, d)
         new = solved(turned)
+        # n rises where drag is above 0, h being concave, and falls where it is below 0: a step the
+        # other way is rounding.
         moving = moving & (drag * (new - n) > 0.0)
         if not np.any(moving):
             break
@@ -203,9 +211,10 @@ class RubbingLaw:
 
     @classmethod
     def from_rows(cls, rows: FloatArray) -> Self:
-        """From its rows (9 + 12 k, ...)."""
+        """The law of its `rows` (9 + 12 k, ...)."""
         shape = rows.shape[1:]
         count = (len(rows) - FIXED) // PER_LOAD
+        # Complex loads are kept as real rows: all real parts first, then all imaginary ones.
         noncontact = rows[FIXED : FIXED + 8 * count].reshape(2, 4, count, *shape)
         per = rows[FIXED + 8 * count :].reshape(2, 2, count, *shape)
         return cls(
@@ -245,7 +254,7 @@ class RubbingLaw:
         return not (np.any(self.per_normal.imag) or np.any(self.noncontact_loads.imag))
 
     def released(self, omega: FloatArray | float, alpha: FloatArray | float) -> FloatArray:
-        """(...) R_0."""
+        """(...) R_0 at the speed `omega` [rad/s] and acceleration `alpha` [rad/s^2]."""
         rates = self._rates(omega, alpha)
         alone = np.sum(np.abs(at_rates(self.noncontact_loads, rates)), axis=0)
         return np.asarray(at_rates(self.demand, rates) + self.drag * alone)
@@ -263,8 +272,11 @@ class RubbingLaw:
         the module.
         """
         rates = self._rates(omega, alpha)
+        # R_0 >= 0 is carried by the flank of index 0, with u = +1.
         index = np.where(self.released(omega, alpha) >= 0.0, 0, 1)
         u = 1.0 - 2.0 * index
+        # The torque slows the cam down: alpha falls by this per unit of |N|, so each c3 adds to the
+        # part that goes with |N|.
         slowed = _select(self.torque, index) * slowing
         free = _select(self.free, index) + self.demand[3] * slowed
         per = _select(self.per_normal, index) - self.noncontact_loads[3] * slowed
@@ -293,6 +305,7 @@ class RubbingLaw:
         free, torque = _select(self.free, index), _select(self.torque, index)
         jams = _select(self.jams, index) | np.isnan(n)
         carried = free - self.drag * _sum(d, _select(self.per_normal, index))
+        # nan marks a follower that jams, and also avoids a division by 0.
         gain = np.where(jams, np.nan, torque / np.where(carried == 0.0, np.nan, carried))
         return np.concatenate(
             (self.demand + self.drag * projections, gain[np.newaxis], gain[np.newaxis])
@@ -304,7 +317,7 @@ class RubbingLaw:
 
 
 def _select(pair: NDArray[Scalar], index: IntArray) -> NDArray[Scalar]:
-    """Of the two in `pair` (2, ...) the one that `index` says."""
+    """The first of the `pair` (2, ...) where `index` is 0, the second one where it is 1."""
     return np.asarray(np.where(index == 0, pair[0], pair[1]))
 
 
@@ -315,7 +328,9 @@ def add_force(
     phi: FloatArray,
     side: Side,
 ) -> FloatArray:
-    """The law `rows`, linear without `bearings`, at `phi` (n,) with a `force` besides."""
+    """The law `rows` (r, n) at `phi` (n,) [rad] with one more `force`; without `bearings` it is
+    linear.
+    """
     rows[:4] -= force.coefficients(phi, side)
     if bearings is None or force.far is None:
         return rows
@@ -334,10 +349,11 @@ def linear_law(
 
 
 def scalar_linear_law(law: list[float], omega: float, alpha: float, slowing: float) -> list[float]:
-    """As `RubbingLaw.linear` of one cam angle, in less time than arrays take; StuckError
-    where the follower jams.
+    """`RubbingLaw.linear` at one cam angle, with Python's numbers, which takes less time than
+    arrays. Raises StuckError where the follower jams.
     """
     count = (len(law) - FIXED) // PER_LOAD
+    # In the order of `RubbingLaw.rows`: the real parts of all A_i, then their imaginary parts.
     real, imag = FIXED, FIXED + 4 * count
     noncontact = [
         [complex(law[real + k * count + i], law[imag + k * count + i]) for k in range(4)]
@@ -355,6 +371,7 @@ def scalar_linear_law(law: list[float], omega: float, alpha: float, slowing: flo
     least = min(free - drag * sum(map(abs, per)), moved - drag * sum(map(abs, slowed)))
     if not least > 0.0:
         raise StuckError
+    # Any first step counts as one in the direction in which the iteration is monotone.
     n, d = -math.inf if drag > 0.0 else math.inf, [_unit(b, 1.0) for b in slowed]
     for _ in range(MOST_STEPS):
         share = sum((e.conjugate() * a).real for e, a in zip(d, loads, strict=True))

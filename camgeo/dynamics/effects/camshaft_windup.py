@@ -75,7 +75,7 @@ LASTING: Final = 1e-6
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CamshaftWindup(Turning):
-    """The steady state.
+    """The steady state of a cam on an elastic camshaft.
 
     Attributes
     ----------
@@ -186,11 +186,15 @@ def compute(request: Request[ElasticShaft]) -> CamshaftWindup:
 def _accurate(
     cam: CamOnShaft, law: Quantity, edges: FloatArray, tolerance: float, near: WindupTurn | None
 ) -> tuple[WindupTurn, FloatArray]:
-    """As `solve`, with all figures to the tolerance unless rounding of the speed is larger."""
+    """The steady state as `solve` finds it, with all figures to the tolerance unless rounding of
+    the speed is larger.
+    """
     solution = solve(cam, law, edges, tolerance, near)
     worst = max(bound.share for bound in figure_errors(solution[0]).values())
     if worst > tolerance:
         with suppress(EffectError):
+            # The errors of the figures are proportional to that of the solution; half of it is
+            # reserve.
             finer = max(0.5 * tolerance * tolerance / worst, FINEST)
             return solve(cam, law, edges, finer, solution[0])
     return solution
@@ -201,7 +205,7 @@ def _ends(ends: Extremes) -> tuple[Extreme, Extreme]:
 
 
 def _reversal(torque: Quantity, edges: FloatArray, ends: Extremes) -> Iterator[Finding]:
-    """Where the `torque` in the shaft reverses."""
+    """A warning where the `torque` in the shaft reverses; none if it does not."""
     least = -REVERSED * ends.magnitude
     if ends.lowest.value >= least or ends.highest.value <= 0.0:
         return
@@ -220,7 +224,9 @@ def _reversal(torque: Quantity, edges: FloatArray, ends: Extremes) -> Iterator[F
 
 
 def _swinging(turn: WindupTurn) -> Iterator[Finding]:
-    """How the cam swings on its shaft, and whether it comes to the steady state by itself."""
+    """Findings on the natural frequency of the cam on its shaft, and on whether it settles into the
+    steady state.
+    """
     natural, left = turn.cam.shaft.natural_frequency, 100.0 * turn.multiplier
     yield Finding(
         "natural-frequency",
@@ -330,6 +336,7 @@ def solve(
         edges = merged(np.concatenate((edges, kinks)))
         turn = _solved(cam, law, edges, max(rough, tolerance), turn)
     turn = _solved(cam, law, edges, tolerance, turn)
+    # The cam may swing often between two edges, but the search for extremes needs few in a piece.
     pieces = np.linspace(0.0, TURN, max(math.ceil(ratio / SWINGS), 1) + 1)
     return turn, merged(np.concatenate((edges, pieces)))
 
@@ -358,6 +365,8 @@ def _guess(
         first = _static(cam, coarse) if near is None else near.resample(coarse)
         return newton(cam, coarse, first, tolerance)[0]
     except (NoConvergenceError, StuckError):
+        # Far from the solution Newton's method fails. That of a stiff shaft is nearly static, and
+        # is followed to the actual stiffness.
         pair = _static(cam.stiffened(STIFFER[0]), coarse)
         for factor in (*STIFFER, 1.0):
             pair = newton(cam.stiffened(factor), coarse, pair, tolerance)[0]
@@ -446,7 +455,7 @@ class CamOnShaft:
         return Shaft(shaft.moment_of_inertia, twist)
 
     def stiffened(self, factor: float) -> CamOnShaft:
-        """The same with a shaft stiffer by the `factor`."""
+        """The same cam on a shaft stiffer by the `factor`."""
         stiffness = factor * self.shaft.stiffness
         return CamOnShaft(replace(self.shaft, stiffness=stiffness), self.speed)
 
@@ -530,6 +539,7 @@ class Step:
 def newton_step(cam: CamOnShaft, mesh: Mesh, pair: WindupState) -> Step:
     """The Newton step from `pair`, on all cells of the turn together."""
     rates, slopes = cam.rates(mesh.laws, pair.nodes)
+    # (m, n, n) from the rates at the nodes to the changes since the start of each cell.
     inner = mesh.spans[:, np.newaxis, np.newaxis] * collocation().integral
     residual = pair.starts[:-1, np.newaxis] + inner @ rates - pair.nodes
     # The rate of w depends on v alone, so that dw is dv's consequence: the equations are solved for
@@ -537,6 +547,8 @@ def newton_step(cam: CamOnShaft, mesh: Mesh, pair: WindupState) -> Step:
     by_v, by_w = (inner * slopes[:, np.newaxis, :, 0, column] for column in (0, 1))
     w_by_v = inner * slopes[:, np.newaxis, :, 1, 0]
     matrix = np.eye(NODES) - by_v - by_w @ w_by_v
+    # Columns 0 and 1 are the responses to a unit change of v and w at the start of the cell, column
+    # 2 is that to the residual.
     solved = np.zeros((*residual.shape, 3))
     solved[:, :, 0, 0] = solved[:, :, 1, 1] = 1.0
     solved[..., 2] = residual
@@ -553,18 +565,22 @@ def newton_step(cam: CamOnShaft, mesh: Mesh, pair: WindupState) -> Step:
     except np.linalg.LinAlgError as error:
         raise NoConvergenceError(None) from error
     starts = products @ first + shifts
+    # At the nodes n of cell m: the response to the change at the start of the cell, and to its
+    # residual.
     nodes = np.einsum("mnij,mj->mni", solved[..., :2], starts[:-1]) + solved[..., 2]
     return Step(starts, nodes, np.max(np.abs(solved[..., 2]), axis=1), products[-1])
 
 
 def _cumulative_maps(factors: FloatArray, offsets: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """What passing all cells before the start of each makes of a change x at the start of the turn,
-    (m + 1, 2, 2) A and (m + 1, 2) b of A x + b, where one cell makes `factors` (m, 2, 2) x +
-    `offsets` (m, 2): of one cell each, then of 2, 4, 8, ... together.
+    """(m + 1, 2, 2) A and (m + 1, 2) b: a change x at the start of the turn becomes A x + b at the
+    start of each cell and at the end of the turn, where a single cell maps x to `factors` (m, 2, 2)
+    x + `offsets` (m, 2).
     """
+    # A x + b as a matrix of 3 rows, so that one after the other is a matrix product.
     maps = np.zeros((len(factors) + 1, 3, 3))
     maps[:] = np.eye(3)
     maps[1:, :2, :2], maps[1:, :2, 2] = factors, offsets
+    # Doubling needs log2(m) products of whole arrays instead of m single ones.
     together = 1
     while together < len(maps):
         maps[together:] = maps[together:] @ maps[:-together]
@@ -574,7 +590,7 @@ def _cumulative_maps(factors: FloatArray, offsets: FloatArray) -> tuple[FloatArr
 
 @dataclass(frozen=True, eq=False)
 class WindupTurn:
-    """The steady state.
+    """A turn of the steady state, with its error estimates.
 
     Attributes
     ----------
@@ -642,6 +658,7 @@ class WindupTurn:
         omega = np.sqrt(2.0 * y)
         alpha, growth, per_torque = shaft.response(rows, y)
         slopes, differences = np.zeros((len(phi), 2, 2)), np.zeros((len(phi), 2))
+        # d(alpha / omega) / domega, where growth is dalpha/dy and dy = omega domega.
         slopes[:, 0, 0] = growth - alpha / omega**2
         slopes[:, 0, 1] = self.cam.shaft.stiffness * per_torque / omega
         slopes[:, 1, 0] = -self.cam.speed / omega**2
@@ -697,7 +714,9 @@ def periodic(
             return WindupTurn(
                 cam, mesh.fine, exact, _alpha(cam, mesh.fine, exact), *estimates, rough
             )
+        # A coarse cell has two halves with two unknowns each.
         worst = np.max((step.defects / scales).reshape(-1, 4), axis=1)
+        # Halving the worst cells alone keeps the mesh small where the solution is smooth.
         split = worst >= 0.1 * np.max(worst)
         cells = len(split) + int(np.count_nonzero(split))
         if not np.max(worst) > EPS * EPS or cells > MOST_CELLS:
@@ -722,6 +741,7 @@ def newton(
         step = newton_step(cam, mesh, pair)
         down = float(np.max(-step.nodes[..., 0] / (0.5 + pair.nodes[..., 0])))
         ends = float(np.max(-step.starts[:, 0] / (0.5 + pair.starts[:, 0])))
+        # A step must leave the share KEEP of y = Omega^2 (1/2 + v), which is above 0.
         share = min(1.0, (1.0 - KEEP) / max(down, ends, 1e-300))
         if count >= FULL_STEPS:
             share *= 0.5
@@ -729,8 +749,11 @@ def newton(
         pair = WindupState(pair.starts + share * step.starts, pair.nodes + share * step.nodes)
         if not math.isfinite(change):
             raise NoConvergenceError(None)
+        # Near the solution a change that no longer falls is rounding.
         stalled = change >= 0.25 * best and best <= max(0.1 * tolerance, 1e4 * EPS)
         if share == 1.0 and (change <= target or stalled):
+            # The error after a Newton step is about the square of its change, unless that is
+            # rounding.
             return pair, change if stalled and change > target else change * change
         best = min(best, change)
     raise NoConvergenceError(None)
@@ -756,6 +779,7 @@ def _multiplier(
     coarse, fine = (float(np.max(np.abs(eigenvalues))) for eigenvalues in ends)
     rounding = ROUNDINGS * EPS * len(mesh.fine.low)
     gap = float(np.abs(ends[1][0] - ends[1][1])) / max(fine, 1e-300)
+    # A double eigenvalue moves by the root of a change of the matrix.
     rounding *= 1.0 + 1.0 / max(gap, math.sqrt(rounding))
     return fine, INTERIOR_FACTOR * abs(fine - coarse) + rounding * max(fine, EPS)
 
@@ -782,6 +806,7 @@ def _interpolate_halves(pair: WindupState) -> WindupState:
     """The polynomials through the nodes of all cells, at the nodes of their halves; v is kept where
     there is a speed.
     """
+    # Values at the nodes i of both halves h of cell m, for v and w alike (k).
     halves = np.einsum("hij,mjk->mhik", collocation().halves, pair.all_nodes)
     halves[..., 0] = np.maximum(halves[..., 0], -0.5 + 0.5 * KEEP)
     middles = halves[:, 0, -1]

@@ -105,6 +105,7 @@ def lost_contact(
     sense = subject.state.sense if holds_both_ways(subject) else subject.cam.contact.push
     if sense == 0:
         return LostContact()
+    # A force that is 0 but for rounding still touches.
     lowest, limit = lowest_on_flank(extremes, sense), margin - TOUCH * extremes.magnitude
     ranges: tuple[LowRange, ...] = ()
     if lowest.value < limit:
@@ -128,6 +129,7 @@ def _leaps(subject: Subject, mass: Quantity | None, sense: int) -> tuple[float, 
     for angle in shocks(subject, mass):
         here = np.array([angle])
         jump = motion.jet(here, "right")[1] - motion.jet(here, "left")[1]
+        # A flank pushes in the direction of its leverage; to cause this jump it would have to pull.
         if jump[0] * contact_leverage(subject, here, "right", sense)[0] < 0.0:
             leaps.append(angle)
     return tuple(leaps)
@@ -143,7 +145,7 @@ def contact_leverage(subject: Subject, phi: FloatArray, side: Side, sense: int) 
 
 
 def bearing_on_carrier(contact: ContactForce, phi: FloatArray, side: Side) -> Bearing:
-    """How friction shares the load at n cam angles, on the side that carries; 0 without any."""
+    """The `Bearing` at n cam angles on the side that carries; all values are 0 without friction."""
     if contact.friction is None:
         return Bearing(*np.zeros((3, len(phi))))
     inner, outer = (contact.friction.bearing(phi, side, sense) for sense in (INNER, OUTER))
@@ -269,12 +271,12 @@ class Opposite:
 
     @property
     def part(self) -> Part:
-        """The same part."""
+        """The part of the disc, which has both sides."""
         return self.disc.part
 
 
 def with_both_yoke_sides(subject: Subject) -> Subject:
-    """A `subject` whose cam has a yoke, with both sides of it."""
+    """The `subject`, whose cam has a yoke, with the second side of the yoke as `returning`."""
     return replace(subject, returning=replace(subject, disc=Opposite(subject.required_disc)))
 
 
@@ -298,6 +300,7 @@ def ranges_below(
     def above(phi: FloatArray) -> FloatArray:
         return quantity(phi, "right") - limit
 
+    # The known minimum is made an edge, so that a short range around it is not stepped over.
     cuts = with_roots(above, merged(np.concatenate((edges, [lowest.place]))))
     below = above(0.5 * (cuts[:-1] + cuts[1:])) < 0.0
     ranges = []
@@ -309,6 +312,7 @@ def ranges_below(
             key=lambda extreme: extreme.value,
         )
         ranges.append(LowRange(float(cuts[pieces[0]]), float(cuts[pieces[-1] + 1]), low))
+    # The range is too short to be resolved: the place of its minimum stands for it.
     if not ranges and lowest.value < limit:
         ranges.append(LowRange(lowest.place, lowest.place, lowest))
     return tuple(ranges)

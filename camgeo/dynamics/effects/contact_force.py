@@ -92,6 +92,7 @@ def compute(request: Request[Mapping[str, Any]]) -> ContactForce:
         balance = rigid.with_force(train)
     edges = force_edges(balance)
     refuse_jamming(balance, edges)
+    # The loads follow from the normal force, which is known only where nothing jams.
     edges = load_edges(balance, edges)
 
     @recalling  # all effects of the scene ask for it, most of them at the same angles
@@ -133,7 +134,9 @@ def compute(request: Request[Mapping[str, Any]]) -> ContactForce:
 
 
 def add_force(contact: ContactForce, rigid: ForceBalance, force: Force) -> ContactForce:
-    """See `ContactForce.with_force`; `rigid` is the balance with a rigid train."""
+    """The `contact` force with one more `force`, see `ContactForce.with_force`; `rigid` is the
+    balance with a rigid train.
+    """
     balance = rigid.with_force(force)
     return replace(
         contact,
@@ -239,7 +242,9 @@ def _value(extreme: Extreme, where: str) -> str:
 
 
 def shock_findings(subject: Subject, struck: Quantity | None) -> list[Finding]:
-    """Where the velocity of a mass jumps: the force is infinite there, and not in the values."""
+    """Findings on jumps of the velocity of a mass, at which the force is infinite; no value
+    includes it.
+    """
     return [
         Finding(
             name="shock",
@@ -298,7 +303,7 @@ class ForceBalance:
     bearings: BearingFriction | None
 
     def with_force(self, force: Force) -> ForceBalance:
-        """The same with a `force` besides."""
+        """The balance with one more `force`."""
         bearings = None if self.bearings is None else self.bearings.with_force(force)
         return replace(self, forces=(*self.forces, force), bearings=bearings)
 
@@ -416,7 +421,11 @@ class ForceBalance:
             if not np.any(here):
                 continue
             per = bearings.rubbing.per_normal(phi, side, flank)
+            # The bracket is reduced by the friction of the contact's load alone; here b is without
+            # it, because the loads include it.
             free = self.bracket(phi, side, flank) + drag * np.sum(np.abs(per), axis=0)
+            # The direction in which the flank must push: both sides of the balance are multiplied
+            # by it.
             u = np.where(demand + drag * np.sum(np.abs(noncontact), axis=0) >= 0.0, 1.0, -1.0)
             n, _ = solve_balance(u * demand, u * free, u * drag, noncontact, per)
             normal[here] = n[here]
@@ -484,6 +493,7 @@ def force_edges(balance: ForceBalance) -> FloatArray:
         return balance.leverage(phi, "right", sense)
 
     senses = (INNER,) if balance.subject.returning is None else (INNER, OUTER)
+    # Where R_0 dips below 0 between two points of the grid, both roots would be missed.
     inner = grid_of(merged(np.concatenate((edges, dips(demand, grid)))))
     angles = [edges, roots_on_grid(demand, inner)]
     angles += [roots_on_grid(partial(leverage, sense=sense), grid) for sense in senses]

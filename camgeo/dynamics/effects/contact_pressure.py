@@ -174,6 +174,7 @@ def _worst(contact: LineContact, angle: float, square: float) -> Worst:
     """The contact at `angle` [rad], from the side on which p^2 is `square`."""
     phi = np.array([angle])
     sides: tuple[Side, ...] = ("right", "left")
+    # Where the pressure jumps, only one side has the value that the search has found.
     side = min(sides, key=lambda side: abs(float(contact.square(phi, side)[0]) - square))
     load, radius = contact.load_and_radius(phi, side)
     sense = int(contact.carried(phi, side)[1][0])
@@ -476,6 +477,7 @@ def rolling_life(
         return np.asarray((load / rating) ** exponent * turns)
 
     share = 0.5 * tolerance  # the estimate also contains the rounding of the sum
+    # |nu| has a kink where the roller reverses its spin.
     borders = with_roots(turning, edges)
     turns = piecewise_integral(lambda phi: np.abs(turning(phi)), borders, share)
     worn = piecewise_integral(wear, borders, share)
@@ -493,6 +495,7 @@ def rolling_life(
         load=rating * (worn.value / turns.value) ** (1.0 / exponent),
         speed=speed,
         seconds=TURNS * TURN * duration / worn.value,
+        # P is the p-th root of a quotient of both integrals.
         load_error=(error + turned) / exponent,
         speed_error=turned,
         error=error,
@@ -593,6 +596,7 @@ class LineContact:
         if np.any(beyond):
             self._refuse(float(phi[beyond][0]), float(np.min(radius[beyond])))
         squares = np.zeros(len(phi))
+        # p^2 = F E* / (pi L R).
         share = self.modulus / (math.pi * self.width)
         np.divide(share * load, radius, out=squares, where=loaded)
         return squares
@@ -607,6 +611,7 @@ class LineContact:
 
         def loaded_radius(phi: FloatArray, side: Side) -> FloatArray:
             load, radius = self.load_and_radius(phi, side)
+            # Without load any radius will do; this one is no cusp.
             return np.where(load > 0.0, radius, scale)
 
         lowest = piecewise_lowest(loaded_radius, edges)

@@ -141,7 +141,7 @@ def _columns(law: TorqueLaw, limit: float | None) -> tuple[Column, ...]:
 
 
 def torque_findings(law: TorqueLaw, summary: Summary, data: TorqueLimits) -> tuple[Finding, ...]:
-    """All findings."""
+    """The findings on the peaks, the integrals, the flywheel and the shocks of the torque."""
     turning = law.subject.state.course is not None
     peaks = resolved_ends(summary.peaks)
     static = resolved_ends(summary.static_peaks, peaks.magnitude)
@@ -218,7 +218,7 @@ def _flywheel(summary: Summary, fluctuation: float | None) -> list[Finding]:
 
 
 def _shock(law: TorqueLaw) -> list[Finding]:
-    """Where the velocity of a mass jumps; no finding without a mass."""
+    """A finding on the jumps of the velocity of a mass; none without masses."""
     contact = law.contact
     if contact.struck is None:
         return []
@@ -291,6 +291,7 @@ class TorqueLaw:
             for sense, lever in levers.items()
         }
         outwards = levers[INNER] >= 0.0
+        # R > 0 is carried by the inner flank where its leverage is above 0, else by the other one.
         rows[4] = np.where(outwards, gains[1], gains[-1])
         rows[5] = np.where(outwards, gains[-1], gains[1])
         return rows
@@ -305,6 +306,8 @@ class TorqueLaw:
             lever = contact_leverage(self.subject, phi, side, sense)
             loads = bearings.rubbing.per_normal(phi, side, sense)
             force, torque = friction.per_normal(phi, side, sense)
+            # per_normal includes the friction of the contact's load alone; b is without it, because
+            # the loads include it.
             free = lever + force + drag * np.sum(np.abs(loads), axis=0)
             sides[sense] = (lever * velocity + torque, free, loads)
         outwards = contact_leverage(self.subject, phi, side, INNER) >= 0.0
@@ -344,6 +347,7 @@ class TorqueLaw:
     def _torque_for_force(self, force: FloatArray, law: FloatArray, phi: FloatArray) -> FloatArray:
         """(n,) torque [N mm] where the contact provides R = `force` (n,)."""
         gain = np.where(force >= 0.0, law[4], law[5])
+        # Where nothing is demanded a gain of nan is no jamming.
         torque: FloatArray = np.where(force == 0.0, 0.0, force * gain)
         jammed = np.isnan(torque)
         if np.any(jammed):
@@ -409,6 +413,7 @@ class TorqueLaw:
 def _gain(lever: FloatArray, velocity: FloatArray, per_normal: FloatArray) -> FloatArray:
     """(n,) T / R, with `lever` = sense * leverage; nan where the follower jams."""
     force = lever + per_normal[0]
+    # With friction the contact must still push along its leverage; in a dwell nothing has to move.
     jams = (force == 0.0) | ((force * lever <= 0.0) & (velocity != 0.0))
     torque = lever * velocity + per_normal[1]
     return np.where(jams, np.nan, torque / np.where(jams, 1.0, force))
@@ -507,6 +512,7 @@ def summarise(law: TorqueLaw, fluctuation: float | None, tolerance: float) -> Su
     square = piecewise_integral(squares, edges, tolerance)
     mean_square, unsure = max(square.value, 0.0) / duration, square.error / duration
     rms = math.sqrt(mean_square)
+    # The lower end is the farther one, as a root is steeper there.
     rms_error = rms - math.sqrt(max(mean_square - unsure, 0.0))
     stored = None
     if fluctuation is not None:
@@ -542,6 +548,7 @@ def stored_energy(
 
     places = with_roots(surplus, edges)
     stored = piecewise_integral(surplus, places, tolerance)
+    # E has its extremes where T passes T_m, and nowhere in between.
     energy = np.concatenate(([0.0], np.cumsum(stored.parts)))
     return StoredEnergy(extremes_of(places, energy), stored.error + TURN * unsure)
 

@@ -89,6 +89,7 @@ class Subject:
             replay = cam.disc.replay(flank)
         except GeometryError:  # the checks report it
             return demanded
+        # Where the lift itself jumps there is no velocity to compute with.
         if len(replay.drops):
             return demanded
         from camgeo.dynamics.state.written import OutlineState  # few discs are trimmed

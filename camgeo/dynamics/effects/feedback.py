@@ -55,7 +55,7 @@ ROUND_SHARE: Final = 0.25
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FeedbackRound:
-    """A round.
+    """A round of the fixed-point iteration.
 
     Attributes
     ----------
@@ -82,7 +82,8 @@ class FeedbackRound:
 
 
 class FeedbackNodes(Nodes):
-    """What turns the cam, with a rigid train, and how it turns with the elastic one.
+    """The effects that find how the cam turns, with a rigid train, and their fixed point with the
+    elastic train.
 
     Parameters
     ----------
@@ -115,6 +116,7 @@ class FeedbackNodes(Nodes):
         """
         tolerance = float(self.catalogue.tables[name].get("tolerance", TOLERANCE))
         rounds = [
+            # Round 0 is that of the rigid train: no force of its own, and P = 1.
             FeedbackRound(rigid, self.result(DRIVE_TORQUE), np.zeros(len(GRID)), (), (0.0, 1.0))
         ]
         share = ROUND_SHARE
@@ -145,6 +147,7 @@ class FeedbackNodes(Nodes):
                 rough = _rough_turn([past.turn for past in rounds], errors[0])
                 finding = _feedback_finding(feedback, latest.turn, errors)
                 return latest.turn.fed_back(feedback, finding, added_errors, rough)
+            # The error of a round itself is the one that can be chosen; half of it is reserve.
             share *= 0.5 * tolerance / worst
         change = rounds[-1].change(rounds[-2])[0] / RPM
         raise _feedback_error(
@@ -185,8 +188,8 @@ class FeedbackNodes(Nodes):
 
 
 def _unknown_errors(turn: Turning, other: DriveTorque) -> tuple[float, ...]:
-    """How far what is sought may be off, to first order, if the torque law is off, in either sense
-    at each cam angle, by as much as it differs from that of `other`.
+    """Largest errors of the unknowns, to first order, if the torque law is off at each cam angle,
+    in either direction, by its difference from the law of `other`.
     """
     mesh = turn.turn.mesh
     shape = mesh.nodes.shape
@@ -199,7 +202,9 @@ def _unknown_errors(turn: Turning, other: DriveTorque) -> tuple[float, ...]:
 
 
 def _feedback_error(why: str, error: EffectError | None = None) -> EffectError:
-    """That there is no fixed point, `why`, and which keys of the scene do without it."""
+    """The error that no fixed point was found, for the reason `why`, with the keys of the scene
+    that avoid the search.
+    """
     return EffectError(
         f"no common steady state of the cam's speed and its elastic train was found: {why}; in"
         ' [state], output = "rigid" takes the train as rigid, and speed = "stated" keeps the speed'
@@ -210,7 +215,7 @@ def _feedback_error(why: str, error: EffectError | None = None) -> EffectError:
 
 
 def _loaded(drive: DriveTorque, force: Force) -> DriveTorque:
-    """`drive`, of a rigid train, with a `force` besides."""
+    """`drive`, of a rigid train, with one more `force`."""
 
     def law(phi: FloatArray, side: Side) -> FloatArray:
         return add_force(drive.law(phi, side), drive.contact.bearings, force, phi, side)
@@ -233,16 +238,18 @@ def _remaining_errors(rounds: Sequence[FeedbackRound]) -> tuple[Feedback, list[f
     )
     # Differences below the error are none.
     ratio = residual / max(float(previous[0]), error + train_error)
+    # The changes still to come are a geometric series, residual / (1 - ratio) in sum.
     if not residual <= (1.0 - ratio) * (error + train_error):
         return None
     more, whole = last.sizes
     d = (ratio * (residual + 2.0 * error) + more * error + whole * train_error) / (1.0 - ratio)
+    # p of the module: what else is solved for, by how much it changes with the speed.
     follow = np.maximum(previous / max(float(previous[0]), error), now / max(residual, error))
     return Feedback(len(rounds) - 1, residual, ratio), [d, *(d * follow[1:]).tolist()]
 
 
 def _feedback_finding(feedback: Feedback, turn: Turning, errors: Sequence[float]) -> Finding:
-    """How far the rounds have come."""
+    """The finding on how far the rounds have converged."""
     change = feedback.residual / RPM
     known = listed(
         [
@@ -380,6 +387,7 @@ class TrainForce:
         if self.accelerated_mass:
             coefficients[0] += self.accelerated_mass * behind.base(phi, side)[2]
         else:
+            # y'' = y_2 omega^2 + y_1 alpha: c2 takes the second derivative, c3 the first one.
             coefficients[2:] = behind.mass * self.motion.jet(phi, side, 2)[2:0:-1]
         return coefficients
 
@@ -412,6 +420,7 @@ def _derivative() -> FloatArray:
     k = np.arange(ANGLES)
     difference = k[:, np.newaxis] - k
     with np.errstate(divide="ignore"):
+        # Trigonometric differentiation on an odd number of points; the diagonal is set below.
         matrix = 0.5 * (-1.0) ** difference / np.sin(difference * (0.5 * TURN / ANGLES))
     matrix[k, k] = 0.0
     return np.asarray(matrix)
@@ -424,6 +433,7 @@ def _follow(passed: TrainForce, derive: FloatArray) -> FloatArray:
     lift, velocity, _ = behind.base(phi, "right")
     _, first, second = passed.motion.jet(phi, "right", 2)[:3]
     speeding = derive * omega  # alpha is the derivative of omega^2 / 2
+    # The change of y'' = s'' omega^2 + s' alpha by the speed.
     pushed = np.diag(2.0 * second * omega) + first[:, np.newaxis] * speeding
     time = passed.course.time(phi) - passed.course.time(np.zeros(1))
     force = passed.accelerated_mass * pushed - np.diag(reading.slope * first)
@@ -448,6 +458,7 @@ def _answer(turn: Turning, law: Quantity, other: Quantity, derive: FloatArray) -
     matrix = np.zeros((size, count, size, count))
     sides = np.zeros((size, count, count))
     for row in range(size):
+        # D on the diagonal blocks; at each angle the slopes couple the d numbers of the state.
         matrix[row, :, row, :] = derive
         sides[row, index, index] = differences[:, row]
         for column in range(size):
@@ -468,8 +479,10 @@ def base_force(behind: ElasticTrain, values: FloatArray) -> Force:
     def far(phi: FloatArray, _: Side) -> FloatArray:
         z = np.exp(1j * phi)
         total = np.zeros(len(phi), dtype=np.complex128)
+        # Horner's scheme, from the highest harmonic down to the first one.
         for coefficient in series[:0:-1]:
             total = (total + coefficient) * z
+        # The negative harmonics of a real function are the conjugates: twice the real part.
         return np.asarray(series[0].real + 2.0 * total.real)
 
     def force(phi: FloatArray, side: Side) -> FloatArray:
@@ -508,9 +521,11 @@ def spread(spans: FloatArray, slopes: FloatArray, disturbances: FloatArray) -> F
     scales = _balanced(slopes)
     slopes, disturbances = slopes * scales[:, np.newaxis] / scales, disturbances * scales
     inner = spans[:, np.newaxis, np.newaxis] * collocation().integral
+    # From component e at node q to component d at node p: (m, p, d, q, e), as one matrix a cell.
     coupled = inner[:, :, np.newaxis, :, np.newaxis] * slopes.swapaxes(1, 2)[:, np.newaxis]
     matrix = np.eye(nodes * size) - coupled.reshape(count, nodes * size, nodes * size)
     starts = np.broadcast_to(np.tile(np.eye(size), (nodes, 1)), (count, nodes * size, size))
+    # A disturbance of component e at node q enters component e alone, at all nodes p after it.
     parts = np.einsum("mpq,mqe,de->mpdqe", inner, disturbances, np.eye(size))
     sides = np.concatenate((starts, parts.reshape(matrix.shape)), axis=2)
     solved = np.linalg.solve(matrix, sides).reshape(count, nodes, size, -1)
@@ -538,8 +553,9 @@ def spread(spans: FloatArray, slopes: FloatArray, disturbances: FloatArray) -> F
 
 
 def _balanced(slopes: FloatArray) -> FloatArray:
-    """(d,) factors with which the numbers of a state that swings are of one size."""
+    """(d,) factors that bring the d numbers of a state that swings to one size."""
     across = np.mean(np.abs(slopes), axis=(0, 1))
     if len(across) == 1 or not across[0, 1] * across[1, 0] > 0.0:
         return np.ones(len(across))
+    # With this scale both couplings of the swing are equally large.
     return np.array([1.0, float(np.sqrt(across[0, 1] / across[1, 0]))])

@@ -123,6 +123,7 @@ def shaft_and_turn(subject: Subject, linkage: Linkage) -> tuple[complex, complex
         return follower.pivot, 1.0 + 0.0j
     still, one = np.zeros((2, 1)), np.array([[1.0], [0.0]])
     pin, ahead = linkage.joints(still[0])[0], linkage.joint_rates(still[0], still, one)[0]
+    # The pin must move along the guide: this fixes the direction of the linkage in the drawing.
     turn = complex(follower.way / ahead[0, 0])
     return follower.start_arm - turn * complex(pin[0]), turn
 
@@ -176,6 +177,8 @@ def torque_shocks(subject: Subject, per_alpha: Quantity, edges: FloatArray) -> F
     if not len(places):
         return places
     jump = np.abs(motion.jet(places, "right", 1)[1] - motion.jet(places, "left", 1)[1])
+    # The velocities in the middle of the pieces are the scale by which a jump is told from
+    # rounding.
     inside = np.abs(motion.jet(edges[:-1] + 0.5 * np.diff(edges), "right", 1)[1])
     heavy = (per_alpha(places, "left") != 0.0) | (per_alpha(places, "right") != 0.0)
     return np.asarray(
@@ -232,8 +235,8 @@ lasting vibration cover all its phases, and a decaying one is searched where it 
 """
 
 RUNGS: Final = 8
-"""In an octave: numbers of periods between two rungs have the edges of the upper one, so that those
-of neighbouring speeds are the same."""
+"""Rungs in an octave. A number of periods takes the edges of the next rung, so that those of
+neighbouring speeds are the same."""
 
 BEGINNING: Final = np.array([1.0, 2.0])
 """Periods after each border that are then searched separately."""
@@ -246,10 +249,12 @@ def search_edges(smooth: FloatArray, train: Train | None, period: float) -> Floa
     periods = float(np.max(train.rates.imag)) * period / TURN
     if not periods > 1.0:
         return smooth
+    # Numbers of periods are rounded up to a rung, so that neighbouring speeds share their edges.
     rung = math.ceil(RUNGS * math.log2(min(periods, MOST_PERIODS)))
     count = math.ceil(2.0 ** (rung / RUNGS))
     edges = np.concatenate((smooth, np.linspace(0.0, TURN, count + 1)))
     if periods > MOST_PERIODS:
+        # A vibration that decays is largest in its first periods behind an edge.
         begin = (smooth[:-1, np.newaxis] + BEGINNING * (TURN / periods)).ravel()
         edges = np.concatenate((edges, begin[begin < TURN]))
     return merged(edges)
@@ -257,7 +262,7 @@ def search_edges(smooth: FloatArray, train: Train | None, period: float) -> Floa
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ElasticTrain:
-    """What is behind the train, at some speed.
+    """The elastic train behind the follower, at one speed of the cam.
 
     Attributes
     ----------
@@ -310,7 +315,7 @@ class ElasticTrain:
 
     @property
     def train(self) -> Train:
-        """Its modes."""
+        """The train, decomposed into its modes."""
         return self.response.train
 
     def edges(self, smooth: FloatArray) -> FloatArray:
@@ -330,8 +335,8 @@ class ElasticTrain:
         )
 
     def perturbed_trains(self, demand: Quantity) -> tuple[ElasticTrain, ElasticTrain]:
-        """The same with F off by its error, so that the contact carries more everywhere, where it
-        must provide the generalised force `demand`; and so that the drive puts in more.
+        """The train with F off by its error, twice: so that the contact carries more everywhere,
+        where it must provide the generalised force `demand`; and so that the drive puts in more.
 
         A force of the contact or a load follows from F at the same cam angle, and a sum of such
         forces or of powers over the turn is off most where all of them are off to the same side.
@@ -346,7 +351,7 @@ class ElasticTrain:
         return self._perturbed(pressing), self._perturbed(driving)
 
     def _perturbed(self, way: Quantity) -> ElasticTrain:
-        """With F off by its error in the direction of `way`."""
+        """The train with F off by its error in the direction of `way`."""
 
         def pushes(response: Response, phi: FloatArray, side: Side) -> FloatArray:
             error = response.reading_error(response.train.force(0))
@@ -355,9 +360,10 @@ class ElasticTrain:
         return replace(self, pushes=pushes)
 
     def with_speed_factor(self, factor: float) -> ElasticTrain:
-        """The same with the cam running `factor` times as fast as in `response`."""
+        """The train with the cam running `factor` times as fast as in `response`."""
         load, once = self.load, factor**-2
         if load is not None:
             pressed = load.coefficients
+            # Forces in the time of the response are smaller by the square of the factor.
             load = replace(load, coefficients=lambda phi, side: once * pressed(phi, side))
         return replace(self, response=self.response.in_time(factor), load=load)

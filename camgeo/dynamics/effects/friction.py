@@ -78,7 +78,9 @@ def friction_statics(subject: Subject, data: FrictionCoefficients) -> Statics:
 
 
 def _borders(statics: Statics, edges: FloatArray) -> FloatArray:
-    """Where an angular velocity, a reaction or a direction changes sign on either flank."""
+    """(k,) cam angles [rad] at which an angular velocity, a reaction or a direction changes its
+    sign on either flank.
+    """
     angles = [edges]
     if statics.data.face and statics.swing:
         angles.append(
@@ -137,7 +139,7 @@ def _force(subject: Subject, data: FrictionCoefficients, borders: FloatArray) ->
 
 
 def _free_force(subject: Subject, data: FrictionCoefficients) -> FreeForce:
-    """The same on a follower that is off the cam."""
+    """The friction on a follower that is off the cam, see `FreeForce`."""
     far = subject.drive.far_end
     if far is None or driving_slider(subject) is None:
         viscous = data.pivot_viscous + data.guide_viscous
@@ -359,6 +361,7 @@ class Senses:
 
     def __call__(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) the sense at `phi` (n,) [rad], on the given side."""
+        # An angle that is an edge but for rounding belongs to the piece on its given side.
         nudge = EDGE_ROUNDING if side == "right" else -EDGE_ROUNDING
         piece = np.searchsorted(self.edges, np.mod(phi, TURN) + nudge) - 1
         return self.signs[piece % len(self.signs)]
@@ -368,6 +371,7 @@ def motion_senses(motion: Motion, edges: FloatArray) -> Senses:
     """The senses of `motion` between `edges` (k,) [rad]."""
     low, span = edges[:-1], np.diff(edges)
     velocity = np.stack([motion.jet(low + share * span, "right", 1)[1] for share in SHARES])
+    # A single sample may lie where the velocity is rounding.
     fastest = np.argmax(np.abs(velocity), axis=0)
     return Senses(edges, np.sign(velocity[fastest, np.arange(len(low))]))
 
@@ -586,6 +590,7 @@ class Statics:
         size = np.hypot(first, second)
         transmission = np.arctan2(np.abs(contact.sine), np.abs(contact.cosine))
         deviation = 0.5 * math.pi - transmission - np.arctan2(second, first)
+        # Into -pi to pi: the phase may be given in another turn.
         deviation -= TURN * np.round(deviation / TURN)
         return np.asarray(np.arccos(np.clip(third / size, -1.0, 1.0)) - np.abs(deviation))
 

@@ -71,10 +71,11 @@ if TYPE_CHECKING:
 
 FOUND_SUFFIX: Final = " at the found speed"
 ROUGH_SUFFIX: Final = " at the found speed, roughly"
-"""What the ledger adds to the names of effects that are computed for this speed."""
+"""Added in the ledger to the names of effects that are computed for the speed that is found."""
 
 RIGID_SUFFIX: Final = " of a rigid train"
-"""What it adds to what a speed is found from that takes a train as rigid, if no other one does."""
+"""Added to the name of an effect that finds a speed for a rigid train, where no other effect uses
+this speed."""
 
 HOLDING: Final = "camgeo.dynamics.effects.lift_off.flank:holding"
 """Imported only where a follower leaves its flank."""
@@ -177,18 +178,19 @@ class Effects:
         whole, errors = LazyFindings(qualify_findings), result.errors
         if isinstance(errors, InheritedErrors):
             force = partial(self._computed, CONTACT_FORCE)
+            # Findings on premises state the contact force, and are as accurate as that.
             errors = replace(errors, premises=whole, force=force)
         return replace(result, findings=whole, errors=errors)
 
     def course(self, name: str) -> TimeCourse | None:
-        """How the cam turns in the state of the effect `name`; None if that is not known.
+        """How the cam turns in the state of the effect `name`; None if its speed is not known.
 
         Raises EffectError if it is neither found nor given.
         """
         return self._nodes(name).subject.state.course
 
     def _nodes(self, name: str) -> Nodes:
-        """Where the effect `name` is computed.
+        """The nodes that compute the effect `name`.
 
         Raises
         ------
@@ -203,20 +205,22 @@ class Effects:
 
     @cached_property
     def _stated_nodes(self) -> Nodes:
-        """Where what does not depend on a found speed is computed."""
+        """The nodes of effects that do not depend on a speed that is found."""
         feeds = self._finder is not None and self.catalogue.follows_train(self._finder)
         kind: type[Nodes] = pkgutil.resolve_name(FED_BACK) if feeds else Nodes
         return kind(self._stated_subject, self.catalogue, self.ledger)
 
     @cached_property
     def _rigid_nodes(self) -> Nodes:
-        """Where what finds a speed is computed if no other effect follows that."""
+        """The nodes of an effect that finds a speed which no other effect uses; the train is
+        rigid.
+        """
         return Nodes(self._stated_subject, self.catalogue.rigid(), self.ledger.named(RIGID_SUFFIX))
 
     @property
     def _stated_subject(self) -> Subject:
-        """The design at the speed of the scene; if it gives but a motor, at one near what is to be
-        found, for what does not depend on it.
+        """The design at the speed of the scene. If the scene states only a motor, it turns at a
+        speed near the one to be found, for effects that do not depend on it.
         """
         if self._finder is None or self.subject.state.course is not None:
             return self.subject
@@ -393,7 +397,7 @@ class Effects:
 
 
 TRAIN_ERROR_SUFFIX: Final = " with the train off by its error"
-"""What the ledger adds to the names of effects that are computed for errors alone."""
+"""Added to the names of effects that are computed for error estimates alone."""
 
 
 def node_name(name: str) -> str:
@@ -532,7 +536,7 @@ class Nodes:
 
     @cached_property
     def _perturbed_nodes(self) -> tuple[Nodes, ...]:
-        """With trains that are off by the error of their force, see
+        """The nodes with trains that are off by the error of their force, see
         `camgeo.dynamics.effects.forces.ElasticTrain.perturbed_trains`.
         """
         train, contact = self.result(VIBRATION), self.result(CONTACT_FORCE)
@@ -551,7 +555,9 @@ class WithTrain(Nodes):
         self._nodes = nodes
 
     def result(self, name: str) -> Any:
-        """As that of `nodes`, unless it depends on the train."""
+        """The result of the effect `name`, which is that of `nodes` unless it depends on the
+        train.
+        """
         if name != VIBRATION and VIBRATION not in self.catalogue.dependencies(name):
             return self._nodes.result(name)
         return super().result(name)
@@ -600,7 +606,9 @@ def _downgraded(finding: Finding, effect: Effect) -> Finding:
 def _lost_contact_finding(
     lost: LostContact, subject: Subject, flown: Sequence[Range], holding: str
 ) -> Finding:
-    """Where contact is lost, though the figures take it for granted."""
+    """The finding that the follower leaves the cam, though the figures are for one that does
+    not.
+    """
     ranges = [(stretch.start, stretch.end) for stretch in lost.ranges]
     touching = subject.cam.follower.touching
     places = [over_ranges(ranges)] if ranges else []
@@ -627,7 +635,9 @@ def _lost_contact_finding(
 
 
 def _other_side_finding(lost: LostContact, subject: Subject) -> Finding:
-    """Where the other side carries than the one whose written contour makes the motion."""
+    """The warning that the other side carries than the one whose written contour makes the
+    motion.
+    """
     sense, low = subject.state.sense, lost.lowest
     names, noun = side_names(subject)
     ranges = [(stretch.start, stretch.end) for stretch in lost.ranges]
@@ -652,7 +662,7 @@ def _other_side_finding(lost: LostContact, subject: Subject) -> Finding:
 
 
 def _clearance_finding(subject: Subject, flown: Sequence[Range]) -> Finding:
-    """Where a follower that is held both ways touches nothing."""
+    """The warning that a follower that is held both ways crosses its clearance."""
     who, where = "follower", "between its discs" if subject.paired else "of its yoke"
     if subject.returning is None:
         who, where = "roller", "between its flanks"
@@ -669,7 +679,9 @@ def _clearance_finding(subject: Subject, flown: Sequence[Range]) -> Finding:
 
 
 def _breadth_findings(effect: Effect, subject: Subject) -> Iterator[Finding]:
-    """Where a yoke does not fit its cam; an even play alters no force, and `lift-off` tells it."""
+    """A warning if a yoke does not fit its cam. A constant play alters no force, and the effect
+    `lift-off` reports it.
+    """
     breadth = subject.cam.breadth if subject.returning is not None else None
     if breadth is None or not (effect.premise == "contact" or CONTACT_FORCE in effect.needs):
         return
@@ -715,7 +727,9 @@ class _Trimmed:
         )
 
     def corners(self, *, included: bool) -> str:
-        """What happens at the corners of the disc, and whether it is computed."""
+        """What the motion does at the corners of the disc, and whether it is computed, as a
+        clause.
+        """
         if not self.shocks:
             where = "at both ends" if included else "at the corner of the disc there"
             computed = ", which is computed" if included else ", which is not computed"
@@ -790,7 +804,9 @@ def _discs(subject: Subject) -> Iterator[tuple[str, Disc]]:
 
 
 def _trimmed(disc: Disc, flank: str) -> _Trimmed | None:
-    """What a flank has lost; None if nothing, or if there is no disc, which the checks report."""
+    """The lost part of a flank; None if nothing is lost, or if there is no disc, which the checks
+    report.
+    """
     try:
         outline = disc.outline(flank)
         return _Trimmed(outline.dropped, disc.replay(flank)) if outline.is_trimmed else None
@@ -851,8 +867,8 @@ WORDS: Final[dict[Form, str]] = {
 
 
 def written_findings(effect: Effect, subject: Subject) -> Iterator[Finding]:
-    """That the figures are for the motion that the contour makes as it is written; of two, of
-    which, and how far the other one is.
+    """The findings that the figures are for the motion on the contour as it is written and, if
+    there are two, on which one, and how far the other one is from it.
     """
     contours = subject.contours
     if contours is None or effect.premise == "disc" or effect.of_plan:
@@ -878,7 +894,9 @@ def written_findings(effect: Effect, subject: Subject) -> Iterator[Finding]:
 
 
 def _other_contour_finding(subject: Subject, contours: Contours) -> Finding:
-    """How far the other written contour is from the one whose motion it is."""
+    """The finding on the distance of the other written contour from the one that makes the
+    motion.
+    """
     names, noun = side_names(subject)
     carrying, other = (f"the {names[side]} {noun}" for side in (contours.sense, -contours.sense))
     try:
@@ -969,6 +987,7 @@ class InheritedErrors(Mapping[str, Bound]):
             sizes[unit] = max(sizes.get(unit, 0.0), float(np.max(np.abs(values))))
         for other in self.others:
             for unit, difference in _largest_differences(figures, other).items():
+                # The causes are independent of each other, so their effects may add up.
                 moved[unit] = moved.get(unit, 0.0) + difference
         bounds = dict(self.result.errors)
         for name, (unit, _) in figures.items():
@@ -990,7 +1009,7 @@ class InheritedErrors(Mapping[str, Bound]):
 
     @property
     def _names(self) -> dict[str, None]:
-        """All figures."""
+        """The names of all figures, in order."""
         result = self.result
         valued = [finding.name for finding in result.findings if finding.value is not None]
         columns = [column.name for column in result.columns]
@@ -1002,7 +1021,7 @@ class InheritedErrors(Mapping[str, Bound]):
 
 
 def _largest_differences(own: Figures, other: Callable[[], Result]) -> dict[str, float]:
-    """By unit, the largest difference of any figure in it."""
+    """The largest difference of the figures in each unit."""
     try:
         others = _figures(other())
     except (EffectError, GeometryError):
@@ -1026,6 +1045,7 @@ def _figures(result: Result) -> Figures:
     for finding in result.findings:
         if finding.value is not None:
             units.setdefault(finding.name, finding.unit)
+            # Findings may share a name: their values are compared in order.
             finding_values.setdefault(finding.name, []).append(finding.value)
     figures = {name: (units[name], np.array(values)) for name, values in finding_values.items()}
     columns = {column.name: (column.unit, column.values(phi, "right")) for column in result.columns}

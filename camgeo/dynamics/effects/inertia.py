@@ -309,7 +309,7 @@ class Rates:
 
 
 Train = Callable[[FloatArray, Side], list[Rates]]
-"""All coordinates with an inertia, at n cam angles [rad]."""
+"""Gives all coordinates with an inertia at n cam angles [rad]."""
 
 
 def at_follower(subject: Subject, data: MassProperties) -> float:
@@ -371,7 +371,9 @@ class LinkedTrain:
         return self.rates(self.output.jet(phi, side))
 
     def rates(self, stroke: Jet) -> list[Rates]:
-        """With the far end at `stroke` (4, n), with derivatives by whatever `stroke` has them."""
+        """The coordinates with the far end at `stroke` (4, n); their derivatives are by the same
+        variable as those of `stroke`.
+        """
         linkage, data = self.linkage, self.data
         follower = linkage.transform(stroke, 2)
         coordinates = [
@@ -387,6 +389,7 @@ class LinkedTrain:
         rod_per_lift = pin_per_lift - tip_per_lift
         per_lift = tip_per_lift + share * rod_per_lift
         mass = data.coupler_mass
+        # The centre of mass moves in the plane: x and y are two coordinates.
         coordinates.append(Rates(mass, centres[0].real, centres[1].real, per_lift.real))
         coordinates.append(Rates(mass, centres[0].imag, centres[1].imag, per_lift.imag))
         turns = (rods / rod).imag
@@ -411,8 +414,10 @@ def reduced_mass_terms(
     """
     terms = np.zeros((2, len(q)))
     if far is None or isinstance(train, DirectTrain):
+        # M is constant, and its derivative 0.
         terms[0] = train.inertia
         return terms
+    # The jet has derivatives by q here: `first` is dx/dq, `second` is d^2x/dq^2.
     for coordinate in train.rates(far.jet(phi, q)):
         terms += (
             coordinate.inertia

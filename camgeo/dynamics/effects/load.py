@@ -24,7 +24,7 @@ from camgeo.numeric.arrays import FloatArray, Side, frozen, merged
 from camgeo.numeric.extremes import piecewise_extremes
 
 N_MM: Final = 1e3
-"""From N m to N mm."""
+"""Factor from N m to N mm."""
 
 
 def compute(request: Request[LoadProfile | Sequence[float]]) -> Acting:

@@ -88,7 +88,7 @@ class Loads:
         return 0j if self.gravity is None else self.gravity.pull
 
     def weight(self, phi: FloatArray) -> ComplexArray:
-        """(n,) of the follower's own masses."""
+        """(n,) weight of the follower's own masses."""
         return np.full(len(phi), self.pull * sum(mass.mass for mass in self.follower_masses()))
 
     def follower_masses(self) -> list[Mass]:
@@ -97,7 +97,7 @@ class Loads:
         return [mass for mass in masses if mass.name not in BEYOND]
 
     def of_spring(self, phi: FloatArray, side: Side) -> ComplexArray:
-        """(n,) on the follower; 0 if it is a torque."""
+        """(n,) force of the spring on the follower; 0 if it acts as a torque."""
         spring = self.spring
         if spring is None or spring.line is None:
             return np.zeros(len(phi), dtype=np.complex128)
@@ -127,7 +127,7 @@ class Loads:
         return self.across(force)
 
     def across(self, force: ComplexArray) -> FloatArray:
-        """(..., n) of a `force`, across the guide to the right looking outwards."""
+        """(..., n) component of a `force` across the guide, to the right looking outwards."""
         follower = self.subject.cam.follower
         right = -1j * math.copysign(1.0, follower.reach) * follower.way
         return np.asarray(np.real(np.conj(right) * force))
@@ -162,8 +162,8 @@ class Loads:
 def follower_loads(
     subject: Subject, results: Results, forces: tuple[Force, ...], *, idle: bool
 ) -> Loads:
-    """What acts on the follower besides the contact, of all `forces`; the coupler of a linkage on
-    which nothing acts only if `idle`.
+    """The loads on the follower besides the contact, with all `forces`. A coupler on which nothing
+    acts is included only if `idle`.
 
     Raises
     ------
@@ -273,10 +273,13 @@ class Coupler:
                 if mass.name == "coupler":
                     left -= mass.mass * acceleration(mass.rates(phi, side))
                     left[0] += mass.mass * pull
+                    # dot(i r, F) is the moment of F about A, with r from A.
                     moment += dot(1j * (mass.place(phi, side) - near), left)
                 elif mass.name in BEYOND:  # a slider
                     weight[0] = mass.mass * pull
         demand -= dot(way, weight)
+        # Across the coupler F_B follows from moments about A, along it from the work on the far
+        # member.
         across = moment / np.abs(rod)
         pressed = (demand - across * dot(way, 1j * along)) / dot(way, along)
         on_far = (pressed + 1j * across) * along
@@ -305,8 +308,8 @@ class Coupler:
         return shaft + near, far - near, way
 
     def _ends(self, both: tuple[ComplexArray, ComplexArray]) -> tuple[ComplexArray, ComplexArray]:
-        """Of A and of B what is of P and of T in `both`, turned into the drawing: a rocker has the
-        tip T, a carriage the pin P.
+        """A and B, or their derivatives, from those of P and T in `both`, turned into the drawing:
+        a rocker has the tip T, a carriage the pin P.
         """
         _, turn = shaft_and_turn(self.subject, self.linkage)
         pin, tip = (turn * point for point in both)

@@ -84,6 +84,7 @@ def compute(request: Request[object]) -> Result:
 
     drive_work = _work(drive.torque, edges, request.tolerance)
     works = {sink.name: _work(sink.torque, edges, request.tolerance) for sink in sinks}
+    # Works that nearly cancel, as of inertia, have no scale of their own.
     scale = max(drive_work.magnitude, *(work.magnitude for work in works.values()))
     worst = max(drive_work.error, *(work.error for work in works.values()))
     if worst > request.tolerance * scale:
@@ -130,7 +131,9 @@ def power_sinks(subject: Subject, contact: ContactForce) -> tuple[PowerSink, ...
 
 
 def _force_words(subject: Subject, contact: ContactForce, force: Force) -> str:
-    """Friction that is a force does not depend on that of the contact."""
+    """The `force` in words: friction among the forces is the part that does not depend on the
+    contact force.
+    """
     if contact.friction is None or force is not contact.friction.force:
         return force.name
     return "viscous friction" + (" and that of the slider" if driving_slider(subject) else "")
@@ -142,7 +145,9 @@ def _velocity(subject: Subject, phi: FloatArray, side: Side) -> FloatArray:
 
 
 def _force_torque(subject: Subject, contact: ContactForce, force: Force) -> Quantity:
-    """Of a load on an elastic train what it takes at the output; the train takes the less."""
+    """The torque that a `force` takes. A load on an elastic train takes what it receives at the
+    output, and the train takes as much less.
+    """
     behind, sense = contact.behind, float(force.name == LOAD) - float(force.present)
 
     def torque(phi: FloatArray, side: Side) -> FloatArray:
@@ -191,7 +196,7 @@ def _friction_sinks(
 
 
 def _work(torque: Quantity, edges: FloatArray, tolerance: float) -> Integral:
-    """Of a turn [N mm]."""
+    """The integral of `torque` over a turn [N mm]."""
     return piecewise_integral(lambda phi: torque(phi, "right"), edges, tolerance)
 
 

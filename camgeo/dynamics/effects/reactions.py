@@ -82,7 +82,7 @@ def _pivot_reactions(bodies: Bodies) -> list[Reaction]:
 
 
 def _guide_reactions(bodies: Bodies) -> list[Reaction]:
-    """Of both ends, or of the guide as a whole; forces to the right count positive."""
+    """The forces at both ends of the guide, or on the guide as a whole; positive to the right."""
     friction = bodies.contact.friction
 
     def end(row: int) -> Quantity:
@@ -101,7 +101,7 @@ def _guide_reactions(bodies: Bodies) -> list[Reaction]:
 
 
 def _joint_reactions(coupler: Coupler) -> list[Reaction]:
-    """In the joints of a linkage, and across the guide of a slider."""
+    """The forces in the joints of a linkage, and across the guide of a slider."""
     linkage, follower = coupler.linkage, coupler.subject.cam.follower.mover
 
     def size(joint: Literal["near", "far", "held"]) -> Quantity:
@@ -122,7 +122,7 @@ def _joint_reactions(coupler: Coupler) -> list[Reaction]:
 def _friction_work(
     request: Request[tuple[float, float] | None], bodies: Bodies, edges: FloatArray
 ) -> tuple[list[Finding], dict[str, Bound]]:
-    """What friction in the pivot takes a turn."""
+    """The work of friction in the pivot over a turn, with its error."""
     bearings, tolerance = bodies.contact.bearings, request.tolerance
     if bearings is None or request.subject.cam.follower.pivot is None:
         return [], {}
@@ -244,6 +244,7 @@ class Reaction:
         """
         end = piecewise_highest(lambda phi, side: np.abs(self.values(phi, side)), edges)
         if self.unit == "N":
+            # A reaction is a difference of forces: what is rounding of these is 0.
             end = Extreme(resolved(end.value, force), end.place)
         return extreme_finding(self.finding, f"largest {self.words}", end, self.unit)
 
@@ -289,7 +290,7 @@ class CamshaftLoad:
         return total
 
     def loads(self) -> list[Reaction]:
-        """On the shaft first, and on each bearing if they are stated."""
+        """The load on the shaft, and that on each bearing if they are stated."""
 
         def share(part: float) -> Quantity:
             return lambda phi, side: abs(part) * np.abs(self.load(phi, side))

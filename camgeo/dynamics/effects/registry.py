@@ -143,8 +143,8 @@ ROLLER_KEYS: Final = ("roller_pin", "roller_pin_diameter", "rolling")
 
 
 def _module_fields(name: str, module: str = "") -> dict[str, Any]:
-    """What follows from the `name` of an effect of camgeo: its code is in the module of that name,
-    or another one, its schema beside it.
+    """The fields of a declaration that follow from the `name` of an effect of camgeo: its code is
+    in the module of that name, or in `module`, and its schema beside it.
     """
     stem = name.replace("-", "_")
     return {
@@ -412,7 +412,7 @@ class Catalogue:
         self._known: dict[str, Effect] = {}
 
     def with_table(self, name: str, table: Mapping[str, Any]) -> Catalogue:
-        """The same with another table of the effect `name`."""
+        """The catalogue with another table of the effect `name`."""
         return Catalogue({**self.tables, name: table}, self._find, self._output)
 
     @property
@@ -442,7 +442,7 @@ class Catalogue:
         return self.received(name)
 
     def received(self, name: str) -> tuple[str, ...]:
-        """As `inputs`, for effects of which it is known that none needs itself."""
+        """The `inputs` of the effect `name`, where it is known that no effect needs itself."""
         effect = self.effect(name)
         used = [other for other in effect.uses if other in self.tables]
         if self._output == "rigid":

@@ -227,7 +227,7 @@ class Turning(Touching):
     def fed_back(
         self, feedback: Feedback, finding: Finding, added_errors: Sequence[float], rough: Self
     ) -> Self:
-        """The same as the last of rounds with `feedback`, which `finding` reports.
+        """The result as that of the last round with `feedback`, which `finding` reports.
 
         Parameters
         ----------
@@ -244,7 +244,7 @@ class Turning(Touching):
         )
 
     def with_added_errors(self, added_errors: Sequence[float], rough: Self) -> Self:
-        """The same with the `added_errors` added to those of its figures, see `fed_back`."""
+        """The result with the `added_errors` in those of its figures, see `fed_back`."""
         raise NotImplementedError
 
 

@@ -155,7 +155,7 @@ def _reserve_finding(rolling: Rolling, edges: FloatArray, lowest: Extreme) -> Fi
 
 
 def _drag_findings(rolling: Rolling) -> Iterator[Finding]:
-    """Where friction of bearing and rolling is more than the traction, even at constant speed."""
+    """A warning if friction of bearing and rolling exceeds the traction even at constant speed."""
     drag = float(np.sum(rolling.levers[1:])) / rolling.subject.cam.follower.roller_radius
     if drag <= rolling.data.traction:
         return
@@ -184,7 +184,7 @@ def _reversal_findings(places: FloatArray) -> Iterator[Finding]:
 
 
 def _skid_findings(skid: Skid | None) -> Iterator[Finding]:
-    """How far the roller skids; all 0 if it rolls all round."""
+    """The findings on how far the roller skids; all values are 0 if it rolls all round."""
     if skid is None:
         yield Finding("largest-slip", "ok", "the roller does not slip", 0.0, unit="mm/s")
         yield Finding("slip-distance", "ok", "path of the slip 0 mm a turn", 0.0, unit="mm")
@@ -357,6 +357,7 @@ class SpinCells:
                 yield Stretch(low, place, cell, FREE, w, w + gain, gain, pull)
             low, w = place, w + gain
             if met is not None:
+                # It is held from here on, or passes the speed and is pulled on.
                 signs[met] = 0.0 if self.reserve[met, cell] >= 0.0 else self.unmet[met, cell]
                 ahead = self._impulse(cell, low, high - low)
 
@@ -368,6 +369,7 @@ class SpinCells:
         gaps, reserve = w - self.start_speeds[:, cell], self.reserve[:, cell]
         near = np.abs(gaps) <= SHARE * self.fastest
         signs = np.where(near, self.unmet[:, cell], np.sign(gaps))
+        # Without inertia it takes the speed of what holds it best at once.
         if self.inertia == 0.0:
             signs[np.argmax(reserve)] = 0.0
         else:
@@ -377,8 +379,8 @@ class SpinCells:
     def _next(
         self, cell: int, low: float, w: float, pull: float, signs: FloatArray, end: float
     ) -> tuple[float, int | None]:
-        """Where w, which is free at `low` [rad] and would be `end` at the end of the cell, reaches
-        a v_i, and which; the end of the cell and None if it reaches none.
+        """The angle at which w, which is free at `low` [rad] and would be `end` at the end of the
+        cell, reaches a v_i, and which one; the end of the cell and None if it reaches none.
         """
         high = float(self.rate.edges[cell + 1])
         last = end - self.end_speeds[:, cell]
@@ -421,6 +423,7 @@ def spin_cells(rolling: Rolling) -> SpinCells:
         """U_i and c_i |N| [N mm], (3, n) each."""
         pressing = rolling.pressing(phi, "right")
         v, rates = rolling.rubbed(phi, "right")
+        # Sum over the others j of c_j sgn(v_i - v_j), at each of n angles.
         friction = np.einsum("j,ijn->in", levers, np.sign(v[:, np.newaxis] - v))
         return -inertia * rates - pressing * friction, levers[:, np.newaxis] * pressing
 
@@ -483,7 +486,7 @@ class Skid:
 
     @property
     def ranges(self) -> tuple[tuple[float, float], ...]:
-        """Where the roller does not roll [rad]."""
+        """The ranges [rad] over which the roller does not roll."""
         groups = runs(self.holder != FLANK)
         return tuple(
             (float(self.edges[group[0]]), float(self.edges[group[-1] + 1])) for group in groups
@@ -546,6 +549,7 @@ class Skid:
         spans = np.diff(self.edges)[slips]
 
         def stretched(x: FloatArray) -> FloatArray:
+            # Stretch k is mapped to the interval from k to k + 1.
             number = np.floor(x).astype(np.intp)
             which, span = slips[number], (x - number) * spans[number]
             slip = self._radius * np.abs(self._spin(which, span, "right")[0])

@@ -95,6 +95,7 @@ class SteadyCourse:
         x, weights = np.polynomial.legendre.leggauss(TIMES)
         p = legendre(x, TIMES - 1)
         z = self._series[0] @ p[:, : self._series[0].shape[1]].T
+        # dt = dphi / omega.
         slowness = 1.0 / np.sqrt(2.0 * (self.turn.state.base + z))
         to_series = (np.arange(TIMES) + 0.5)[:, np.newaxis] * p.T * weights
         half = 0.5 * self.turn.mesh.spans[:, np.newaxis]
@@ -219,6 +220,7 @@ def _antiderivatives(x: FloatArray) -> FloatArray:
     p = legendre(x, NODES)
     integrals = np.empty((len(x), NODES))
     integrals[:, 0] = x + 1.0
+    # (2 k + 1) P_k is the derivative of P_(k + 1) - P_(k - 1).
     integrals[:, 1:] = (p[:, 2:] - p[:, :-2]) / (2 * np.arange(1, NODES) + 1)
     return integrals
 
@@ -261,7 +263,7 @@ class Mesh:
         return cell, 2.0 * (inside - self.low[cell]) / self.spans[cell] - 1.0
 
     def halved(self, law: Quantity) -> Mesh:
-        """All cells halved, in order."""
+        """The mesh of the halves of all cells, in order."""
         middle = 0.5 * (self.low + self.high)
         low = np.stack((self.low, middle), axis=1).ravel()
         high = np.stack((middle, self.high), axis=1).ravel()
@@ -320,6 +322,8 @@ class State:
 
 def interleaved(split: BoolArray, own: FloatArray, halves: FloatArray) -> FloatArray:
     """The rows `own` (m, ...), with two rows of `halves` in place of each one to `split`."""
+    # Sorted by these numbers, row k of `own` is at 2 k and the halves that replace it at 2 k and 2
+    # k + 1.
     places = np.concatenate((2 * np.flatnonzero(~split), np.flatnonzero(np.repeat(split, 2))))
     return np.asarray(np.concatenate((own[~split], halves))[np.argsort(places)])
 
@@ -406,7 +410,9 @@ def refuse_shocks(subject: Subject, law: Quantity) -> None:
 
 
 def jamming(inertia: float, mesh: Mesh) -> EffectError:
-    """That with the moment of inertia [t mm^2] of the camshaft the follower jams."""
+    """The error that the follower jams with the moment of inertia `inertia` [t mm^2] of the
+    camshaft.
+    """
     if len(mesh.laws) == LINEAR:
         moments = inertia + mesh.laws[3] * mesh.laws[4:]
         bad = ~np.all(moments > 0.0, axis=0)
@@ -514,6 +520,7 @@ class Shaft(Generic[Driven]):
         drive, slope = self.motor.torque(omega)
         rest = c0 + omega * (c1 + omega * c2)
         gain = np.where(self.push(linear, y) >= 0.0, ahead, behind)
+        # Nothing is demanded of the contact: a gain of nan must not spread.
         gain = np.where((rest == 0.0) & (c3 == 0.0), 0.0, gain)
         moment = self.inertia + gain * c3
         if not np.all(moment > 0.0):

@@ -189,6 +189,7 @@ def measured(move: Shock, damping: float, end: float) -> tuple[Extreme, float | 
 
     high = min(end, FIRST_SPAN)
     worst = piecewise_highest(sided, _unit_edges(low, high))
+    # The search ends where the bound excludes a larger residual farther on.
     while high < end and move.bound(high, damping) > worst.value:
         low, high = high, min(end, 2.0 * high)
         further = piecewise_highest(sided, _unit_edges(low, high))
@@ -257,6 +258,7 @@ def rest_to_rest_moves(subject: Subject, course: TimeCourse) -> list[RestToRest]
     moves = []
     rests = _rests(subject, course)
     edges = merged(np.concatenate((subject.drive.plan.borders, course.borders, [0.0, TURN])))
+    # A move may pass cam angle 0.
     two_turns = np.concatenate((edges[:-1], edges + TURN))
     joints = np.radians([float(degrees) for degrees in subject.drive.plan.joints_deg])
     next_turn = [(start + TURN, end + TURN) for start, end in rests[:1]]

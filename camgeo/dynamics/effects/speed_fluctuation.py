@@ -73,7 +73,7 @@ from camgeo.units import RPM, TURN, cam_angle
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SpeedFluctuation(Turning):
-    """The steady state.
+    """The steady state of a motor-driven cam.
 
     Attributes
     ----------
@@ -458,8 +458,9 @@ STEPS: Final = 1440
 """Smallest number of steps per turn, of a quarter of a degree each."""
 
 GAMMA: Final = 1.0 - math.sqrt(0.5)
-"""Of the L-stable diagonally implicit Runge-Kutta method of two stages and order 2 (Hairer and
-Wanner, Solving Ordinary Differential Equations II, section IV.6), suitable for stiff motors."""
+"""Coefficient of the L-stable diagonally implicit Runge-Kutta method of two stages and order 2
+(Hairer and Wanner, Solving Ordinary Differential Equations II, section IV.6), suitable for stiff
+motors."""
 
 MOST_STEPS: Final = 50
 """Largest number of Newton steps in a stage."""
@@ -538,6 +539,7 @@ class _March:
         course = [y]
         steps = np.diff(self.angles).tolist()
         for step, (inside, end) in zip(steps, self.laws, strict=True):
+            # Both stages are implicit with the same coefficient: the second one ends the step.
             stage_step = GAMMA * step
             first = self._stage(inside, y, stage_step, y)
             if first is not None:
@@ -557,6 +559,7 @@ class _March:
         for _ in range(MOST_STEPS):
             alpha, growth = self._rate(law, y)
             new = y - (y - known - step * alpha) / max(1.0 - step * growth, 0.1)
+            # y stays above 0, where alpha is defined.
             new = max(new, 0.1 * y)
             if abs(new - y) <= CLOSE * new:
                 return new
@@ -564,7 +567,7 @@ class _March:
         return y
 
     def _rate(self, law: list[float], y: float) -> tuple[float, float]:
-        """As `Shaft.rate`, for one number; the slope is 0 at rest."""
+        """`Shaft.rate` for one number; the slope is 0 at rest."""
         omega = math.sqrt(2.0 * y)
         drive, slope = self.torque(omega)
         if len(law) != LINEAR:
@@ -652,18 +655,22 @@ def newton_step(shaft: Shaft[Motor], mesh: Mesh, state: State) -> Step:
         - state.nodes
     )
     matrix = np.eye(len(rule.nodes)) - inner * growth[:, np.newaxis, :]
+    # Column 0: the response to a unit change at the start of the cell; column 1: that to the
+    # residual.
     sides = np.stack((np.ones_like(residual), residual), axis=2)
     solved = np.linalg.solve(matrix, sides)
     weight = spans[:, np.newaxis] * rule.weights * growth
     factors = 1.0 + np.sum(weight * solved[:, :, 0], axis=1)
     gaps = state.starts[:-1] + spans * (alpha @ rule.weights) - state.starts[1:]
     offsets = np.sum(weight * solved[:, :, 1], axis=1) + gaps
+    # The affine maps of the cells one after the other: the Poincare map, to first order.
     slope, shift = 1.0, 0.0
     slopes, shifts = np.empty(len(spans) + 1), np.empty(len(spans) + 1)
     slopes[0], shifts[0] = slope, shift
     for k, (factor, offset) in enumerate(zip(factors.tolist(), offsets.tolist(), strict=True)):
         slope, shift = factor * slope, factor * shift + offset
         slopes[k + 1], shifts[k + 1] = slope, shift
+    # The solution is not isolated, and the step undetermined.
     if slope == 1.0:
         raise NoConvergenceError(None)
     # Periodicity: z at the end of the turn is z at its start.
@@ -755,6 +762,7 @@ def steady_turn(
         If friction leaves no acceleration.
     """
     guess = np.broadcast_to(np.asarray(y, dtype=np.float64), mesh.coarse.laws.shape[1:])
+    # Close to the solution, z = y - base is small and keeps its digits.
     base = float(np.mean(guess))
     start = guess[:, 0] - base
     state = State(base, np.append(start, start[0]), guess - base)
@@ -782,6 +790,7 @@ def steady_turn(
             rough = SteadyTurn(shaft, mesh.coarse, state, rates[0], step.slope, error, None)
             return SteadyTurn(shaft, mesh.fine, fine_state, rates[1], step.slope, error, rough)
         worst = np.max(step.defects.reshape(-1, 2), axis=1)
+        # Halving the worst cells alone keeps the mesh small where the solution is smooth.
         split = worst >= 0.1 * np.max(worst)
         cells = len(split) + int(np.count_nonzero(split))
         if not np.max(worst) > EPS * EPS * largest or cells > MOST_CELLS:
@@ -803,11 +812,13 @@ def _solved(shaft: Shaft[Motor], mesh: Mesh, state: State, tolerance: float) -> 
         y = state.base + state.nodes
         down = float(np.max(-step.nodes / y))
         ends = float(np.max(-step.starts / (state.base + state.starts)))
+        # A step must leave the share KEEP of y, which is above 0.
         share = min(1.0, (1.0 - KEEP) / max(down, ends, 1e-300))
         if count >= FULL_STEPS:
             share *= 0.5
         shift = share * float(step.starts[0])
         base = state.base + (state.starts[0] + shift)
+        # The base follows the solution; z is what is left of y.
         moved = base - state.base
         state = State(
             base,

@@ -423,6 +423,8 @@ def slider_spring(subject: Subject, linkage: SliderCrank) -> LineSpring:
     outwards = 1.0 if extremes.highest.value > 0.0 else -1.0
     low = np.concatenate((np.zeros(1), subject.state.smooth_angles))
     slopes = linkage.per_follower(stroke.jet(low, "right", 1)[0])
+    # All slopes have one sign, as the slider is not locked; the largest is the farthest from
+    # rounding.
     slope = float(slopes[np.argmax(np.abs(slopes))])
     sense = closing_sense(subject) * outwards * float(np.sign(slope))
     return LineSpring(stroke, _start(subject.drive.plan), sense, linkage)
@@ -478,7 +480,7 @@ OVERRUN: Final = 0.15
 
 
 def _wire(helical: HelicalSpring) -> tuple[Finding, Finding]:
-    """Its stiffness and its index."""
+    """The findings on the stiffness and the index of the spring."""
     stiffness, index = helical.stiffness, helical.index
     least, most = INDICES
     inside = least <= index <= most
@@ -548,7 +550,9 @@ def _stresses(helical: HelicalSpring, forces: Extremes) -> tuple[Finding, ...]:
 
 
 def _closure(helical: HelicalSpring, highest: Extreme) -> tuple[Finding, ...]:
-    """How much farther than to its largest force it can be compressed; none if never compressed."""
+    """The finding on how much farther than to its largest force the spring can be compressed; none
+    if it is never compressed.
+    """
     if not highest.value > 0.0:
         return ()
     solid = helical.solid_length

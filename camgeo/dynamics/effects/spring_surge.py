@@ -161,7 +161,9 @@ def _frequency_finding(frequency: float, ratio: float) -> Finding:
 def _harmonic_findings(
     nearest: Harmonic | None, frequency: float, ratio: float, spring: Spring
 ) -> Iterator[Finding]:
-    """Its amplitude, and the speed at which it resonates."""
+    """The finding on the amplitude of the nearest harmonic, and on the speed at which it
+    resonates.
+    """
     if nearest is None:
         return
     order, amplitude = nearest.order, nearest.amplitude

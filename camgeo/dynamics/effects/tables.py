@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from camgeo.kinematics.mechanism.linkage import Linkage
 
 Values = Mapping[str, Any]
-"""By key, in the units of `camgeo.dynamics.effects.effect`."""
+"""Values by key, in the units of `camgeo.dynamics.effects.effect`."""
 
 
 def _require(table: Values, key: str, what: str) -> None:
@@ -43,7 +43,7 @@ def _require_positive(table: Values, key: str, message: str) -> None:
 
 
 def _require_partner(table: Values, key: str, other: str, message: str) -> None:
-    """That the key `other` is there if `key` is."""
+    """Raise GeometryError if the table has `key` without `other`."""
     if key in table and other not in table:
         raise GeometryError(message, key=key)
 
@@ -86,7 +86,8 @@ class MassProperties:
         return {"mm": self.mass, "rad": self.output_moment}[linkage.unit]
 
     def turning(self, linkage: Linkage) -> float:
-        """Of the coupler about its centre of mass [t mm^2]; by default m l^2/12, a slender rod.
+        """Moment of inertia of the coupler about its centre of mass [t mm^2]; by default m l^2/12,
+        that of a slender rod.
 
         (Tables of mass properties, e.g. in the appendix of Norton, "Design of Machinery".)
         """
@@ -209,7 +210,7 @@ INACTIVE: Final = 2.0
 """Coils at squared ends that do not deflect, one at each."""
 
 STEEL: Final = {"shear_modulus": 79300.0, "density": 7.85e-9}
-"""Of spring steel [MPa] and [t/mm^3]."""
+"""Shear modulus [MPa] and density [t/mm^3] of spring steel."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -379,7 +380,7 @@ def parse_reactions(table: Values) -> tuple[float, float] | None:
 
 
 N_MM: Final = 1e3
-"""From N m to N mm."""
+"""Factor from N m to N mm."""
 
 SPEED_COLUMN: Final = NumberColumn(
     "speed", ("n", "speed"), ("rev/min", "rpm", "1/min", "min-1", "min^-1", "r/min")

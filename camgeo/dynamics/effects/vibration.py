@@ -187,7 +187,7 @@ def _train_mass(stages: Sequence[Stage], moved: float, subject: Subject) -> floa
 def _behind(
     subject: Subject, mass: float, clock: Clock, response: Response, load: Force | None
 ) -> ElasticTrain:
-    """What the train passes on to the follower; the rigid forces have its `mass`."""
+    """The elastic train behind the follower; the forces of a rigid train include its `mass`."""
 
     @recalling
     def push(response: Response, phi: FloatArray, side: Side) -> FloatArray:
@@ -217,6 +217,7 @@ def _response(
     lift = float(np.max(np.abs(clock.motion.jet(clock.edges)[0])))
     first, tolerance = shares
     error = math.inf
+    # If a truncated series of the forcing is too coarse, one to rounding may be fine enough.
     for share in (first, 0.0):
         try:
             pressed = None if load is None else clock.load(load, share)
@@ -452,7 +453,7 @@ def load_finding(deflection: Extreme, shown: Label) -> Finding:
 
 
 def unexcited() -> Finding:
-    """That the load cannot be taken into account."""
+    """The warning that the load cannot be taken into account."""
     return Finding(
         name="unexcited-train",
         severity="warning",

@@ -13,13 +13,13 @@ from camgeo.numeric.extremes import Extreme, Extremes
 from camgeo.units import LiftUnit, at_cam_angles, cam_angle, listed, over_cam_angles
 
 N_M: Final = 1e-3
-"""From N mm to N m or J, and from N mm/s to W."""
+"""Factor from N mm to N m or J, and from N mm/s to W."""
 
 KG: Final = 1e3
-"""From t to kg."""
+"""Factor from t to kg."""
 
 KG_M2: Final = 1e-3
-"""From t mm^2 to kg m^2."""
+"""Factor from t mm^2 to kg m^2."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +49,7 @@ MASSES: Final[Mapping[LiftUnit, Label]] = {
 
 
 def spring_scale(unit: str) -> float:
-    """From internal units to the `unit` in which a property of a spring is shown."""
+    """The factor from internal units to the `unit` in which a property of a spring is displayed."""
     return N_M if unit.startswith("N m") and not unit.startswith("N mm") else 1.0
 
 

@@ -110,6 +110,7 @@ def base_forcing(train: Train, base: Base, tolerance: float) -> Forcing:
     )
     jumps = np.zeros(pieces.series.shape[1])
     if not soft:
+        # Interpolation may have halved pieces: the jumps belong to those that begin at an edge.
         jumps[np.searchsorted(pieces.edges, base.edges[:-1])] = -base.jumps()
     return Forcing(pieces, jumps, soft)
 
@@ -218,6 +219,7 @@ class Response:
             values += _summed(self.loaded, loaded, t, side)
             direct = np.array([reading.direct for reading in readings])
             if np.any(direct):
+                # An acceleration follows the load at once.
                 values += np.multiply.outer(direct, self.load.pieces.values(t, side))
         return values
 
@@ -357,6 +359,7 @@ def _periodic_modes(
         train.rates.tolist(), train.drift.tolist(), train.doubt.tolist(), strict=True
     ):
         cells = solve(forcing.pieces, np.arange(count), np.full(count, rate))
+        # What rounding of lambda makes of the phase lambda T: a smaller loss is 0.
         phase = ROUNDINGS * EPS * abs(rate) * period * drift
         gain = total_gain(cells, forcing.jumps, period)
         loss = abs(_loss(rate, period))
@@ -368,6 +371,8 @@ def _periodic_modes(
         else:
             begin = gain / _loss(rate, period)
         mode = follow_mode(cells, forcing.jumps, period, begin)
+        # An error made in a turn comes back after it, and adds up to 1 / |1 - exp(lambda T)| in
+        # all.
         error = (noise + phase * mode.largest) * (1.0 + 1.0 / loss)
         error += ROUNDINGS * EPS * doubt * mode.largest
         errors.append(error * (abs(rate) ** 2 if forcing.soft else 1.0))
@@ -518,9 +523,11 @@ def interpolated(
         if halving == 0:
             size = float(np.sum(2.0 * half * magnitude))
         series = values @ TO_SERIES.T
+        # The last coefficients estimate those that are left out.
         lost = 2.0 * half * np.sum(np.abs(series[:, -TAIL:]), axis=1)
         steepest = np.abs(series) @ ORDERS**2 / half  # see `Pieces.steepest`
         good = (lost <= tolerance * size) | (lost <= 2.0 * half * rounding * steepest)
+        # More pieces would not help: what is lost counts as error.
         if halving == MOST_HALVINGS or np.count_nonzero(~good) > most:
             good[:] = True
         starts.append(low[good])
@@ -698,6 +705,7 @@ class Mode:
         double = 2.0 * x
         last = series[-1].copy()
         previous = np.zeros_like(last)
+        # Clenshaw's recurrence in place: the older of both arrays takes the new values.
         for row in series[-2:0:-1]:
             previous *= -1.0
             previous += row
@@ -721,6 +729,7 @@ def total_gain(cells: Cells, jumps: FloatArray, end: float) -> complex:
     until = end - cells.start
     kicks = np.zeros(len(cells.start))
     kicks[cells.first] = jumps
+    # Each gain decays from the end of its cell on, each jump from its start on.
     rest = np.maximum(until - 2.0 * cells.half, 0.0)
     return complex(
         np.sum(np.exp(cells.rate * rest) * cells.gain) + np.sum(np.exp(cells.rate * until) * kicks)
@@ -867,6 +876,7 @@ def _gains(pieces: PiecewiseSeries, rates: ComplexArray) -> ComplexArray:
     """(k,) value at the end of all pieces of a mode that begins with 0, for each of `rates`."""
     count = pieces.series.shape[1]
     cells = solve(pieces, np.tile(np.arange(count), len(rates)), np.repeat(rates, count))
+    # All pieces of one rate are problems in a row.
     owner = cells.problem // count
     rest = np.maximum(1.0 - cells.start - 2.0 * cells.half, 0.0)
     parts = np.exp(cells.rate * rest) * cells.gain

@@ -139,13 +139,16 @@ class Train:
         return self._modal_sum(read.weights, s) - (read.lift / s + read.slope) / s
 
     def compliance(self, frequency: float) -> complex:
-        """The same by p, less that by a p that lasts."""
+        """Deflection of the output by a harmonic p of the circular `frequency` [rad/s], less that
+        by a constant p.
+        """
         still = self.yielding(self.deflection(self.output))
         return self._modal_sum(self.loaded[self.output], 1j * frequency) - still
 
     def _modal_sum(self, weights: ComplexArray, s: complex) -> complex:
         difference = s - self.rates
         near = np.abs(difference) < EPS * np.abs(self.rates)
+        # At an undamped mode the distance is a rounding, not 0.
         difference = np.where(near, EPS * np.abs(self.rates), difference)
         return complex(
             0.5 * np.sum(weights / difference + weights.conj() / (s - self.rates.conj()))
@@ -267,7 +270,7 @@ class _StageArrays:
         return np.where(here <= behind + np.abs(held), -impedances.link * bent, sums)
 
     def energy(self, s: ComplexArray, x: ComplexArray, bent: ComplexArray) -> FloatArray:
-        """(q,) the same of |x|^T |Q| |x|, to which rounding is relative."""
+        """(q,) |x|^T |Q(s)| |x|, all by magnitudes: the scale of the rounding of x^T Q(s) x."""
         size = np.abs(s)[:, np.newaxis]
         body = (self.m * size + self.h) * size + self.g
         links = np.sum((self.k + self.c * size) * np.abs(bent) ** 2, axis=1)
@@ -350,6 +353,8 @@ def _approximate(arrays: _StageArrays, *, undamped: bool) -> ComplexArray:
     """(p,) the poles with Im >= 0, to the rounding of the largest."""
     count = len(arrays.m)
     root = np.sqrt(arrays.m)
+    # One row for each spring, scaled by the masses at its ends: springs^T springs = M^-1/2 K
+    # M^-1/2.
     springs = np.zeros((2 * count, count))
     springs[:count] = np.diag(np.sqrt(arrays.k) / root)
     springs[np.arange(1, count), np.arange(count - 1)] = -np.sqrt(arrays.k[1:]) / root[:-1]
@@ -377,6 +382,7 @@ def _corrected(
     for _ in range(CORRECTIONS):
         impedances = arrays.impedances(poles)
         whole = impedances.whole
+        # Started where the impedance is smallest, the vector follows without cancellation.
         mass = np.argmin(np.abs(whole) / arrays.m, axis=1)
         x, bent = impedances.from_mass(mass)
         normed = arrays.normed(poles, x, bent)
@@ -428,6 +434,7 @@ def _pole_modes(
     impedances = arrays.impedances(poles)
     x, bent = impedances.from_mass(np.argmin(np.abs(impedances.whole) / arrays.m, axis=1))
     pushes = arrays.pushes(impedances, x, bent)
+    # A complex pole stands for its conjugate too.
     both = np.where(poles.imag > 0.0, 2.0, 1.0) / arrays.normed(poles, x, bent)
     scale, load = both * pushes[:, 0] / poles**2, both * x[:, output]
     return _Part(
@@ -447,6 +454,7 @@ def _circle_modes(arrays: _StageArrays, centre: complex, radius: float, output: 
     """
     way = np.exp(2j * math.pi * (np.arange(POINTS) + 0.5) / POINTS)
     if centre.imag == 0.0:
+        # The lower half of the circle is the conjugate of the upper one.
         way = way[: POINTS // 2]
     rates = centre + radius * way
     impedances = arrays.impedances(rates)
@@ -496,6 +504,7 @@ def _around(poles: ComplexArray, pole: complex) -> tuple[complex, float] | None:
     best, circle = SEPARATION, None
     for count in range(2, len(ordered) + 1):
         inside, others = ordered[:count], ordered[count:]
+        # A group with poles on both sides of the real axis is symmetric about it.
         if np.any(inside.imag > 0.0) and np.any(inside.imag <= 0.0):
             centre = complex(np.mean(inside.real))
         else:

@@ -47,7 +47,7 @@ or `camshaft-windup` finds."""
 
 @dataclass(frozen=True, slots=True)
 class Used:
-    """What a result was computed for.
+    """The state for which a result was computed.
 
     Attributes
     ----------
@@ -67,6 +67,7 @@ def time_order(output: Motion, course: TimeCourse | None) -> int:
     """
     if course is None or not len(course.jumps):
         return FULL_ORDER
+    # x'' omega^2 + x' alpha jumps with alpha unless x' is 0.
     moving = np.abs(output.jet(course.jumps, "right", 1)[1]) > AT_REST
     return 1 if np.any(moving) else FULL_ORDER
 

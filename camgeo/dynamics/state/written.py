@@ -42,7 +42,7 @@ MODEL: Final[Model] = "written"
 
 @dataclass(frozen=True)
 class OnDisc:
-    """What states have in common whose follower goes along its disc as it is, not as demanded.
+    """The common part of states whose follower goes along its disc as it is, not as demanded.
 
     Attributes
     ----------
@@ -157,6 +157,7 @@ class FarMotion:
         follower = self.follower.jet(phi, side, FULL_ORDER)
         x = self.demanded.jet(phi, side, 1)[0].copy()
         scale = max(1.0, float(np.max(np.abs(x), initial=0.0)))
+        # Beyond a dead centre the slope of the linkage changes its sign.
         sense = np.sign(self._along(x, 1)[1])
         for _ in range(STEPS):
             here, slope = self._along(x, 1)
@@ -171,6 +172,7 @@ class FarMotion:
         _, first, second, third = self._along(x, FULL_ORDER)
         jet = np.empty_like(follower)
         jet[0] = x
+        # The chain rule, solved for x', x'' and x''' one after the other.
         jet[1] = follower[1] / first
         jet[2] = (follower[2] - second * jet[1] ** 2) / first
         jet[3] = (follower[3] - 3.0 * second * jet[1] * jet[2] - third * jet[1] ** 3) / first
@@ -281,6 +283,7 @@ class ReplayedMotion:
         if not len(starts):
             return ()
         ends = np.append(starts[1:], starts[0] + TURN)
+        # The ranges run from border to border, the last one past the end of the turn.
         held = (self.lift.numbers != AS_DEMANDED) & (ends - starts > SEAM)
         return tuple(zip(starts[held].tolist(), ends[held].tolist(), strict=True))
 
@@ -304,7 +307,7 @@ class ReplayedMotion:
 
     @cached_property
     def dwells(self) -> tuple[Dwell, ...]:
-        """What is left of the demanded dwells, see `Motion`."""
+        """The remaining parts of the demanded dwells, see `Motion`."""
         return tuple(
             part for dwell in self.demanded.dwells for part in self._remaining_dwells(dwell)
         )

@@ -60,7 +60,7 @@ SAFE: Final = 0.8
 
 @dataclass(frozen=True, slots=True)
 class ElasticSpeed:
-    """What the search has found.
+    """The outcome of the search for the lift-off speed.
 
     Attributes
     ----------
@@ -131,12 +131,15 @@ def _first(search: LeastReserve, start: float, end: float) -> ElasticSpeed:
     for _ in range(MOST_STEPS):
         trial = search.evaluate(max(held.s - step, end))
         if trial.lost:
+            # The crossing is known; now the steps have to show that contact is kept right up to it.
             lost = _crossing(search, held, trial)
             step = 0.5 * (held.s - lost.s)
             continue
         least, sag = min(held.floor, trial.floor), search.sag(held, trial)
+        # The lower bounds of g do not suffice here: the exact values may.
         if sag >= least:
             least = min(held.g, trial.g)
+        # The sag goes with the square of the step.
         step = (held.s - trial.s) * min(SAFE * math.sqrt(least / sag), GROWTH)
         if sag >= least:
             continue
@@ -157,7 +160,7 @@ def _first(search: LeastReserve, start: float, end: float) -> ElasticSpeed:
 
 
 def _crossing_near(search: LeastReserve, s: float) -> ElasticSpeed | None:
-    """The crossing beside `s`; None if there is none."""
+    """The crossing near `s`; None if there is none."""
     for offset in OFFSETS:
         held, lost = (search.evaluate(s * (1.0 + sign * offset)) for sign in (1.0, -1.0))
         if held.g > 0.0 >= lost.g:
@@ -166,7 +169,9 @@ def _crossing_near(search: LeastReserve, s: float) -> ElasticSpeed | None:
 
 
 def _crossing(search: LeastReserve, held: Point, lost: Point) -> Point:
-    """Where g is 0 between `held` and `lost`: by secants in a bracket (the Illinois method)."""
+    """The point between `held` and `lost` where g is 0, by secants in a bracket (the Illinois
+    method).
+    """
     ends = [(held.s, held.g), (lost.s, lost.g)]
     point = lost
     for _ in range(MOST_STEPS):
@@ -178,6 +183,7 @@ def _crossing(search: LeastReserve, held: Point, lost: Point) -> Point:
         if abs(point.s - previous.s) <= ROOT * lost.s or point.g == 0.0:
             break
         if (point.g > 0.0) == (at_b > 0.0):
+            # Halving the value of the end that stays makes the secant pass the root.
             ends = [(a, 0.5 * at_a), (s, point.g)]
         else:
             ends = [(b, at_b), (s, point.g)]
@@ -185,7 +191,7 @@ def _crossing(search: LeastReserve, held: Point, lost: Point) -> Point:
 
 
 def _crossing_result(search: LeastReserve, held: Point, lost: Point) -> ElasticSpeed:
-    """The crossing at `lost`, with contact kept up to just before it."""
+    """The crossing at `lost`, with contact kept up to the point `held` just before it."""
     neighbour = search.evaluate(lost.s * (1.0 + SLOPE_STEP))
     slope = abs(neighbour.g - lost.g) / (neighbour.s - lost.s)
     train = search.behind.with_speed_factor(1.0 / lost.s)
@@ -265,6 +271,7 @@ def ceiling(function: Quantity, edges: FloatArray) -> float:
     """
     grid = grid_of(edges)
     values = function(grid.ravel(), "right").reshape(grid.shape)
+    # (k, n + 1) steps to the left and to the right of each point; none at the ends of a row.
     steps = np.pad(np.abs(np.diff(values, axis=1)), ((0, 0), (1, 1)))
     inside = values + np.maximum(steps[:, :-1], steps[:, 1:])
     ends = function(edges[:-1], "right"), function(edges[1:], "left")
@@ -362,8 +369,8 @@ class LeastReserve:
         return Point(s, floor, sizes, loaded, loads, find)
 
     def turned(self, one: Point, other: Point) -> float:
-        """What the loads lack of their sizes in the direction of their sum at most, where that
-        counts.
+        """Upper bound of what the loads lack of their magnitudes in the direction of their sum,
+        where their friction helps the contact.
         """
         if self.flank.contact.bearings is None:
             return 0.0
@@ -379,7 +386,7 @@ class LeastReserve:
         return ceiling(lacking, self.edges)
 
     def sag(self, one: Point, other: Point) -> float:
-        """How far g may be below its chord between both."""
+        """How far g may be below its chord between the points `one` and `other`."""
         s, d = min(one.s, other.s), abs(one.s - other.s)
         rho = self.rho
         grown = 1.0 + 0.5 * rho * d / s
@@ -403,7 +410,9 @@ class LeastReserve:
         return smallest
 
     def remaining_reserve(self, least: float, s: float) -> float:
-        """What of the reserve at rest, at least `least`, the jumps of f leave at most."""
+        """Lower bound of what the jumps of f leave of the reserve at rest, which is at least
+        `least`.
+        """
         course = self.flank.subject.state.course
         if self.behind.load is None or course is None:
             return least
@@ -497,6 +506,7 @@ def struck(behind: ElasticTrain, s: float, clock: TimeCourse) -> Quantity:
 
     def left(phi: FloatArray, side: Side) -> FloatArray:
         since = clock.time(phi)[:, np.newaxis] - jump_times
+        # A jump later in the turn has happened in the turn before.
         since[since < 0.0 if side == "right" else since <= 0.0] += period
         swing = np.zeros(len(phi))
         for weight, rate in zip(pressed(behind) / np.abs(rates), rates.real, strict=True):

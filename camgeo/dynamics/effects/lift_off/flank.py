@@ -30,7 +30,7 @@ from camgeo.numeric.kept import Answers
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Known:
-    """What is the same at all speeds of n cam angles; read-only.
+    """Quantities at n cam angles that are the same at all speeds; read-only.
 
     Attributes
     ----------
@@ -311,7 +311,7 @@ def _least(
     load: Callable[[FloatArray, Side], ComplexArray] | None = None,
     guess: float = 0.0,
 ) -> Extreme:
-    """The same with the directions of the loads that they have with `guess`."""
+    """`least_property` with the directions that the loads have at the value `guess`."""
 
     def parts(phi: FloatArray, side: Side) -> tuple[FloatArray, FloatArray]:
         """(n,) effect and rest."""
@@ -323,6 +323,7 @@ def _least(
         slope = effect + flank.slope(phi, side, more, load(phi, side))
         return slope, flank.left(phi, side, more) + (guess - now) * effect - guess * slope
 
+    # The effect of the spring changes its sign there, and the bound is unbounded beside it.
     cuts = with_roots(lambda phi: per_unit(phi, "right"), edges)
     effects, rests = parts(grid_of(cuts).ravel(), "right")
     blunt = BLUNT * float(np.max(np.abs(effects)))
@@ -354,8 +355,8 @@ def _least(
 def _fixed_point(
     find: Callable[[float], Extreme], value: Extreme, ends: tuple[float, ...], what: str
 ) -> Extreme:
-    """What is `found` with the directions of the loads at the value found before, until it stays,
-    or is one of the `ends`.
+    """The fixed point of `find`, which takes the directions of the loads at the last value, from
+    `value` on; ends early at one of the `ends`.
     """
     for _ in range(MOST_STEPS):
         if value.value in ends:
@@ -367,7 +368,7 @@ def _fixed_point(
 
 
 def _speed(flank: Flank, edges: FloatArray, factor: float) -> Extreme:
-    """The same with the directions of the loads that they have at `factor`."""
+    """The lift-off speed with the directions that the loads have at `factor`."""
 
     def discriminant(phi: FloatArray) -> FloatArray:
         r0, r1, r2 = flank.reserve(phi, "right", factor=factor)

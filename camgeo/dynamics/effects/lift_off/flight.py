@@ -63,7 +63,8 @@ from camgeo.numeric.extremes import (
 from camgeo.units import TURN, cam_angle
 
 MOST_ITERATIONS: Final = 60
-"""Of Picard's in a cell; a cell that is too long for the natural frequency needs more."""
+"""Most of Picard's iterations in a cell; a cell that is too long for the natural frequency needs
+more."""
 
 SURE: Final = 3
 """Successive halvings of the cells that fail for a reason: more will not help. Cells that are much
@@ -129,7 +130,7 @@ class FreeFollower:
         return cls(others, inertia, course, walls, contact.bearings, cuts, least, np.array(jumps))
 
     def leavings(self) -> tuple[Leaving, ...]:
-        """Where the walls would have to pull."""
+        """The ranges of the turn in which the walls would have to pull."""
         places = []
         for number, wall in enumerate(self.walls):
 
@@ -179,7 +180,9 @@ class FreeFollower:
         nodes: ChebyshevNodes,
         halvings: int,
     ) -> Flights:
-        """As `steady`, with these `nodes` in each cell, and cells halved so often."""
+        """The flights of `steady`, with these `nodes` in each cell, and cells halved as often as
+        `halvings` says.
+        """
         first = min(leavings, key=lambda leaving: leaving.begin)
         last = first.begin + MOST_TURNS * TURN
         wall, angle = first.wall, first.begin
@@ -409,8 +412,11 @@ def closes(gap: Polynomial, probes: FloatArray) -> float | None:
     """
     values = gap(probes)
     width = np.diff(probes)
+    # Chebyshev polynomials are at most 1, so the sum of the coefficients bounds the second
+    # derivative.
     bend = float(np.sum(np.abs(gap.deriv(2).coef)))
     least = np.minimum(values[:-1], values[1:])
+    # A function is at most an eighth of its second derivative times width^2 below its chord.
     doubtful = (least <= 0.0) | (least < 0.125 * bend * width * width)
     for piece in np.flatnonzero(doubtful).tolist():
         low, high = float(probes[piece]), float(probes[piece + 1])
@@ -530,7 +536,7 @@ def _played(subject: Subject, distance: float, sense: int, flank: int) -> Wall:
 
 
 MOST_FLIGHTS: Final = 256
-"""In these turns; more come from nodes that are too few."""
+"""Most flights in these turns; more result from too few nodes."""
 
 SAME: Final = 1e-11
 """Landings this close [rad], modulo a turn, are one place."""
@@ -685,6 +691,7 @@ def next_leaving(
         if leaving.wall != wall:
             continue
         ahead = (leaving.begin - angle) % TURN
+        # It is within the range already, and leaves at once.
         if TURN - ahead < leaving.end - leaving.begin:
             ahead = 0.0
         if angle + ahead < soonest[1]:
@@ -693,7 +700,7 @@ def next_leaving(
 
 
 def in_turns(flown: list[Flight], turns: int) -> tuple[Flight, ...]:
-    """All flights of so many `turns`, each begun in them, by ascending cam angle."""
+    """All flights of a period of `turns`, each begun in it, by ascending cam angle."""
     flights = []
     for flight in flown:
         shift = TURN * turns * math.floor(flight.leaving / (TURN * turns))
@@ -747,6 +754,7 @@ def flight_difference(rough: Flight, fine: Flight) -> float:
     if rough.met != fine.met:
         return 1.0
     pairs = (rough.speed, fine.speed), (rough.gap, fine.gap)
+    # Relative differences; an energy goes with the square of a speed.
     speed, gap = (abs(a - b) / max(a, b) if a != b else 0.0 for a, b in pairs)
     return max(2.0 * speed, gap)
 
@@ -795,8 +803,8 @@ SLOW: Final = 1e-6
 
 
 def why_stiff(angle: float, rate: FloatArray, force: Callable[[FloatArray], FloatArray]) -> str:
-    """That a follower turns round near a cam `angle` [rad], and that the `force` on it, at a rate
-    (n,), jumps with the sign of this; empty if it does not.
+    """Why shorter cells do not help: the follower reverses near the cam `angle` [rad], and the
+    `force` on it at a rate (n,) jumps with the sign of that rate. Empty if it does not jump.
     """
     least, most = float(np.min(rate)), float(np.max(rate))
     if not least < 0.0 < most:
@@ -828,7 +836,7 @@ class ChebyshevNodes:
 
     @classmethod
     def with_count(cls, count: int) -> Self:
-        """So many nodes."""
+        """`count` nodes."""
         places = np.cos(np.pi * (np.arange(count) + 0.5) / count)[::-1]
         matrix = np.polynomial.chebyshev.chebvander(places, count - 1)
         fit = np.asarray(np.linalg.inv(matrix), dtype=np.float64)
@@ -842,11 +850,13 @@ class ChebyshevNodes:
         return np.asarray(0.5 * (ends[1] - ends[0]) * self.gain / pace)
 
     def function(self, values: FloatArray, ends: tuple[float, float]) -> Polynomial:
-        """With these `values` (n,) at the nodes of the cell with these `ends`."""
+        """The polynomial with these `values` (n,) at the nodes of the cell with these `ends`."""
         return Polynomial(self.fit @ values, ends)
 
     def integral(self, values: FloatArray, start: float, ends: tuple[float, float]) -> Polynomial:
-        """The integral of that, which is `start` where the cell starts."""
+        """The integral of the polynomial with these `values` (n,), which is `start` where the cell
+        starts.
+        """
         return self.function(values, ends).integ(lbnd=ends[0]) + start
 
 
@@ -868,6 +878,7 @@ def flight_cells(
         place = low
         while place < high:
             end = min(place + max(size * length, math.ulp(high)), high)
+            # No sliver is left at the end of a piece.
             if high - end < 0.5 * size * length:
                 end = high
             yield float(place), float(end)
@@ -954,11 +965,12 @@ class CarriedTrain:
         return math.hypot(float(np.max(np.abs(rates))), math.sqrt(stiff)) + damp
 
     def couple(self, cell: Cell, time_integral: FloatArray, state: FreeState) -> CoupledCell:
-        """How the follower moves with it in a `cell`, from the state `off` on; for `over_time` see
-        `Moved`.
+        """The follower coupled with the train in a `cell`, from the `state` at its start; for
+        `time_integral` see `CoupledCell`.
         """
         force, rates = self.behind.train.force(0), self.behind.train.rates
         one = np.eye(len(cell.phi))
+        # (m, n, n) 1 - lambda B of each mode.
         steps = one - rates[:, np.newaxis, np.newaxis] * time_integral
         alone: ComplexArray = np.linalg.inv(steps).astype(np.complex128)
         mode_forces = force.weights[:, np.newaxis, np.newaxis] * alone
@@ -998,6 +1010,7 @@ class CoupledCell:
         """z (m,) as a function of the cam angle [rad] in the cell, with d' `rate` (n,)."""
         rates = self.carried.behind.train.rates[:, np.newaxis]
         forced = self.start.memory[:, np.newaxis] - rates * (self.time_integral @ rate)
+        # S of each mode m, applied to its forcing at the nodes j.
         z = np.einsum("mij,mj->mi", self.alone, forced)
         low, high = self.cell.ends
         half = 0.5 * (high - low)
@@ -1052,7 +1065,7 @@ State = tuple[float, ComplexArray]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Repeated:
-    """What a series of flights has come to.
+    """The result of a series of flights.
 
     Attributes
     ----------
@@ -1194,8 +1207,8 @@ class ElasticFollower:
         return Repeated(Flights(tuple(all_flights), 0), (angle, memory))
 
     def _leaving(self, angle: float, memory: ComplexArray) -> Leaving | None:
-        """Where it leaves its flank after `angle` [rad], where z is `memory`; None if it stays for
-        `MOST_ELASTIC_TURNS`.
+        """Where the follower leaves its flank after `angle` [rad], where z is `memory`; None if it
+        stays for `MOST_ELASTIC_TURNS`.
         """
         wall, size = self.free.walls[0], 1
         outwards = wall.outwards(angle % TURN)
@@ -1249,6 +1262,7 @@ def _slow(
         return 1.0
     if len(changes) <= 1 or not changes[0] < changes[1] < math.inf:
         return None
+    # The changes of a geometric series: share / (1 - share) of the last one is still to come.
     share = changes[0] / changes[1]
     slow = max(1.0, share / (1.0 - share))
     return slow if slow * changes[0] <= SETTLED * tolerance else None

@@ -68,7 +68,7 @@ class FlightReport:
 
 @dataclass(frozen=True, slots=True)
 class FlightWording:
-    """How the flights of one design are told.
+    """The words for the flights of one design.
 
     Attributes
     ----------
@@ -90,7 +90,9 @@ class FlightWording:
     def flight(
         self, flight: Flight, bounces: Sequence[Flight], subject: Subject
     ) -> tuple[Finding, ...]:
-        """Where and how far it flies, how it lands, and how it then bounces."""
+        """The findings on one flight: its range and its gap, its landing, and the bounces
+        after it.
+        """
         start, end = flight.leaving % TURN, flight.landing % TURN
         then = ""
         if bounces:
@@ -140,7 +142,7 @@ class FlightWording:
         )
 
     def fastest(self, flights: tuple[Flight, ...], tail: str) -> Finding:
-        """The fastest impact."""
+        """The finding on the fastest impact."""
         fastest = max(flights, key=lambda flight: flight.speed)
         end = Extreme(fastest.speed, fastest.landing % TURN)
         how = f"lands at up to {end.value:.6g} mm/s"
@@ -230,7 +232,7 @@ def _clearance_in_words(subject: Subject, clearance: float) -> str:
 
 
 def _why_not(subject: Subject, contact: ContactForce, inertia: Inertia | None) -> str:
-    """Why no landing can be given; empty if it can."""
+    """Why no landing can be computed; empty if it can."""
     if inertia is None or subject.state.course is None:
         return "it needs [effects.inertia]; without mass a landing is no impact"
     if not piecewise_lowest(inertia.to_follower, contact.edges).value > 0.0:
@@ -246,7 +248,7 @@ def _why_not(subject: Subject, contact: ContactForce, inertia: Inertia | None) -
 
 
 def _why_not_elastic(subject: Subject, contact: ContactForce, inertia: Inertia) -> str:
-    """The same for an elastic train."""
+    """Why no landing can be computed with an elastic train; empty if it can."""
     if holds_both_ways(subject):
         return "the flights of an elastic train across a clearance are not computed"
     if subject.drive.linkage is not None:
@@ -274,7 +276,7 @@ def _report_flights(
     restitution: float,
     tolerance: float,
 ) -> FlightReport:
-    """The flights of `free`, in words."""
+    """The flights of `free` with their findings."""
     single = wording.clearance is None
     none = partial(_none, "flight" if single else "impact-speed")
     try:
@@ -328,6 +330,7 @@ def with_bounces(flights: tuple[Flight, ...]) -> list[list[Flight]]:
     """Each flight, with the rebounds after it that stay behind it in speed and gap and end on the
     side where they begin.
     """
+    # The first flight of the turn may be the rebound of one that has begun in the turn before.
     first = next((k for k, flight in enumerate(flights) if not flight.rebound), 0)
     groups: list[list[Flight]] = []
     for flight in (*flights[first:], *flights[:first]):

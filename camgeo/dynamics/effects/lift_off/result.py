@@ -232,7 +232,7 @@ def _leaving_clause(flank: Flank) -> str:
 
 
 def _shortfall_clause(flank: Flank) -> str:
-    """What the roller does where less than the margin remains."""
+    """What the follower does where less than the margin remains, as a clause."""
     if not flank.margin:
         return _leaving_clause(flank)
     return f"keeps less than {flank.margin:g} N on the {FLANKS[flank.sense]} flank"
@@ -452,7 +452,7 @@ def form_closed(
 
 
 def _change_finding(change: Change, who: str, names: Mapping[int, str], noun: str) -> Finding:
-    """That the roller or follower, `who`, changes sides, which are each a `noun`."""
+    """The finding that the roller or follower, `who`, changes sides, each of which is a `noun`."""
     free = change.leaving != change.carrying
     until = f", with no force on either until {degrees(change.carrying)}" if free else ""
     return Finding(
@@ -494,6 +494,7 @@ def flank_changes(contact: ContactForce) -> tuple[int, tuple[Change, ...]]:
     no flank.
     """
     edges = contact.edges
+    # The force keeps its sign between edges, so that in the middle is that of the piece.
     sign = np.sign(contact.normal(0.5 * (edges[:-1] + edges[1:]), "right")).astype(int)
     both = [(pieces, sense) for sense in (1, -1) for pieces in runs(sign == sense)]
     if not both:
