@@ -393,7 +393,7 @@ def test_flights_that_do_not_settle_have_a_reason() -> None:
 def test_a_slider_that_turns_round_off_the_cam_is_told() -> None:
     told = [each for each in found("api_silent_ok", "lift-off") if "no landing" in each.sentence]
     assert len(told) == 1
-    assert "turns round near cam angle 119 deg" in told[0].sentence
+    assert "reverses near cam angle 119 deg" in told[0].sentence
     assert "itself" not in told[0].sentence
 
 

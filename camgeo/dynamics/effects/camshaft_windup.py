@@ -90,7 +90,7 @@ class CamshaftWindup(Turning):
         speed, windup = _bounds(self.turn)
         return (
             Unknown(Label("speed", "rev/min", 1.0 / RPM), self.turn.omega, speed),
-            Unknown(Label("windup", "deg", math.degrees(1.0)), self.turn.windup, windup),
+            Unknown(Label("wind-up", "deg", math.degrees(1.0)), self.turn.windup, windup),
         )
 
     def with_added_errors(self, added_errors: Sequence[float], rough: Self) -> Self:
@@ -152,14 +152,14 @@ def compute(request: Request[ElasticShaft]) -> CamshaftWindup:
     findings = (
         held(
             "windup",
-            f"the cam is off the angle of its drive by up to {abs(largest.value):.6g} deg",
+            f"the cam deviates from the angle of its drive by up to {abs(largest.value):.6g} deg",
             abs(largest.value), limit, "deg", largest.place,
         ),
-        *extreme_findings("windup", "windup", windups, "deg"),
+        *extreme_findings("windup", "wind-up of the camshaft", windups, "deg"),
         Finding(
             "windup-range",
             "ok",
-            f"over a turn the windup varies by {span:.6g} deg",
+            f"over a turn the wind-up of the camshaft varies by {span:.6g} deg",
             span,
             unit="deg",
         ),
@@ -231,8 +231,8 @@ def _swinging(turn: WindupTurn) -> Iterator[Finding]:
     yield Finding(
         "natural-frequency",
         "ok",
-        f"the cam without its follower swings on the camshaft at {natural / TURN:.6g} Hz,"
-        f" {natural / turn.cam.speed:.5g} times the speed of its drive",
+        f"natural frequency of the cam without its follower on the camshaft {natural / TURN:.6g}"
+        f" Hz, {natural / turn.cam.speed:.5g} times the speed of its drive",
         natural / TURN,
         unit="Hz",
     )
@@ -321,7 +321,7 @@ def solve(
         raise EffectError(
             f"the natural frequency of the cam on its shaft is {ratio:.6g} times the speed of the"
             f" drive; allowed: up to {STIFFEST:g} times. So stiff a shaft follows the torque at"
-            " once: its windup is drive torque / stiffness",
+            " once: its wind-up is the drive torque divided by the stiffness",
             finding="stiff-shaft",
             value=ratio,
             limit=STIFFEST,
@@ -353,7 +353,7 @@ def _solved(
     except NoConvergenceError as error:
         if error.reached is None or not error.reached < SPURIOUS:
             raise _too_soft(cam) from error
-        raise tolerance_error("the windup", error.reached, "the largest one", tolerance) from error
+        raise tolerance_error("the wind-up", error.reached, "the largest one", tolerance) from error
 
 
 def _guess(

@@ -253,16 +253,16 @@ def _feedback_finding(feedback: Feedback, turn: Turning, errors: Sequence[float]
     change = feedback.residual / RPM
     known = listed(
         [
-            f"{unknown.label.word} to {unknown.label.scale * error:.2g} {unknown.label.unit}"
+            f"{unknown.label.scale * error:.2g} {unknown.label.unit} of the {unknown.label.word}"
             for unknown, error in zip(turn.unknowns, errors, strict=True)
         ]
     )
     sentence = (
-        "the elastic train acts back on how the cam turns: the last of"
-        f" {feedback.rounds} rounds from speed to vibration to torque to speed changes it by up to"
-        f" {change:.2g} rev/min, each leaves {100.0 * feedback.ratio:.2g} % of a change, and it is"
-        f" known, {known}; a disturbance decays as stated while the train keeps its force over the"
-        " cam angle"
+        "the elastic train acts back on the rotation of the cam: the last of"
+        f" {feedback.rounds} rounds (speed, vibration, torque, speed) changes the speed by up to"
+        f" {change:.2g} rev/min, each round leaves {100.0 * feedback.ratio:.2g} % of a change, and"
+        f" the errors are {known}; the stated decay of a disturbance holds while the train keeps"
+        " its force over the cam angle"
     )
     return Finding("feedback", "ok", sentence, change, unit="rev/min")
 

@@ -129,13 +129,15 @@ def _force(subject: Subject, data: FrictionCoefficients, borders: FloatArray) ->
         )
     viscous = data.pivot_viscous + data.guide_viscous  # a follower has only one of the two
 
-    def coefficients(phi: FloatArray, side: Side) -> FloatArray:
+    def viscous_friction(phi: FloatArray, side: Side) -> FloatArray:
         rows = np.zeros((4, len(phi)))
         if viscous:
             rows[1] = -viscous * subject.state.motion.jet(phi, side, 1)[1]
         return rows
 
-    return Force("friction", coefficients, borders=borders, free_force=_free_force(subject, data))
+    return Force(
+        "friction", viscous_friction, borders=borders, free_force=_free_force(subject, data)
+    )
 
 
 def _free_force(subject: Subject, data: FrictionCoefficients) -> FreeForce:

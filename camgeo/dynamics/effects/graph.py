@@ -239,7 +239,7 @@ class Effects:
             if self.subject.state.course is not None:
                 return Nodes(self.subject, self.catalogue, self.ledger)
             raise EffectError(
-                f"the speed of the cam is neither given nor found: {error.message}",
+                f"the scene states no speed of the cam, and none was found: {error.message}",
                 finding="no-speed",
                 cam_angle=error.cam_angle,
             ) from error
@@ -331,8 +331,8 @@ class Effects:
         if course is not None and any(finding.value is not None for finding in findings):
             mean = TURN / period(course) / RPM
             sentence = (
-                f"these figures are for the speed that {self._finder} finds, {mean:.6g}"
-                " rev/min in the mean"
+                f"these figures are for the speed that {self._finder} determines, {mean:.6g}"
+                " rev/min on average"
             )
             yield Finding("found-speed", "ok", sentence)
 
@@ -695,8 +695,8 @@ def _breadth_findings(effect: Effect, subject: Subject) -> Iterator[Finding]:
         )
     if squeeze > 0.0:
         parts.append(
-            f"the cam squeezes its yoke by up to {squeeze:.3g} mm, {at_angle(place)}, and the"
-            " forces of that are in no figure"
+            f"the cam squeezes its yoke by up to {squeeze:.3g} mm, {at_angle(place)}, and no"
+            " figure includes the resulting forces"
         )
     if parts:
         value = max(squeeze, breadth.variation)
@@ -825,10 +825,12 @@ def _simplified(effect: Effect, named: Sequence[str], *, follows: bool) -> Itera
         return
     others = listed([refinement.effect for refinement in refinements])
     model = (
-        "has a better model, which is" if len(refinements) == 1 else "have better models, which are"
+        "has a more accurate model, which is"
+        if len(refinements) == 1
+        else "have more accurate models, which are"
     )
     sentence = (
-        f"these figures hold for {listed([refinement.assumption for refinement in refinements])};"
+        f"these figures assume {listed([refinement.assumption for refinement in refinements])};"
         f" {others} in the same scene {model} not taken into account here"
     )
     cautions = [refinement.caution for refinement in refinements if refinement.caution]
@@ -916,7 +918,7 @@ def _other_contour_finding(subject: Subject, contours: Contours) -> Finding:
         f" {at_angle(play.lowest.place)}"
     )
     if low < 0.0:
-        sentence += "; less than 0 is squeezed, which is not computed"
+        sentence += "; below 0 both squeeze it, which is not computed"
     return Finding(
         name="other-contour",
         severity="warning" if low < 0.0 else "ok",

@@ -207,7 +207,7 @@ def _work_into(force: str) -> str:
 
 def _work_finding(taker: PowerSink, work: Integral) -> Finding:
     value = N_M * resolved(work.value, work.magnitude)
-    sentence = f"{taker.words} takes {value:.6g} J a turn"
+    sentence = f"{taker.words} takes {value:.6g} J per turn"
     return Finding(taker.name, "ok", sentence, value, unit="J")
 
 

@@ -137,7 +137,7 @@ def _friction_work(
         raise tolerance_error(
             "the work of friction in the pivot", work.error / work.value, "itself", tolerance
         )
-    sentence = f"friction in the pivot takes {N_M * work.value:.6g} J a turn"
+    sentence = f"friction in the pivot takes {N_M * work.value:.6g} J per turn"
     finding = Finding(WORK, "ok", sentence, N_M * work.value, unit="J")
     return [finding], {WORK: Bound(work.error, work.value).times(N_M)}
 

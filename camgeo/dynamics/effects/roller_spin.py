@@ -187,19 +187,17 @@ def _skid_findings(skid: Skid | None) -> Iterator[Finding]:
     """The findings on how far the roller skids; all values are 0 if it rolls all round."""
     if skid is None:
         yield Finding("largest-slip", "ok", "the roller does not slip", 0.0, unit="mm/s")
-        yield Finding("slip-distance", "ok", "path of the slip 0 mm a turn", 0.0, unit="mm")
-        yield Finding("slip-work", "ok", "work of the slip 0 J a turn", 0.0, unit="J")
+        yield Finding("slip-distance", "ok", "slip distance 0 mm per turn", 0.0, unit="mm")
+        yield Finding("slip-work", "ok", "work of the slip 0 J per turn", 0.0, unit="J")
         return
     fastest = piecewise_highest(lambda phi, side: np.abs(skid.slip(phi, side)), skid.edges)
     text = f"the roller slips on its flank at up to {fastest.value:.6g} mm/s"
     yield placed("largest-slip", f"{text} {at_angles([fastest.place])}", fastest, "mm/s")
     distance, work, ranges = skid.distance, N_M * skid.work, skid.ranges
     where = f", {over_ranges(ranges)}" if ranges else ""
-    text = f"path of the slip {distance:.6g} mm a turn{where}"
+    text = f"slip distance {distance:.6g} mm per turn{where}"
     yield Finding("slip-distance", "ok", text, distance, unit="mm")
-    text = (
-        f"work of the slip {work:.6g} J a turn; the roller of other effects rolls, and takes none"
-    )
+    text = f"work of the slip {work:.6g} J per turn; other effects assume that the roller rolls"
     yield Finding("slip-work", "ok", text, work, unit="J")
 
 
@@ -207,8 +205,8 @@ def _undriven_findings() -> Iterator[Finding]:
     yield Finding(
         "roller-undriven",
         "warning",
-        "nothing turns the roller, neither traction nor friction, so it is not known how it turns;"
-        " the speed on its pin is that of one that rolls",
+        "neither traction nor friction turns the roller, so its speed is not determined; the speed"
+        " on its pin is that of a roller that rolls",
     )
 
 

@@ -246,8 +246,8 @@ def _response(
         if error <= tolerance:
             return response, bounds
     raise EffectError(
-        f"the deflection has an error of {error:.3g} of the lift; the tolerance is {tolerance:.3g}:"
-        " an undamped train this close to resonance magnifies rounding errors",
+        f"the deflection has an error of {error:.3g} relative to the lift; the tolerance is"
+        f" {tolerance:.3g}: an undamped train this close to resonance magnifies rounding errors",
         finding="vibration-tolerance",
         value=error,
         limit=tolerance,
@@ -400,8 +400,7 @@ def mode_findings(train: Train, period: float) -> Iterator[Finding]:
             yield Finding(
                 name="time-constant",
                 severity="ok",
-                sentence=f"a mode that does not oscillate, with the time constant"
-                f" {1e3 / frequency:.6g} ms",
+                sentence=f"time constant {1e3 / frequency:.6g} ms of an overdamped mode",
                 value=1.0 / frequency,
                 unit="s",
             )
@@ -515,8 +514,8 @@ def force_findings(
 
 
 def dwell_findings(clock: Clock, response: Response, shown: Label) -> Iterator[Finding]:
-    """The vibration at the start of each dwell, the largest of them, and what is left at the
-    end.
+    """The residual vibration at the start of each dwell, the largest one, and what is left of a
+    vibration at the end of the shortest dwell.
     """
     rests = [rest for rest in clock.motion.dwells if 0.0 < rest.span < TURN]
     if not rests:
@@ -524,11 +523,11 @@ def dwell_findings(clock: Clock, response: Response, shown: Label) -> Iterator[F
     starts = np.array([rest.start for rest in rests])
     amplitudes = response.free_amplitude(clock.time(in_turn(starts, "right")), "right")
     for rest, amplitude in zip(rests, amplitudes.tolist(), strict=True):
-        yield _residual("residual-vibration", "vibration", rest, amplitude, shown)
+        yield _residual("residual-vibration", "residual vibration", rest, amplitude, shown)
     worst = int(np.argmax(amplitudes))
     yield _residual(
         "largest-residual-vibration",
-        "largest vibration",
+        "largest residual vibration",
         rests[worst],
         float(amplitudes[worst]),
         shown,
@@ -541,9 +540,10 @@ def dwell_findings(clock: Clock, response: Response, shown: Label) -> Iterator[F
         name="settling",
         severity="ok",
         sentence=(
-            f"{remaining_share(left, 3)} of a vibration is left after the shortest dwell,"
-            f" {1e3 * _duration(clock, shortest):.4g} ms{_start_words(shortest.start)}, which is"
-            f" {lasts} than the transient, settled at {100.0 * SETTLED:g} %"
+            f"after the shortest dwell, which starts at cam angle {cam_angle(shortest.start)} deg"
+            f" and lasts {1e3 * _duration(clock, shortest):.4g} ms, {remaining_share(left, 3)} of a"
+            f" vibration is left: the dwell is {lasts} than the transient, which counts as settled"
+            f" at {100.0 * SETTLED:g} %"
         ),
         value=left,
         cam_angle=shortest.start,
@@ -580,7 +580,10 @@ def _residual(name: str, what: str, rest: Dwell, amplitude: float, shown: Label)
     return Finding(
         name=name,
         severity="ok",
-        sentence=f"{what} of {shown.format(amplitude)} left in the dwell{_start_words(rest.start)}",
+        sentence=(
+            f"{what} of {shown.format(amplitude)} in the dwell that starts at cam angle"
+            f" {cam_angle(rest.start)} deg"
+        ),
         value=shown.scale * amplitude,
         unit=shown.unit,
         cam_angle=rest.start,
@@ -590,10 +593,6 @@ def _residual(name: str, what: str, rest: Dwell, amplitude: float, shown: Label)
 def _duration(clock: Clock, rest: Dwell) -> float:
     ends = clock.course.time(np.array([rest.start, rest.start + rest.span]))
     return float(ends[1] - ends[0])
-
-
-def _start_words(phi: float) -> str:
-    return f" from cam angle {cam_angle(phi)} deg on"
 
 
 # -- output ---------------------------------------------------------------------------------------

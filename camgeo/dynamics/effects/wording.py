@@ -148,7 +148,8 @@ def tolerance_error(
     tolerance.
     """
     return EffectError(
-        f"{what} has an error of {error:.3g} of {reference}; the tolerance is {tolerance:g}",
+        f"{what} has an error of {error:.3g} relative to {reference}; the tolerance is"
+        f" {tolerance:g}",
         value=error,
         limit=tolerance,
         cam_angle=cam_angle,

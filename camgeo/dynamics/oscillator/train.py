@@ -313,7 +313,7 @@ def chain(stages: Sequence[Stage], output: int = -1) -> Train:
     shapes = np.concatenate([part.shapes for part in parts], axis=1)
     missing = np.abs(np.sum((shapes * rates).real, axis=1) - static[:, 0])
     if not np.max(missing) <= LOST * max(1.0, float(np.max(np.abs(static[:, 0])))):
-        raise SeparationError(f"the modes make up the motion but for {np.max(missing):.3g} of it")
+        raise SeparationError(f"the modes leave out {np.max(missing):.3g} of the motion")
     holds = static * g[:, np.newaxis]
     holds[:, 1] += h * static[:, 0]
     return Train(

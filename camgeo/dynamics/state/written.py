@@ -192,8 +192,8 @@ class FarMotion:
 
 def _dead_centre_error() -> GeometryError:
     return GeometryError(
-        "the far end does not follow what the disc makes the follower do: the linkage is at a dead"
-        " centre",
+        "the far end cannot follow the motion that the disc gives the follower: the linkage is at a"
+        " dead centre",
         key="linkage",
     )
 

@@ -364,7 +364,7 @@ def _fixed_point(
         last, value = value, find(value.value)
         if abs(value.value - last.value) <= SETTLED * last.value:
             return value
-    raise EffectError(f"no {what} settles with the friction in the pivot")
+    raise EffectError(f"the {what} did not converge with the friction in the pivot")
 
 
 def _speed(flank: Flank, edges: FloatArray, factor: float) -> Extreme:

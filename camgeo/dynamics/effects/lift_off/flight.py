@@ -543,8 +543,8 @@ SAME: Final = 1e-11
 
 
 UNSETTLED: Final = (
-    "finer and finer steps come to no flights that stay the same: off the cam it moves too fast for"
-    " them, or the smallest difference decides where it lands"
+    "the flights did not converge with finer and finer steps: off the cam the follower moves too"
+    " fast for them, or the smallest difference decides where it lands"
 )
 
 
@@ -813,8 +813,8 @@ def why_stiff(angle: float, rate: FloatArray, force: Callable[[FloatArray], Floa
     if np.allclose(back, ahead, rtol=SLOW, atol=0.0):
         return ""
     return (
-        f"off the cam it turns round near cam angle {cam_angle(angle, '.0f')} deg, and friction"
-        " that jumps there to the other side is not followed"
+        f"off the cam the follower reverses near cam angle {cam_angle(angle, '.0f')} deg, and the"
+        " jump of its friction to the other side is not computed"
     )
 
 

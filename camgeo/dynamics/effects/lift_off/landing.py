@@ -234,7 +234,7 @@ def _clearance_in_words(subject: Subject, clearance: float) -> str:
 def _why_not(subject: Subject, contact: ContactForce, inertia: Inertia | None) -> str:
     """Why no landing can be computed; empty if it can."""
     if inertia is None or subject.state.course is None:
-        return "it needs [effects.inertia]; without mass a landing is no impact"
+        return "it needs [effects.inertia], as without mass a landing is no impact"
     if not piecewise_lowest(inertia.to_follower, contact.edges).value > 0.0:
         return "the follower has no mass, and its landing is no impact"
     if contact.behind is not None and (why := _why_not_elastic(subject, contact, inertia)):
@@ -244,7 +244,9 @@ def _why_not(subject: Subject, contact: ContactForce, inertia: Inertia | None) -
         for force in contact.forces
         if force.free_force is None and force is not inertia.force and not force.present
     ]
-    return f"{listed(unknown)} off the cam is not known" if unknown else ""
+    return (
+        f"the force of {listed(unknown)} on a follower off the cam is not known" if unknown else ""
+    )
 
 
 def _why_not_elastic(subject: Subject, contact: ContactForce, inertia: Inertia) -> str:
@@ -265,7 +267,7 @@ def _why_not_elastic(subject: Subject, contact: ContactForce, inertia: Inertia) 
 
 
 def _none(name: str, why: str) -> FlightReport:
-    return FlightReport(findings=(Finding(name, "warning", f"no landing is given: {why}"),))
+    return FlightReport(findings=(Finding(name, "warning", f"no landing is computed: {why}"),))
 
 
 def _report_flights(
@@ -285,7 +287,7 @@ def _report_flights(
         return none(error.message)
     if steady.unlanded is not None:
         return none(
-            f"the flight from cam angle {degrees(steady.unlanded)} on lasts longer than"
+            f"the flight that begins at cam angle {degrees(steady.unlanded)} lasts longer than"
             f" {counted(FreeFollower.most_turns, 'turn')}"
         )
     if not steady.turns:
@@ -298,14 +300,14 @@ def _report_flights(
         findings += wording.flight(first, bounces, subject)
     tail = ""
     if restitution > 0.0 and _longest_run(flights) > MOST_REBOUNDS:
-        tail = f"; of each flight {MOST_REBOUNDS} rebounds are followed"
+        tail = f"; only {MOST_REBOUNDS} rebounds of each flight are computed"
     findings.append(wording.fastest(flights, tail))
     energy = N_M * sum(flight.energy for flight in flights) / turns
     findings.append(
         Finding(
             name="impact-energy",
             severity="ok",
-            sentence=f"the impacts take {energy:.6g} J from the {wording.who} in a turn",
+            sentence=f"the impacts take {energy:.6g} J per turn from the {wording.who}",
             value=energy,
             unit="J",
         )
@@ -313,13 +315,17 @@ def _report_flights(
     late = max(flight.late for flight in flights)
     if late > ANGLE_SHOWN:
         degree = math.degrees(late)
-        sentence = f"the cam angles of the landings have an error of up to {degree:.2g} deg, more"
-        sentence += " than their digits show"
+        sentence = (
+            f"the cam angles of the landings have an error of up to {degree:.2g} deg, which is more"
+            " than half of the last digit shown"
+        )
         limit = math.degrees(ANGLE_SHOWN)
         findings.append(Finding("landing-angle", "warning", sentence, degree, limit, "deg"))
     if turns > 1:
-        sentence = f"the {wording.who} does not fly alike in every turn: its flights repeat after"
-        sentence += f" {counted(turns, 'turn')}"
+        sentence = (
+            f"the flights of the {wording.who} differ from turn to turn and repeat after"
+            f" {counted(turns, 'turn')}"
+        )
         findings.append(Finding("flight-turns", "warning", sentence, float(turns)))
     return FlightReport(
         flights, turns, tuple(findings), _errors(flights, turns, subject, single=single)

@@ -197,7 +197,7 @@ def force_closed(
             from camgeo.dynamics.effects.lift_off.elastic_speed import ElasticSpeed
 
             if near is not None and near.speed is None:  # so no more is known of this one
-                searched = ElasticSpeed(why="nor is one given for a train that hardly differs")
+                searched = ElasticSpeed(why="nor was one found for a train that hardly differs")
             else:
                 near_speed = None if near is None else near.speed
                 searched = ElasticSpeed.searched(
@@ -308,7 +308,7 @@ def _elastic_speed_finding(
         if not math.isinf(rigid.value):
             there = f"at {rigid.value * mean:.6g} rev/min"
         return replace(finding, sentence=f"{finding.sentence}; with a rigid train {there}")
-    until = f"the {flank.toucher} keeps its flank up to {search.safe_factor * mean:.6g} rev/min"
+    until = f"the {flank.toucher} stays on its flank up to {search.safe_factor * mean:.6g} rev/min"
     if not search.why:
         return Finding(
             name="lift-off-speed",
@@ -321,7 +321,7 @@ def _elastic_speed_finding(
     return Finding(
         name="lift-off-speed",
         severity="warning",
-        sentence=f"{known}no lift-off speed is given for the elastic train: {search.why}",
+        sentence=f"{known}no lift-off speed was found for the elastic train: {search.why}",
         limit=mean,
         unit="rev/min",
     )
