@@ -1,9 +1,9 @@
-"""Windup of a camshaft: the angle by which the cam lags behind its drive, over a turn.
+"""Wind-up of a camshaft: the angle by which the cam lags behind its drive, over a turn.
 
 J omega domega/dphi = M - T(phi, omega, alpha), where the shaft carries M = k w + c (Omega - omega)
-with the windup w = integral of (Omega - omega) dt: the equation of motion of a rigid cam at the end
-of a massless shaft, whose other end turns at the constant speed Omega, with the torque T of the cam
-that includes the inertia of the follower (Koster, Vibrations of Cam Mechanisms, and Norton, Cam
+with the wind-up w = integral of (Omega - omega) dt: the equation of motion of a rigid cam at the
+end of a massless shaft, whose other end turns at the constant speed Omega, with the torque T of the
+cam that includes the inertia of the follower (Koster, Vibrations of Cam Mechanisms, and Norton, Cam
 Design and Manufacturing Handbook, chapter on models of cam-follower systems, treat such shafts).
 The solution is the motion that repeats after each turn of the drive. With k towards infinity w
 becomes T / k.
@@ -79,7 +79,7 @@ class CamshaftWindup(Turning):
 
     Attributes
     ----------
-    turn : speed and windup over the cam angle.
+    turn : speed and wind-up over the cam angle.
     """
 
     turn: WindupTurn
@@ -106,7 +106,7 @@ class CamshaftWindup(Turning):
 
 
 def compute(request: Request[ElasticShaft]) -> CamshaftWindup:
-    """The steady state, with speed and windup to the tolerance.
+    """The steady state, with speed and wind-up to the tolerance.
 
     Raises
     ------
@@ -248,7 +248,7 @@ def _swinging(turn: WindupTurn) -> Iterator[Finding]:
 
 
 def _bounds(turn: WindupTurn) -> tuple[Bound, Bound]:
-    """The errors of speed [rad/s] and windup [rad]."""
+    """The errors of speed [rad/s] and wind-up [rad]."""
     speed, largest = turn.cam.speed, turn.pair.largest_windup
     return (
         Bound(turn.speed_error + INTERPOLATION_ERROR * speed, speed),
@@ -285,7 +285,7 @@ PHASE: Final = 4.0
 would damp the swing, alike on the halves of the cell, which would not show it."""
 
 SWINGS: Final = 4.0
-"""Largest number of swings on the shaft within a piece in which extremes are sought."""
+"""Largest number of swings on the shaft within a piece in which extremes are searched for."""
 
 STIFFEST: Final = 4000.0
 """Largest natural frequency, in speeds of the drive."""
@@ -301,7 +301,7 @@ SPURIOUS: Final = 0.1
 def solve(
     cam: CamOnShaft, law: Quantity, edges: FloatArray, tolerance: float, near: WindupTurn | None
 ) -> tuple[WindupTurn, FloatArray]:
-    """The steady state, of which one that is `near` may be known, with speed and windup to the
+    """The steady state, of which one that is `near` may be known, with speed and wind-up to the
     tolerance, and cam angles (k,) [rad] from 0 to 2 pi between which both are smooth and swing no
     more than `SWINGS` times.
 
@@ -397,10 +397,10 @@ def _too_soft(cam: CamOnShaft) -> EffectError:
     )
 
 
-# -- wound ----------------------------------------------------------------------------------------
+# -- cam on its shaft -----------------------------------------------------------------------------
 # A cam at the end of an elastic shaft: its equations of motion over the cam angle.
 #
-# Its drive turns at constant speed Omega. The windup w is the angle by which the cam lags behind
+# Its drive turns at constant speed Omega. The wind-up w is the angle by which the cam lags behind
 # the drive, the speed of the cam is omega. The shaft carries k w + c (Omega - omega), so that over
 # the cam angle, with y = omega^2 / 2,
 #
@@ -602,7 +602,7 @@ class WindupTurn:
         larger eigenvalue of the monodromy matrix.
     multiplier_error : estimate of its error.
     speed_error : estimate of the largest error of the speed [rad/s].
-    windup_error : that of the windup [rad].
+    windup_error : that of the wind-up [rad].
     rough : the steady state on cells twice as long, from which the errors are estimated; None for
         it.
     """
@@ -682,7 +682,7 @@ def periodic(
     law : the torque law of the cam.
     mesh : initial mesh; no cell contains an edge of the law.
     pair : initial guess on the coarse mesh.
-    tolerance : largest error of speed and windup, relative to the largest of each.
+    tolerance : largest error of speed and wind-up, relative to the largest of each.
 
     Raises
     ------

@@ -249,7 +249,7 @@ def unbalance_force(
     return np.asarray(turned * (rates[0] ** 2 - 1j * rotation * rates[1]))
 
 
-# -- opposite -------------------------------------------------------------------------------------
+# -- yoke sides -----------------------------------------------------------------------------------
 # A yoke in the effects: the disc twice, as its two sides touch it.
 #
 # The second side is handled as the return disc of a conjugate pair: `camgeo.cam.cam` has the

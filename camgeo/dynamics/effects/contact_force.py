@@ -88,6 +88,7 @@ def compute(request: Request[Mapping[str, Any]]) -> ContactForce:
     behind = None if vibration is None else vibration.behind
     balance = rigid
     if behind is not None:
+        # What an elastic train passes on beyond a rigid one is one more force.
         train = behind.force(subject.state.smooth_angles)
         balance = rigid.with_force(train)
     edges = force_edges(balance)
@@ -377,6 +378,8 @@ class ForceBalance:
         needed = self.released(phi, side, rates)
         lever = self.leverage(phi, side, INNER)
         other = -lever if self.subject.returning is None else self.leverage(phi, side, OUTER)
+        # The inner flank pushes along its leverage; the other side has to carry what is demanded
+        # the other way.
         sense = np.where(needed * np.sign(lever) >= 0.0, INNER, OUTER)
         inner = self.bracket(phi, side, INNER, lever)
         outer = self.bracket(phi, side, OUTER, other)
@@ -531,5 +534,6 @@ def refuse_jamming(balance: ForceBalance, edges: FloatArray) -> None:
     if stretch is None:
         balance.refuse(lowest.place, "right")
     else:
+        # At the end of the range the values inside it are meant.
         side: Side = "left" if lowest.place == stretch[1] else "right"
         balance.refuse(lowest.place, side, stretch)

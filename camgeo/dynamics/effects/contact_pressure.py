@@ -152,6 +152,7 @@ def _width(subject: Subject, data: PressureRequirements) -> float:
     """L [mm]."""
     part = subject.part_spec
     groove = subject.cam.contact.closed_by_form
+    # The flanks of a groove are as wide as it is deep.
     whole = None if part is None else part.groove_depth if groove else part.thickness
     name = "groove_depth" if groove else "thickness"
     if data.width is None:
@@ -200,8 +201,8 @@ def _worst(contact: LineContact, angle: float, square: float) -> Worst:
 HOUR: Final = 3600.0
 
 LONGEST: Final = 1e6
-"""A life [h] of more than a century is not told in figures: no bearing ends by fatigue alone then,
-which is all that the formula knows."""
+"""A life [h] of more than a century is not stated in figures: no bearing ends by fatigue
+alone then, and the formula knows nothing else."""
 
 HEAVY: Final = 0.5
 """Share of the dynamic load rating up to which the life formula applies (ISO 281:2007)."""
@@ -346,6 +347,7 @@ def _needed_roller(worst: Worst, roller: float, data: PressureRequirements) -> F
             cam_angle=worst.angle,
         )
     low, high = radii
+    # The end of the range that is nearer to the roller of the scene.
     nearest = high if roller > high else low
     upper = "or more" if math.isinf(high) else f"to {high:.6g} mm"
     sentence = f"roller radius needed {goal}: {low:.6g} mm {upper}; it is {roller:g} mm"
@@ -580,6 +582,7 @@ class LineContact:
         kappa = sense * self.curvature(phi, side)
         cam, state = self.subject.cam, self.subject.state
         radius = cam.follower.contact_radius(kappa, cam.disc.flank_distance)
+        # A corner of the disc has no radius: any load makes the pressure infinite.
         return load, np.where(state.on_corner(phi, side), 0.0, radius)
 
     def square(self, phi: FloatArray, side: Side) -> FloatArray:
@@ -680,6 +683,7 @@ def roller_radii(needed: float, curvature: float) -> tuple[float, float] | None:
     kappa), at half the radius of curvature. The lower root of the quadratic equation is computed
     from the upper one, to avoid cancellation.
     """
+    # The discriminant of kappa r^2 - r + R = 0.
     rest = 1.0 - 4.0 * needed * curvature
     if rest < 0.0:
         return None

@@ -43,7 +43,7 @@ class Subject:
     lift_unit : of the follower's own motion.
     unit : unit of length of the scene, for messages; values are in mm.
     part_spec : what the scene says of the part.
-    model : whose motion the effects are computed for, where that can be told (`state`).
+    model : whose motion the effects are computed for, where that makes a difference (`state`).
     output : whether the forces are those of the elastic train, where the scene has one.
     disc : the disc of the cam; None if there is no follower.
     returning : the return disc of a conjugate pair, or the disc at the second side of a yoke, with

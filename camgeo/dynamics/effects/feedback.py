@@ -1,7 +1,7 @@
 """How the cam turns before an elastic train: a fixed point.
 
 The torque on the camshaft makes the speed of the cam, by its motor (`speed-fluctuation`) or by the
-windup of its shaft (`camshaft-windup`), the speed the vibration of the train, the vibration the
+wind-up of its shaft (`camshaft-windup`), the speed the vibration of the train, the vibration the
 force at the contact, and this the torque. With the force F over the cam angle the speed is S(F),
 and at this the train has the force T(S(F)), which must be F. The first speed is that of a rigid
 train. Each round computes T of the last speed, and the speed with this force and with what a
@@ -17,7 +17,7 @@ the Newton step as (1 - S'T')^-1 = P has it; so a speed is off by no more than
 
     e + (q (r + 2 e) + |P - 1| e + |P| f) / (1 - q) = e + d.
 
-What else is solved for, the windup, changes by no more than p times as much as the speed, and is
+What else is solved for, the wind-up, changes by no more than p times as much as the speed, and is
 off by no more than its own error and p d. All are the largest over the turn. q and p are estimated,
 by the ratios between the last rounds.
 """
@@ -73,7 +73,7 @@ class FeedbackRound:
     sizes: tuple[float, float]
 
     def change(self, other: FeedbackRound) -> FloatArray:
-        """(d,) the largest differences of what is sought from that of the `other` round."""
+        """(d,) the largest differences of the unknowns from those of the `other` round."""
         phi = np.concatenate(
             [feedback_round.turn.turn.mesh.nodes.ravel() for feedback_round in (self, other)]
         )
@@ -224,8 +224,8 @@ def _loaded(drive: DriveTorque, force: Force) -> DriveTorque:
 
 
 def _remaining_errors(rounds: Sequence[FeedbackRound]) -> tuple[Feedback, list[float]] | None:
-    """The state after `rounds`, the first one with a rigid train, and the errors of what is sought
-    besides its own in the last one; None while a round changes the speed by more than its error.
+    """The state after `rounds`, the first one with a rigid train, and the errors of the unknowns
+    besides their own in the last one; None while a round changes the speed by more than its error.
     """
     if len(rounds) < 3:
         return None

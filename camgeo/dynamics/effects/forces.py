@@ -177,7 +177,7 @@ def torque_shocks(subject: Subject, per_alpha: Quantity, edges: FloatArray) -> F
     if not len(places):
         return places
     jump = np.abs(motion.jet(places, "right", 1)[1] - motion.jet(places, "left", 1)[1])
-    # The velocities in the middle of the pieces are the scale by which a jump is told from
+    # The velocities in the middle of the pieces are the scale by which a jump is distinguished from
     # rounding.
     inside = np.abs(motion.jet(edges[:-1] + 0.5 * np.diff(edges), "right", 1)[1])
     heavy = (per_alpha(places, "left") != 0.0) | (per_alpha(places, "right") != 0.0)

@@ -580,7 +580,7 @@ def _also_jumping(column: Column, places: FloatArray) -> Column:
 # motion; that a yoke fits its cam; and that no other effect of the scene has a better model
 # (`Effect.refined_by`). Each that fails gives one finding. While one of the first three fails, no
 # figure of the effect is "ok". Where the state is the motion of a trimmed disc, or of the contour
-# as it is written, that is told too, and where the train behind the follower is elastic.
+# as it is written, that is reported too, and where the train behind the follower is elastic.
 
 
 Range = tuple[float, float]
@@ -930,7 +930,7 @@ def _other_contour_finding(subject: Subject, contours: Contours) -> Finding:
     )
 
 
-# -- inherited ------------------------------------------------------------------------------------
+# -- inherited errors -----------------------------------------------------------------------------
 # Results from others that are known to an error: the errors that all their figures inherit.
 #
 # A speed that `speed-fluctuation` or `camshaft-windup` finds is off by less than it differs from

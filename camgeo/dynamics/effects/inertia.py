@@ -345,6 +345,7 @@ class DirectTrain:
 
 def joints_per_lift(linkage: Linkage, position: FloatArray) -> tuple[ComplexArray, ComplexArray]:
     """dP/dq and dT/dq (n,) of the coupler's pin and tip by the follower's coordinate q."""
+    # By q the far end moves at dx/dq, and the follower at 1; second derivatives do not matter.
     way = linkage.per_follower(position)
     still = np.zeros_like(way)
     pin, tip = linkage.joint_rates(
@@ -392,6 +393,7 @@ class LinkedTrain:
         # The centre of mass moves in the plane: x and y are two coordinates.
         coordinates.append(Rates(mass, centres[0].real, centres[1].real, per_lift.real))
         coordinates.append(Rates(mass, centres[0].imag, centres[1].imag, per_lift.imag))
+        # D'/D has the imaginary part v', D''/D has v''.
         turns = (rods / rod).imag
         moment = data.turning(linkage)
         coordinates.append(Rates(moment, turns[0], turns[1], (rod_per_lift / rod).imag))

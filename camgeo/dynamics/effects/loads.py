@@ -115,6 +115,7 @@ class Loads:
     def on_pivot(self, phi: FloatArray, side: Side) -> ComplexArray:
         """(4, n) coefficients of R + F_c."""
         coefficients = -self.of_coupler(phi, side)
+        # Springs and weights do not depend on the speed.
         coefficients[0] -= self.of_spring(phi, side) + self.weight(phi)
         for mass in self.follower_masses():
             coefficients += mass.mass * acceleration(mass.rates(phi, side))

@@ -186,6 +186,7 @@ def _friction_sinks(
         noncontact = at_rates(bearings.noncontact_loads(phi, side), cam_rates(subject, phi, side))
         normal = contact.normal(phi, side)
         per = select_carrier(normal, lambda sense: rubbing.per_normal(phi, side, sense))
+        # Only the part by the contact grows with |N|.
         loads = noncontact + per * np.abs(normal)
         lost = rubbing.lever * np.sum(np.abs(loads), axis=0)
         return np.asarray(lost * np.abs(_velocity(subject, phi, side)))

@@ -202,6 +202,8 @@ class Bodies:
             bearing_on_carrier(self.contact, phi, side),
         )
         moment = np.abs(self.contact.normal(phi, side)) * bearing.tilt
+        # The contact acts at the overhang of the side that carries, all else at that of the main
+        # follower.
         pressed = guide_ends(force, moment, bearing.overhang, length)
         return guide_ends(noncontact, 0.0, overhang, length) + pressed
 

@@ -467,7 +467,7 @@ class HelicalSpring:
         return math.pi * math.sqrt(self.stiffness / mass)
 
 
-# -- sought ---------------------------------------------------------------------------------------
+# -- unknowns -------------------------------------------------------------------------------------
 # What is solved for to find how the cam turns, and how an elastic train acts back on it.
 
 

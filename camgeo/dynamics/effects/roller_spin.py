@@ -99,6 +99,7 @@ def _roller_result(rolling: Rolling) -> RollerSpin:
     """The spin of one roller."""
     edges = rolling.contact.edges
     lowest = piecewise_lowest(rolling.reserve, edges)
+    # No traction reverses the spin of a roller at once.
     skids = bool(lowest.value < 0.0 or len(rolling.reversals))
     skid = steady(rolling) if skids else None
 
@@ -348,6 +349,7 @@ class SpinCells:
                 end = float(self.end_speeds[holder, cell])
                 yield Stretch(low, high, cell, holder, w, end, end - w, 0.0)
                 return
+            # Nothing holds it: all three rub, each against its own motion.
             pull = -float(self.levers @ signs) / self.inertia
             place, met = self._next(cell, low, w, pull, signs, w + pull * ahead)
             gain = pull * (ahead if met is None else self._impulse(cell, low, place - low))
@@ -383,6 +385,7 @@ class SpinCells:
         high = float(self.rate.edges[cell + 1])
         last = end - self.end_speeds[:, cell]
         met = np.sign(last) == -signs
+        # A v_i counts if it holds the roller, or if the moment that is unmet pulls it through.
         met &= (self.reserve[:, cell] >= 0.0) | (self.unmet[:, cell] == -signs)
         which = np.flatnonzero(met)
         if not len(which):
@@ -410,6 +413,7 @@ def spin_cells(rolling: Rolling) -> SpinCells:
     fastest = float(np.max(np.abs(ends)))
     impulse = rolling.contact.extremes.magnitude * period(rolling.course)
     inertia = rolling.data.moment_of_inertia
+    # So light a roller follows at once, as if without inertia.
     if inertia * fastest <= AT_ONCE * impulse * float(np.sum(levers)):
         inertia = 0.0
 
@@ -564,6 +568,7 @@ def steady(rolling: Rolling) -> Skid | None:
     both alike before long, and they are one from there on.
     """
     cells = spin_cells(rolling)
+    # Slower and faster than all that rubs on it: any steady motion is between these.
     low, high = -2.0 * cells.fastest, 2.0 * cells.fastest
     if all(stretch.gain == 0.0 for stretch in cells.turn(low)):
         return None

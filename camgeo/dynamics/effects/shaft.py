@@ -111,6 +111,7 @@ class SteadyCourse:
         low = self.turn.mesh.low
         inside = np.mod(phi, TURN)
         if side == "left":
+            # From the left, cam angle 0 is the end of the turn.
             inside = np.where(inside == 0.0, TURN, inside)
         cell = np.searchsorted(low, inside, side) - 1
         return np.clip(cell, 0, len(low) - 1), inside
@@ -202,10 +203,12 @@ def collocation() -> Collocation:
     slope = np.polynomial.legendre.legder(series)
     for _ in range(2):  # Newton steps to full precision
         x = x - np.polynomial.legendre.legval(x, series) / np.polynomial.legendre.legval(x, slope)
+    # The last node is the end of the cell exactly.
     x[-1] = 1.0
     from_rates = np.linalg.inv(legendre(x, NODES - 1))
     integral = np.asarray(0.5 * _antiderivatives(x) @ from_rates, dtype=np.float64)
     fit = np.asarray(np.linalg.inv(legendre(np.append(-1.0, x), NODES)), dtype=np.float64)
+    # The nodes of both halves, in the coordinate of the whole cell.
     halves = np.stack([legendre(0.5 * (x + shift), NODES) @ fit for shift in (-1.0, 1.0)])
     return Collocation(0.5 * (x + 1.0), integral[-1], integral, fit, halves)
 
@@ -331,6 +334,7 @@ def interleaved(split: BoolArray, own: FloatArray, halves: FloatArray) -> FloatA
 def cell_nodes(low: FloatArray, high: FloatArray) -> FloatArray:
     """(m, n) nodes of the cells [low, high]."""
     nodes: FloatArray = low[:, np.newaxis] + (high - low)[:, np.newaxis] * collocation().nodes
+    # Exactly, so that the end of a cell is the start of the next one.
     nodes[:, -1] = high
     return nodes
 
@@ -415,6 +419,7 @@ def jamming(inertia: float, mesh: Mesh) -> EffectError:
     """
     if len(mesh.laws) == LINEAR:
         moments = inertia + mesh.laws[3] * mesh.laws[4:]
+        # J + g c3 has to be above 0 on either flank.
         bad = ~np.all(moments > 0.0, axis=0)
     else:
         bad = np.any(RubbingLaw.from_rows(mesh.laws).jams, axis=0)
@@ -526,6 +531,7 @@ class Shaft(Generic[Driven]):
         if not np.all(moment > 0.0):
             raise StuckError
         alpha = (drive - gain * rest) / moment
+        # By y: the derivative by omega, divided by omega.
         growth = (slope - gain * (c1 + 2.0 * omega * c2)) / (omega * moment)
         return alpha, growth, 1.0 / moment
 

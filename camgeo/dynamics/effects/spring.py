@@ -133,6 +133,7 @@ def spring_travel(subject: Subject, data: SpringData) -> Travel:
     if data.kind == "torsion":
         return torsion_spring(subject)
     if data.anchor is not None and data.attachment is not None:
+        # x is how far the spring relaxes: one that is compressed relaxes as it gets longer.
         sense = 1.0 if data.kind == "compression" else -1.0
         return point_spring(subject, pivot, data.anchor, data.attachment, sense)
     linkage = driving_slider(subject)
@@ -224,6 +225,7 @@ def opening(way: Travel, subject: Subject) -> list[Finding]:
 def _below(function: Quantity, edges: FloatArray, place: float) -> tuple[float, float]:
     """The range (from, to) [rad] around `place` in which `function` is below 0."""
     stretch = stretch_below(lambda phi: function(phi, "right"), edges, place)
+    # Too short a range is its place alone.
     return stretch or (place % TURN, place % TURN)
 
 
@@ -557,6 +559,7 @@ def _closure(helical: HelicalSpring, highest: Extreme) -> tuple[Finding, ...]:
         return ()
     solid = helical.solid_length
     shortest = helical.free_length - highest.value / helical.stiffness
+    # Deflections from the free length are proportional to forces.
     overrun = helical.solid_force / highest.value - 1.0
     length = f"shortest length of the spring {shortest:.6g} mm {at_angle(highest.place)}"
     severity: Severity = "ok"

@@ -501,7 +501,7 @@ def parse_speed_fluctuation(table: Values) -> MotorDrive:
     return MotorDrive(table[key], _motor(table), table.get("limit"))
 
 
-# -- camshaft windup ------------------------------------------------------------------------------
+# -- wind-up of the camshaft ----------------------------------------------------------------------
 
 
 @dataclass(frozen=True, slots=True)
@@ -513,7 +513,7 @@ class ElasticShaft:
     stiffness : k [N mm/rad], above 0.
     moment_of_inertia : J of what turns with the cam [t mm^2], above 0.
     damping : D, the ratio to critical damping, in [0, 1).
-    limit : largest windup allowed [rad]; None for no limit.
+    limit : largest wind-up allowed [rad]; None for no limit.
     """
 
     stiffness: float

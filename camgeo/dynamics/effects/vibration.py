@@ -233,6 +233,7 @@ def _response(
             ) from None
         forces = [train.force(link) for link in range(links)]
         if pressed is not None:
+            # The deflection by the largest load, if it lasted.
             bent = abs(train.yielding(train.deflection(train.output)))
             lift = max(lift, bent * pressed.pieces.largest)
         bounds = [
@@ -316,6 +317,7 @@ def train_stages(request: Request[TrainData]) -> tuple[Stage, ...]:
     moved = _moved_mass(request)
     mass, frequency = moved or 1.0, data.natural_frequency
     if second is not None:
+        # The mass of the scene is the sum of both.
         mass /= 1.0 + second.mass_ratio
     if frequency is None:
         stiffness = data.stiffness if data.stiffness is not None else data.torsional_stiffness
@@ -532,6 +534,7 @@ def dwell_findings(clock: Clock, response: Response, shown: Label) -> Iterator[F
         float(amplitudes[worst]),
         shown,
     )
+    # The mode that decays most slowly decides what is left.
     slowest = float(np.max(response.train.poles.real))
     shortest = min(rests, key=lambda rest: _duration(clock, rest))
     left = math.exp(slowest * _duration(clock, shortest))
@@ -557,7 +560,9 @@ def resonance_findings(response: Response, most: float, shown: Label) -> Iterato
         if rate.imag == 0.0:
             continue
         number = max(1, round(abs(rate) / turn))
+        # The transfer is that from -y'', the amplification that from y.
         factor = abs(response.train.transfer(number * turn)) * (number * turn) ** 2
+        # A real harmonic has twice the magnitude of its complex coefficient.
         part = resolved(2.0 * abs(response.harmonic(number)), most)
         near = factor > AMPLIFICATION and part > SHARE * most
         amplified = f"amplified {factor:.4g} times, it"

@@ -114,7 +114,7 @@ def resolved_ends(ends: Extremes, size: float = 0.0) -> Extremes:
 
 
 LEAST_LEFT: Final = 1e-8
-"""Share of a disturbance below which nothing is told of it."""
+"""Share of a disturbance below which no figure of it is stated."""
 
 
 def remaining_share(share: float, digits: int = 4) -> str:

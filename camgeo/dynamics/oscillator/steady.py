@@ -257,6 +257,7 @@ class Response:
             at_once[0, group] += u
             at_once[1, group] += (rate - train.centre[group]) * u
         real = train.centre.imag == 0.0
+        # Around a real centre the modes are real together.
         at_once[:, real] = at_once[:, real].real
         amplitude, growth = np.abs(at_once)
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -276,6 +277,7 @@ class Response:
             gain = forcing.gain(1j * frequency, period)
             return 0.0j if abs(gain) <= forcing.noise(period, frequency) else gain / period
 
+        # A harmonic of y is that of -y'' divided by the square of its frequency.
         base_content = content(self.forcing) * (frequency**2 if self.forcing.soft else 1.0)
         moved = self.train.transfer(frequency) * base_content
         if self.load is not None:
@@ -297,6 +299,7 @@ class Response:
     def _wrap_time(self, t: FloatArray, side: Side) -> FloatArray:
         period = self.base.period
         if side == "left":
+            # From the left, the start is the end of the period before.
             return np.where(t <= 0.0, period, t)
         return np.where(t >= period, 0.0, t)
 
@@ -521,6 +524,7 @@ def interpolated(
         magnitude = np.max(np.abs(values), axis=1)
         largest = max(largest, float(np.max(magnitude)))
         if halving == 0:
+            # The scale of the tolerance is that of the whole function, not of what is halved.
             size = float(np.sum(2.0 * half * magnitude))
         series = values @ TO_SERIES.T
         # The last coefficients estimate those that are left out.
@@ -621,6 +625,7 @@ def solve(pieces: PiecewiseSeries, piece: IntArray, rate: ComplexArray) -> Cells
     width = np.diff(pieces.edges)[piece]
     size = 0.5 * np.abs(rate) * width
     wide = size >= LARGE
+    # In between, a piece is cut until |kappa| is small.
     parts = np.where(wide, 1.0, np.maximum(1.0, np.ceil(size / SMALL))).astype(np.intp)
     problem, number = grouped(parts)
     count = parts[problem].astype(np.float64)
@@ -628,6 +633,7 @@ def solve(pieces: PiecewiseSeries, piece: IntArray, rate: ComplexArray) -> Cells
     cut = np.flatnonzero(count > 1.0)
     if len(cut):
         x = (2.0 * number[cut] + 1.0 + NODES[:, np.newaxis]) / count[cut] - 1.0
+        # A part has its own series, from the values at its nodes.
         forcing[:, cut] = TO_SERIES @ series_values(forcing[:, cut], x)
     start = pieces.edges[:-1][piece][problem] + width[problem] * (number / count)
     half = 0.5 * width[problem] / count
@@ -720,6 +726,7 @@ class Mode:
         """(c, .) the coefficients up to the last that exceeds the rounding of the largest."""
         rows = np.max(np.abs(self.cells.series), axis=1)
         counts = np.flatnonzero(rows > np.finfo(np.float64).eps * 0.125 * np.max(rows))
+        # The recurrence begins with two coefficients.
         count = max(int(counts[-1]) + 1 if len(counts) else 2, 2)
         return np.ascontiguousarray(self.cells.series[:count].T)
 
@@ -797,6 +804,7 @@ class Shock:
         rates = np.asarray(frequency * complex(-damping, root), dtype=np.complex128)
         gain = np.empty(len(rates), dtype=np.complex128)
         pieces = max(self.lift.series.shape[1], self.pieces.series.shape[1])
+        # Consecutive ratios whose cells fit into a block together.
         blocks = np.cumsum(most_cells(pieces, rates)) // BLOCK
         ends = np.append(np.flatnonzero(np.diff(blocks)) + 1, len(rates))
         for first, end in pairwise((0, *ends.tolist())):
@@ -836,6 +844,7 @@ class Shock:
         frequency = 2.0 * math.pi * ratio
         root = math.sqrt((1.0 - damping) * (1.0 + damping))
         x = np.linspace(-1.0, 1.0, 4 * len(NODES))[:, np.newaxis]
+        # Padded by 0, so that the jumps at both ends count.
         values = np.pad(series_values(self.pieces.series, x).T.ravel(), 1)
         variation = float(np.sum(np.abs(np.diff(values))))
         return (variation / frequency + float(np.sum(np.abs(self.kicks)))) / (frequency * root)

@@ -118,7 +118,7 @@ class FarMotion:
     ----------
     follower : the motion of the follower.
     linkage : between both.
-    demanded : of the far end, near which its positions are sought.
+    demanded : of the far end, near which its positions are searched for.
     """
 
     follower: Motion
@@ -315,7 +315,10 @@ class ReplayedMotion:
     def _remaining_dwells(self, dwell: Dwell) -> Iterator[Dwell]:
         start, end = dwell.start, dwell.start + dwell.span
         corners = [
-            (low + turn, high + turn) for low, high in self.ranges for turn in (-TURN, 0.0, TURN)
+            # A corner may hold the follower across cam angle 0.
+            (low + turn, high + turn)
+            for low, high in self.ranges
+            for turn in (-TURN, 0.0, TURN)
         ]
         for low, high in sorted(corners):
             if high <= start or low >= end:
@@ -380,6 +383,7 @@ class WrittenMotion:
     def _rests(self) -> BoolArray:
         """(k,) whether the follower rests from each of the borders to the next."""
         starts = self.lift.borders
+        # A piece is an arc about the axis all over or not at all: its middle tells.
         middles = 0.5 * (starts + np.append(starts[1:], starts[0] + TURN))
         rates = np.abs(self.lift.jet(middles, "right", 3)[1:])
         most = np.max(rates, axis=1, keepdims=True)
@@ -391,6 +395,7 @@ class WrittenMotion:
         starts, rests = self.lift.borders, self._rests
         if np.all(rests):
             return (Dwell(0.0, TURN),)
+        # Pieces that rest one after the other are one dwell, also across cam angle 0.
         firsts = np.flatnonzero(rests & ~np.roll(rests, 1))
         ends = np.flatnonzero(~rests & np.roll(rests, 1))
         pauses = []
@@ -503,8 +508,8 @@ turning : the same motion over the cam angle with the cam turning as a course sa
 # the other where the force on it changes sign. From one written contour to the other its lift would
 # jump by the play between them, which no finite force brings about, and which is an impact across
 # the clearance if there is any. So the state is the motion on one side all round, the one that the
-# scene says; how far the other one is from it, `Contours.play`, and where that one carries is told
-# with every figure.
+# scene says; how far the other one is from it, `Contours.play`, and where that one carries is
+# reported with every figure.
 
 
 class HasPart(Protocol):

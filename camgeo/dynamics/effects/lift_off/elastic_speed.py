@@ -116,7 +116,9 @@ class ElasticSpeed:
         )
         if crossing is not None:
             return crossing
+        # A rigid train that never leaves the flank sets no limit of its own.
         most = SEARCHED * max(1.0, rigid if np.isfinite(rigid) else 1.0)
+        # At higher speeds the forcing would be of another kind, see `SOFT`.
         end = 1.0 / min(most, behind.response.fastest)
         start = search.start(rest.lowest.value)
         if start is None:
@@ -315,6 +317,7 @@ class LeastReserve:
         so on, with the `share` of f, and `more` (n,) besides.
         """
         held, load = self.behind.train.force(0), self.behind.load
+        # Of y, y' and y'': what holds the masses to the frame, and their inertia.
         base_weights = np.array([[held.lift], [held.slope], [-self.behind.mass]])
         pushed = base_weights * self.behind.base(phi, side)
         if load is not None:
@@ -361,6 +364,8 @@ class LeastReserve:
             return np.asarray(s * (s * l0 + l1) + l2 + passed)
 
         edges = train.edges(self.edges)
+        # A bound that costs little; the exact minimum is only searched for where the bound is not
+        # enough.
         floor = -ceiling(lambda phi, side: -reserve(phi, side), edges)
         find = cache(lambda: piecewise_lowest(reserve, edges))
         sizes = np.array([mode.largest for mode in train.response.modes])
@@ -389,6 +394,7 @@ class LeastReserve:
         """How far g may be below its chord between the points `one` and `other`."""
         s, d = min(one.s, other.s), abs(one.s - other.s)
         rho = self.rho
+        # Between both points |u| exceeds that at them by no more than this factor.
         grown = 1.0 + 0.5 * rho * d / s
         sizes = np.maximum(one.sizes, other.sizes) * grown
         bend = float(np.sum(self.weights * (2.0 * rho + 2.0 * rho**2) * sizes)) / s
@@ -446,6 +452,7 @@ class LeastReserve:
 
         r1, r2, s = size(1) + self.widest * drifting(self.behind), size(2), 1.0
         while True:
+            # What is left of a jump adds up over all turns before.
             lasting = 1.0 / -np.expm1(s * train.rates.real * period)
             moved = float(np.sum(c * (most / -train.rates.real + s * jumps * lasting)))
             remaining = self.remaining_reserve(least, s)

@@ -101,6 +101,7 @@ class Flank:
         needed, size = np.zeros((3, len(phi))), np.zeros((3, len(phi)))
         for force in self.contact.lasting:
             c0, c1, c2, c3 = force.coefficients(phi, side)
+            # omega goes with f and alpha with f^2: the terms of f^0, f^1 and f^2.
             parts = np.stack((c0, c1 * omega, c2 * omega * omega + c3 * alpha))
             needed -= parts
             size += np.abs(parts)
@@ -108,6 +109,7 @@ class Flank:
             bracket = self.margin * self.contact.bracket(phi, side, self.sense)
             needed[0] -= bracket
             size[0] += np.abs(bracket)
+        # In the direction in which the flank pushes, a lack is below 0.
         needed *= outwards
         drag, loads = np.zeros(len(phi)), np.zeros((3, 0, len(phi)), dtype=np.complex128)
         per_far, bearings = loads[0], self.contact.bearings
@@ -179,6 +181,7 @@ class Flank:
         loads, drag = known.loads, known.drag
         if more is not None:
             loads = np.concatenate((loads[:1] + more, loads[1:]))
+        # The directions are those at one f; with them the sizes are polynomials.
         total = loads[0] + factor * (loads[1] + factor * loads[2])
         d = unit_vectors(total, np.ones_like(total))
         coefficients: FloatArray = known.needed + drag * np.sum((np.conj(d) * loads).real, axis=1)
@@ -216,6 +219,7 @@ class Flank:
         if self.contact.bearings is None:
             return _speed(self, edges, 1.0)
         speed = _speed(self, edges, 1.0)
+        # With other directions of the loads, at high speeds, it may leave the flank yet.
         if np.isinf(speed.value):
             speed = _speed(self, edges, FASTEST)
         ends = (0.0, math.inf)
@@ -229,6 +233,7 @@ class Flank:
         does.
         """
         if leaps:
+            # No finite force makes a mass follow a jump of its velocity.
             never = Extreme(math.inf, leaps[0])
             return never, never
         edges, loads = self.contact.edges, _pivot_loads(self, spring)
@@ -327,6 +332,7 @@ def _least(
     cuts = with_roots(lambda phi: per_unit(phi, "right"), edges)
     effects, rests = parts(grid_of(cuts).ravel(), "right")
     blunt = BLUNT * float(np.max(np.abs(effects)))
+    # A rest that is 0 but for rounding lacks nothing.
     none = TOUCH * float(np.max(np.abs(rests)))
 
     def bound(phi: FloatArray, side: Side) -> FloatArray:
@@ -345,6 +351,8 @@ def _least(
     least = piecewise_highest(bound, cuts)
     if least.value >= BOUNDLESS:
         return Extreme(np.inf, least.place)
+    # Where a lever has reversed, more of the spring lifts the follower: the least value must not be
+    # too much there.
     if np.min(effects) < -blunt:
         remaining = piecewise_extremes(left, cuts)
         if remaining.lowest.value < -TOUCH * remaining.magnitude:

@@ -126,6 +126,7 @@ class FreeFollower:
         """
         others = tuple(force for force in contact.forces if force is not inertia.force)
         cuts = merged(np.concatenate((contact.edges, *(wall.borders for wall in walls))))
+        # A smaller gap is rounding of the lift that it is added to.
         least = ROUNDED * float(np.max(np.abs(walls[0].motion(cuts, "right")[0])))
         return cls(others, inertia, course, walls, contact.bearings, cuts, least, np.array(jumps))
 
@@ -207,6 +208,8 @@ class FreeFollower:
             wall, angle = end.wall, end.angle
             if angle == start:  # nothing has opened: it has not left
                 ahead = (leaving.end - start) % TURN
+                # It stays for the rest of this range; one float at least, so that the search goes
+                # on.
                 angle = max(start + ahead, float(np.nextafter(start, np.inf)))
         return Flights(tuple(all_flights), 0)
 
@@ -242,6 +245,7 @@ class FreeFollower:
         met = self.walls[end.wall]
         lever = float(met.leverage(here, "left")[0])
         mass = float(self.inertia.mass_terms(here, np.array([end.place]))[0, 0])
+        # The speed is multiplied by the restitution, the energy by its square.
         lost = 0.5 * (1.0 - restitution * restitution) * mass * end.rate * end.rate
         return Flight(
             leaving=angle,
@@ -267,6 +271,8 @@ class FreeFollower:
             if low > leaving:
                 state = replace(state, rate=state.rate + self._leap(low))
             gap, speed, memory = self._solved(cell, nodes, state)
+            # A flight that begins with a speed may end long before the first of evenly spaced
+            # probes.
             probes = low + (high - low) * (UNIFORM if flying or not thrown else EARLY)
             away = outwards * gap(probes)
             # The gap begins with 0, and what rounding makes of it before it opens is no landing.
@@ -280,11 +286,13 @@ class FreeFollower:
                 across = closes(room, probes)
             stops = [stop for stop in (back, across) if stop is not None]
             end = min(stops, default=high)
+            # The gap is largest where its rate changes sign, or at an end.
             turning = bracketed_roots(speed, *sign_changes(probes, speed(probes)))
             far = outwards * gap(np.append(turning[turning < end], [low, end]))
             most = max(most, float(np.max(far)))
             last = FreeState(float(gap(end)), float(speed(end)), memory(end))
             if stops:
+                # Of the two walls it hits the one that it reaches first.
                 hit = wall if across is None or end == back else 1 - wall
                 return self._ended(wall, hit, end, last, most)
             state, flying = last, bool(opened[-1])
@@ -312,6 +320,7 @@ class FreeFollower:
         """
         jet, rates = wall.motion(phi, side), self.course.rates(phi, side)
         omega, alpha = rates[0], rates[1]
+        # From derivatives over the cam angle to those in time.
         timed = np.stack((jet[0], jet[1] * omega, jet[2] * omega * omega + jet[1] * alpha))
         mass, free = self._free(phi, timed[0], timed[1])
         needed = mass * timed[2] - free
@@ -359,12 +368,15 @@ class FreeFollower:
         the `state`.
         """
         count = len(cell.phi)
+        # Rounding of the forces moves the gap by about their acceleration times the square of the
+        # time in the cell.
         time = (cell.ends[1] - cell.ends[0]) / np.min(cell.omega)
         sizes = np.abs(cell.free) + np.abs(cell.mass * cell.pull)
         size = np.max(np.maximum(sizes, np.abs(cell.needed)) / cell.mass)
         noise = NOISE * float(size) * time * time
         time_integral = nodes.time_integral(cell.ends, cell.omega)
         moved = None if self.carried is None else self.carried.couple(cell, time_integral, state)
+        # The iteration starts from a follower that keeps its state.
         d, v = np.full(count, state.gap), np.full(count, state.rate)
         for _ in range(MOST_ITERATIONS):
             mass, free = self._free(cell.phi, cell.lift + d, cell.pace + v)
@@ -531,7 +543,7 @@ def _played(subject: Subject, distance: float, sense: int, flank: int) -> Wall:
     return Wall(sense, lift.jet, leverage, lift.borders)
 
 
-# -- flown ----------------------------------------------------------------------------------------
+# -- flights --------------------------------------------------------------------------------------
 # What is known of a follower off the cam: where it leaves, its flights, and the cells of one.
 
 
@@ -868,6 +880,7 @@ def flight_cells(
     `share` scales their lengths.
     """
     first, end = math.floor(start / TURN), start + turns * TURN
+    # The edges of a turn, in all turns that the flight may take.
     ahead = np.concatenate([edges[:-1] + (first + turn) * TURN for turn in range(turns + 1)])
     stops = [start, *ahead[(ahead > start) & (ahead < end)], end]
     size = share * FIRST_CELL
@@ -886,7 +899,7 @@ def flight_cells(
             size = min(2.0 * size, share * LONGEST_CELL)
 
 
-# -- carried --------------------------------------------------------------------------------------
+# -- carried train --------------------------------------------------------------------------------
 # The elastic train that a follower carries along, off the cam and after it has landed.
 #
 # The base of the train has the motion y = h + d, that of a follower on its flank and its gap, and
@@ -976,7 +989,10 @@ class CarriedTrain:
         mode_forces = force.weights[:, np.newaxis, np.newaxis] * alone
         per_rate = force.slope * one - np.sum(mode_forces.real, axis=0) + force.lift * time_integral
         memory_force = np.tensordot(state.memory, mode_forces, 1).real
+        # The force of the train on a follower that keeps its rate.
         still = np.sum(memory_force + state.rate * per_rate, axis=1) + force.lift * state.gap
+        # The train takes per_rate B d'' besides, so that (M + per_rate B) d'' is what is left of
+        # the push.
         inverse = np.linalg.inv(np.diag(cell.mass) + per_rate @ time_integral)
         return CoupledCell(self, cell, state, inverse, still, time_integral, alone)
 
@@ -1014,6 +1030,7 @@ class CoupledCell:
         z = np.einsum("mij,mj->mi", self.alone, forced)
         low, high = self.cell.ends
         half = 0.5 * (high - low)
+        # z' = lambda (z - d') in time, by the place in the cell from -1 to 1.
         series = nodes.fit @ (half * rates * (z - rate) / self.cell.omega).T
         grown = np.polynomial.chebyshev.chebint(series, lbnd=-1.0)
 
@@ -1028,9 +1045,9 @@ class CoupledCell:
 # The flights of a follower with an elastic train, until they repeat.
 #
 # A landing moves the train, which goes on vibrating: on the flank as in the steady state and a free
-# vibration besides, see "carried" above. So the follower leaves where the flank would have to pull
-# with both of them. It begins as if nothing had been before the first place where it does so in the
-# steady state, and what is told are the flights that repeat after that.
+# vibration besides, see "carried train" above. So the follower leaves where the flank would have to
+# pull with both of them. It begins as if nothing had been before the first place where it does so
+# in the steady state, and what is reported are the flights that repeat after that.
 #
 # They do so in the limit only. With the change c of their figures from one repetition to the next,
 # and c_0 that before, what is left of the way is c r / (1 - r), r = c / c_0, if it shrinks alike.
@@ -1149,6 +1166,7 @@ class ElasticFollower:
             If they cannot be computed to the `tolerance`.
         """
         begin = min(leaving.begin for leaving in leavings), self.carried.at_rest
+        # With the force of the train off by its error: what this changes is part of the error.
         perturbed = replace(self.carried, more=self.carried.behind.error)
         rougher = replace(self, free=replace(self.free, carried=perturbed), carried=perturbed)
 
@@ -1187,6 +1205,7 @@ class ElasticFollower:
             start = leaving.begin
             for earlier, count in reversed(begun):
                 turns = round((start - earlier) / TURN)
+                # It leaves where it has left whole turns before: the flights may repeat from there.
                 if turns and abs(start - earlier - turns * TURN) <= NEAR:
                     slow = _slow(all_flights, [*begun, (start, len(all_flights))], turns, tolerance)
                     if slow is not None:
