@@ -201,7 +201,7 @@ def test_a_force_of_the_train_off_by_its_error_moves_no_figure_by_more_than_stat
         def way(phi: FloatArray, _side: Side, count: int = count, phase: float = phase) -> Any:
             return np.cos(count * phi + phase)
 
-        off = replace(train, behind=train.behind._off(way))
+        off = replace(train, behind=train.behind._perturbed(way))
         moved = WithTrain(nodes, off)
         for effect, result in told.items():
             own, other = figures_of(result), figures_of(moved.result(effect))
