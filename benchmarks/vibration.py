@@ -32,7 +32,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from camgeo.design.design import Design
-from camgeo.dynamics.effects.vibration import Clock, clock_of
+from camgeo.dynamics.effects.vibration import Clock, motion_clock
 from camgeo.dynamics.oscillator.steady import Base, Response, steady_state
 from camgeo.dynamics.oscillator.train import one_mass
 from camgeo.numeric.arrays import FloatArray, Side
@@ -120,7 +120,7 @@ def measure(design: Design, damping: float, rounds: int) -> None:
     """Print both tables."""
     course = design.drive.time_course
     assert course is not None
-    clock: Clock = clock_of(design.effects.subject, course)
+    clock: Clock = motion_clock(design.effects.subject, course)
     base = clock.base
     w = RATIO * TURN / base.period
     stroke = float(np.max(np.abs(design.cam.drive.plan.jet(clock.edges)[0])))

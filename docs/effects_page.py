@@ -211,7 +211,7 @@ def _declarations(_name: str) -> str:
 def _refinements(_name: str) -> str:
     """What each effect takes as simpler than another effect of the scene does."""
     rows = [
-        [name, each.taken, f"[{each.by}](#{each.by})"]
+        [name, each.assumption, f"[{each.effect}](#{each.effect})"]
         for name in EFFECTS
         for each in find_effect(name).refined_by
         if not each.followed

@@ -181,11 +181,13 @@ class Design(Pickled, Displayed):
                 returning = replace(moved, model="demanded", disc=disc.drawn)
             subject = replace(moved, disc=main.drawn, returning=returning)
             if scene.yoke is not None:
-                from camgeo.dynamics.effects.contact import astride  # few scenes have one
+                from camgeo.dynamics.effects.contact import (
+                    with_both_yoke_sides,  # few scenes have one
+                )
 
-                subject = astride(subject)
+                subject = with_both_yoke_sides(subject)
         if model == "written":
-            subject = subject.written_as(
+            subject = subject.with_written_contours(
                 self.writing, SECOND if scene.flank in SECOND_FLANKS else FIRST
             )
         return Effects(subject, scene.effects, self.ledger, speed=scene.state_speed)

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from camgeo.design.design import Design
-from camgeo.dynamics.effects.balance import PITCH, Balance, most, rows
+from camgeo.dynamics.effects.balance import PITCH, Balance, largest_removable, rows
 from camgeo.dynamics.effects.tables import parse_balance as parse
 from camgeo.errors import EffectError
 from camgeo.geometry.contour.contour import Contour
@@ -138,7 +138,7 @@ def test_each_row_of_holes_cancels_the_unbalance(
 ) -> None:
     """By the contours of the holes, whose moments are in closed form."""
     per_area, largest = RHO * 12.0, share * radius
-    reached = most(per_area, radius, largest)
+    reached = largest_removable(per_area, radius, largest)
     unbalance = cmath.rect(needed * reached, direction)
     found = list(rows(unbalance, per_area, radius, largest))
     assert bool(found) == (needed <= 1.0) or abs(needed - 1.0) < 1e-12

@@ -11,7 +11,7 @@ import pytest
 
 from camgeo.design.design import Design
 from camgeo.dynamics.effects.contact import ranges_below, runs
-from camgeo.dynamics.effects.lift_off.flight import cells_from
+from camgeo.dynamics.effects.lift_off.flight import flight_cells
 from camgeo.errors import EffectError
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.numeric.extremes import piecewise_extremes
@@ -526,7 +526,7 @@ def test_the_side_clearance_of_the_groove_is_the_backlash() -> None:
 def test_cells_between_edges_that_nearly_coincide_come_to_an_end() -> None:
     """A first cell shorter than the spacing of doubles would stay where it is."""
     close = 3.0 + 20.0 * np.spacing(3.0)
-    found = list(islice(cells_from(0.5, np.array([0.0, 3.0, close, TURN]), 2.0**-6), 100_000))
+    found = list(islice(flight_cells(0.5, np.array([0.0, 3.0, close, TURN]), 2.0**-6), 100_000))
     assert len(found) < 100_000
     assert found[-1][1] == 0.5 + TURN
     assert all(before == after for (_, before), (after, _) in pairwise(found))

@@ -138,7 +138,7 @@ def test_static_and_dynamic_parts() -> None:
     found = [1e3 * each.values(phi, "right") for each in result.columns]
     for own, wanted in zip(found, (static + dynamic, static, dynamic), strict=True):
         assert np.max(np.abs(own - wanted)) <= 10.0 * EPS * scale
-    at = result.at(phi, "right", 2.0 * TURN + 0.0 * phi, np.full(len(phi), 3.0))
+    at = result.torque_at_rates(phi, "right", 2.0 * TURN + 0.0 * phi, np.full(len(phi), 3.0))
     assert np.max(np.abs(at - static - 4.0 * dynamic - 6e-3 * s1**2)) <= 20.0 * EPS * scale
 
 
@@ -168,7 +168,7 @@ def test_the_follower_jams_at_speeds_at_which_the_other_flank_carries() -> None:
     result = drive("plate_translating", SPRUNG + rubbing, "", *steep, ("set = 12", "set = -12"))
     phi = np.linspace(0.0, TURN, 2001)
     with pytest.raises(EffectError, match="friction absorbs the entire contact force") as caught:
-        result.at(phi, "right", np.full(len(phi), 100.0), np.zeros(len(phi)))
+        result.torque_at_rates(phi, "right", np.full(len(phi), 100.0), np.zeros(len(phi)))
     assert (caught.value.finding, caught.value.unit) == ("jamming", "deg")
     assert caught.value.cam_angle is not None
     assert 240.0 < math.degrees(caught.value.cam_angle) < 290.0

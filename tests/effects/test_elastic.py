@@ -536,7 +536,7 @@ def test_flights_are_those_of_bodies_with_newtons_law_each(name: str) -> None:
         assert each.error <= 1e-6
         assert each.late <= 1e-6
     assert any(each.rebound for each in result.flights) == (of.restitution > 0.0)
-    assert result.flown
+    assert result.flight_ranges
     told = {each.name for each in of.of.effects.findings("drive-torque")}
     assert "contact-lost" in told
 

@@ -23,7 +23,7 @@ from camgeo.dynamics.effects.lift_off.landing import with_bounces
 from camgeo.dynamics.effects.registry import EFFECTS, find_effect
 from camgeo.dynamics.effects.results import CONTACT_FORCE, FINDERS
 from camgeo.dynamics.effects.tables import PressureRequirements
-from camgeo.dynamics.effects.wording import left_over
+from camgeo.dynamics.effects.wording import remaining_share
 from camgeo.errors import EffectError
 from camgeo.part.materials import find_material
 from camgeo.scene.scene import load_scene
@@ -107,7 +107,7 @@ def test_lift_off_and_contact_force_define_it_alike() -> None:
 def test_each_effect_says_where_the_follower_flies() -> None:
     """From the first place to the landing, which is beyond the second one."""
     rigid = rigidly("lift_off_elastic")
-    ((start, end),) = rigid.effect("lift-off").flown
+    ((start, end),) = rigid.effect("lift-off").flight_ranges
     flown = f"and flies from cam angle {math.degrees(start):.4f} to {math.degrees(end):.4f} deg;"
     for effect in ("contact-force", "drive-torque", "contact-pressure", "vibration"):
         assert flown in finding_of(rigid, effect, "contact-lost").sentence
@@ -118,7 +118,7 @@ def test_each_effect_says_where_the_follower_flies() -> None:
 @pytest.mark.parametrize("name", ["groove_lever", "conjugate_lever"])
 def test_each_effect_says_where_a_clearance_is_crossed(name: str) -> None:
     held = loaded(name)
-    flown = held.effect("lift-off").flown
+    flown = held.effect("lift-off").flight_ranges
     assert len(flown) == 4
     shown = [f"{math.degrees(start):.4f} to {math.degrees(end):.4f}" for start, end in flown]
     for effect in held.scene.effects:
@@ -244,7 +244,7 @@ def test_the_outer_flank_of_a_ring() -> None:
 def test_a_better_model_is_named_if_the_scene_has_it(name: str) -> None:
     whole = with_all(speed="stated")
     alone = name == "speed-fluctuation"  # no other effect follows the speed, nor it the train
-    better = [each.by for each in find_effect(name).refined_by if alone or not each.followed]
+    better = [each.effect for each in find_effect(name).refined_by if alone or not each.followed]
     refined = [each for each in better if each in TOGETHER]
     stated = [each for each in whole.effects.findings(name) if each.name == "simplified"]
     assert len(stated) == (1 if refined else 0)
@@ -257,7 +257,7 @@ def test_a_better_model_is_named_if_the_scene_has_it(name: str) -> None:
 @pytest.mark.parametrize("name", TOGETHER)
 def test_a_speed_that_is_found_is_not_simpler(name: str) -> None:
     whole = with_all()
-    refined = [each.by for each in find_effect(name).refined_by]
+    refined = [each.effect for each in find_effect(name).refined_by]
     stated = [each for each in whole.effects.findings(name) if each.name == "simplified"]
     assert all("speed-fluctuation" not in each.sentence for each in stated)
     assert ("found-speed" in names_of(whole, name)) == ("speed-fluctuation" in refined)
@@ -271,7 +271,7 @@ def test_what_depends_on_the_speed_of_the_cam_says_that_it_is_the_given_one() ->
     for finder in FINDERS:
         stated = {
             name for name in EFFECTS
-            if finder in [each.by for each in find_effect(name).refined_by]
+            if finder in [each.effect for each in find_effect(name).refined_by]
         }  # fmt: skip
         assert stated == dependent
 
@@ -352,8 +352,8 @@ def test_no_speed_throws_off_what_has_no_mass() -> None:
 
 
 def test_a_disturbance_that_is_gone_has_no_digits() -> None:
-    assert left_over(0.0243) == "2.43 %"
-    assert left_over(2.118e-21) == "less than 1e-06 %"
+    assert remaining_share(0.0243) == "2.43 %"
+    assert remaining_share(2.118e-21) == "less than 1e-06 %"
 
 
 def test_rebounds_do_not_hide_impacts() -> None:
@@ -393,7 +393,7 @@ def test_flights_that_do_not_settle_have_a_reason() -> None:
 def test_a_slider_that_turns_round_off_the_cam_is_told() -> None:
     told = [each for each in found("api_silent_ok", "lift-off") if "no landing" in each.sentence]
     assert len(told) == 1
-    assert "turns round near cam angle 119 deg" in told[0].sentence
+    assert "reverses near cam angle 119 deg" in told[0].sentence
     assert "itself" not in told[0].sentence
 
 

@@ -203,7 +203,7 @@ def test_where_no_landing_can_be_given_it_says_why() -> None:
         return next(each.sentence for each in found if each.name == "flight")
 
     far = told(("speed = 600", "speed = 20000"))
-    assert "no landing is given: the flight from cam angle" in far
+    assert "no landing is computed: the flight that begins at cam angle" in far
     assert "lasts longer than 8 turns" in far
     held = loaded("lift_off_elastic", ("speed = 600", "speed = 300")).effects.findings("lift-off")
     assert "flight" not in {each.name for each in held}
@@ -213,7 +213,8 @@ def test_where_no_landing_can_be_given_it_says_why() -> None:
     light = design(
         "plate_translating", "[effects.load]\nconstant = -50\n[effects.lift-off]"
     ).effects.findings("lift-off")
-    assert any("no landing is given: it needs [effects.inertia]" in each.sentence for each in light)
+    why = "no landing is computed: it needs [effects.inertia]"
+    assert any(why in each.sentence for each in light)
 
 
 # Across a clearance -------------------------------------------------------------------------------
@@ -426,11 +427,13 @@ def test_flights_behind_a_linkage_obey_lagrange() -> None:
     def motion(phi: float, y: Any) -> list[float]:
         here = np.full(3, phi % TURN)
         q, rate = y[0] + np.array([-1e-5, 0.0, 1e-5]), np.full(3, y[1])
-        mass = inertia.at(here, q)[0]
+        mass = inertia.mass_terms(here, q)[0]
         bend = (mass[2] - mass[0]) / 4e-5
-        push = sum(each.off(here, q, rate)[1] for each in free) - bend * y[1] ** 2
+        push = sum(each.free_force(here, q, rate)[1] for each in free) - bend * y[1] ** 2
         # in the pivot it goes with the loads that the motion of the state makes without a contact
-        push -= contact.bearings.alone(here, "right", np.full((2, 3), [[omega], [0.0]]))[1]
+        push -= contact.bearings.noncontact_friction(
+            here, "right", np.full((2, 3), [[omega], [0.0]])
+        )[1]
         return [y[1] / omega, push / mass[1] / omega]
 
     start = lift(flight_.leaving)
@@ -444,7 +447,7 @@ def test_flights_behind_a_linkage_obey_lagrange() -> None:
     assert abs((q - end[0]) * omega / closing) <= 1e-8
     lever = state.curve.leverage(np.array([flight_.landing % TURN]))[0]
     assert flight_.speed == pytest.approx(abs(lever * closing), rel=1e-8)
-    mass = inertia.at(np.array([flight_.landing % TURN]), np.array([q]))[0, 0]
+    mass = inertia.mass_terms(np.array([flight_.landing % TURN]), np.array([q]))[0, 0]
     assert flight_.energy == pytest.approx(0.5 * mass * closing**2, rel=1e-8)
 
 
@@ -457,7 +460,7 @@ def test_without_clearance_nothing_flies_and_the_sides_change_alike(name: str) -
     some, none = loaded(name), loaded(name, (backlash, ""))
     held, still = some.effect("lift-off"), none.effect("lift-off")
     assert held.flights
-    assert (still.flights, still.flown) == ((), ())
+    assert (still.flights, still.flight_ranges) == ((), ())
     assert dict(still.errors) == {}
     assert (still.changes, still.first) == (held.changes, held.first)
     told = {each.name for each in none.effects.findings("lift-off")}
@@ -509,4 +512,4 @@ def test_a_clearance_is_crossed_where_the_force_changes_its_sign(
         return
     told = {each.name for each in of.effects.findings("contact-force")}
     assert ("clearance-crossed" in told) == (least < 0.0 < most)
-    assert bool(of.effect("lift-off").flown) == (least < 0.0 < most)
+    assert bool(of.effect("lift-off").flight_ranges) == (least < 0.0 < most)

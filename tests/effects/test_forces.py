@@ -24,11 +24,11 @@ from camgeo.dynamics.effects.inertia import (
     LinkedTrain,
     at_cam,
     inertia_force,
-    train_of,
+    mass_train,
 )
-from camgeo.dynamics.effects.load import profile_of
+from camgeo.dynamics.effects.load import load_profile
 from camgeo.dynamics.effects.results import Inertia
-from camgeo.dynamics.effects.spring import BetweenPoints, along_slider
+from camgeo.dynamics.effects.spring import PointSpring, slider_spring
 from camgeo.dynamics.effects.spring_surge import CLEAR, FARTHEST
 from camgeo.dynamics.effects.tables import (
     MassProperties,
@@ -110,7 +110,7 @@ def test_a_rocker_has_its_moment_and_the_roller_at_its_arm() -> None:
 def test_without_any_mass_there_is_no_force() -> None:
     result, subject = inertia_of("setzhub", "[effects.inertia]\n")
     assert not np.any(result.force.coefficients(PHI, "right"))
-    assert not np.any(at_cam(train_of(subject, parse_inertia({})), PHI, "right"))
+    assert not np.any(at_cam(mass_train(subject, parse_inertia({})), PHI, "right"))
     assert result.masses == ()
     assert all(each.value == 0.0 and math.isfinite(each.value) for each in result.findings)
 
@@ -317,7 +317,7 @@ def test_a_rest_of_no_length_has_no_load() -> None:
     assert np.array_equal(c0(made, joints), [-1.0, -2.0, -3.0, -4.0, -5.0])
     assert np.array_equal(c0(made, joints, "left"), [-5.0, -1.0, -2.0, -3.0, -4.0])
     still = Dwell(Decimal(0)), Dwell(Decimal(120)), Dwell(Decimal(0)), Dwell(Decimal(240))
-    steps = profile_of((7.0, 8.0), MotionPlan(still), "N")
+    steps = load_profile((7.0, 8.0), MotionPlan(still), "N")
     angles = np.radians([0.0, 120.0])
     assert np.array_equal(steps.values(angles, "right"), [7.0, 8.0])
     assert np.array_equal(steps.values(angles, "left"), [8.0, 7.0])
@@ -561,7 +561,7 @@ def test_a_tiny_elongation_keeps_its_digits(
         if abs(attachment - anchor) < 1.0 or abs(attachment * np.exp(1j * angle) - anchor) < 1.0:
             continue
         motion: Any = SimpleNamespace(jet=lambda *_, q=angle: np.array([[q], [0.0]]))
-        way = BetweenPoints(motion, 0.0, 1, attachment, anchor, 1.0)
+        way = PointSpring(motion, 0.0, 1, attachment, anchor, 1.0)
         found = way(np.zeros(1), "right")[0][0]
         with mpmath.workdps(40):
             r, a = mpmath.mpc(attachment), mpmath.mpc(anchor)
@@ -583,7 +583,7 @@ def test_an_arm_over_the_line_of_centres_cannot_close_by_the_slider() -> None:
     state = SimpleNamespace(output=plan, motion=plan, smooth_angles=made.drive.smooth_angles)
     subject: Any = SimpleNamespace(cam=SimpleNamespace(rotation=1, follower=follower), state=state)
     with pytest.raises(GeometryError, match="line of centres") as error:
-        along_slider(subject, linkage)
+        slider_spring(subject, linkage)
     assert error.value.key == "effects.spring"
 
 

@@ -20,7 +20,7 @@ from scipy.integrate import solve_ivp
 from camgeo.design.design import Design
 from camgeo.dynamics.effects import feedback as feedback_module
 from camgeo.dynamics.effects.effect import Result
-from camgeo.dynamics.effects.feedback import Passed, spread
+from camgeo.dynamics.effects.feedback import TrainForce, spread
 from camgeo.dynamics.effects.forces import ElasticTrain
 from camgeo.dynamics.effects.registry import find_effect
 from camgeo.dynamics.effects.results import (
@@ -238,7 +238,7 @@ def test_the_speed_before_an_elastic_train_is_that_of_the_coupled_equations(
     rates = newton(moment, motor_torque, (frequency, damping), lambda state: [motor_torque(state)])
     pieces = settled(rates, start, 3, rtol=1e-12, atol=1e-9)
     motor, own = made.effect(SPEED_FLUCTUATION), states_at(pieces)[0]
-    (speed,) = motor.sought
+    (speed,) = motor.unknowns
     error = speed.bound.error + INTEGRATED * np.max(own)
     assert motor.course.rates(PHI)[0] == pytest.approx(own, abs=error)
     values = {each.name: each.value for each in motor.findings}
@@ -345,7 +345,7 @@ def dependent(made: Design) -> list[str]:
     return [
         name
         for name in made.scene.effects
-        if {*FINDERS} & {name, *(each.by for each in find_effect(name).refined_by)}
+        if {*FINDERS} & {name, *(each.effect for each in find_effect(name).refined_by)}
     ]
 
 
@@ -455,7 +455,7 @@ def test_before_an_elastic_train_the_motion_is_that_of_the_coupled_equations(
     start = [SPEED * RPM, 0.0, 0.0, 0.0]
     pieces = settled(shaft_rates(case, train), start, 4, rtol=1e-11, atol=1e-12)
     wanted = states_at(pieces)[[0, -1]]
-    for own, each in zip(wanted, turn.sought, strict=False):
+    for own, each in zip(wanted, turn.unknowns, strict=False):
         error = each.bound.error + SETTLED * np.max(np.abs(own))
         assert np.max(np.abs(each.values(PHI) - own)) <= error, each.label
         assert each.bound.share <= 1e-8
@@ -475,15 +475,15 @@ def test_the_error_of_the_force_of_the_train_is_in_that_of_the_motion(
     """A force that is off by what the train states, with the swings of the shaft."""
     case, train, off = (600.0, 8e-4, 0.2), (60.0, 0.1), 0.5
     exact = shaft(case, 1e-5, train).effect(CAMSHAFT_WINDUP)
-    plain = Passed.on_base
+    plain = TrainForce.on_base
 
-    def disturbed(self: Passed, phi: FloatArray, side: Any) -> FloatArray:
+    def disturbed(self: TrainForce, phi: FloatArray, side: Any) -> FloatArray:
         return plain(self, phi, side) + off * np.outer([1.0, 0.0, 0.0, 0.0], np.sin(16.0 * phi))
 
-    monkeypatch.setattr(Passed, "on_base", disturbed)
+    monkeypatch.setattr(TrainForce, "on_base", disturbed)
     monkeypatch.setattr(ElasticTrain, "error", off)
     found = shaft(case, 1e-1, train).effect(CAMSHAFT_WINDUP)
-    for one, other in zip(exact.sought, found.sought, strict=True):
+    for one, other in zip(exact.unknowns, found.unknowns, strict=True):
         change = np.max(np.abs(one.values(PHI) - other.values(PHI)))
         error = other.bound.error + one.bound.error
         assert 0.02 * error < change <= error, one.label

@@ -14,7 +14,7 @@ import pytest
 
 from camgeo.design.design import Design
 from camgeo.design.writing import CERTIFICATE, make_files
-from camgeo.dynamics.effects.graph import AT_FOUND, node_name
+from camgeo.dynamics.effects.graph import FOUND_SUFFIX, node_name
 from camgeo.dynamics.effects.registry import EFFECTS, find_effect
 from camgeo.dynamics.effects.results import CAMSHAFT_WINDUP, FINDERS, VIBRATION
 from tests.effects.scenes import SCENES, design
@@ -129,20 +129,20 @@ def nodes(of: Design, names: tuple[str, ...]) -> set[str]:
     their inputs that do, and all that it is found from in the state of the scene.
     """
     catalogue = of.effects.catalogue
-    needed = {each for name in names for each in (name, *catalogue.behind(name))}
+    needed = {each for name in names for each in (name, *catalogue.dependencies(name))}
     finder = catalogue.finder
     if finder is None:
         return {node_name(name) for name in needed}
     asked = {*names} - {finder}
-    needed = {each for name in asked for each in (name, *catalogue.behind(name))}
-    moved = {name for name in needed if catalogue.moved(name)}
+    needed = {each for name in asked for each in (name, *catalogue.dependencies(name))}
+    moved = {name for name in needed if catalogue.depends_on_speed(name)}
     stated = needed - moved
     rounds = set()
     if moved or finder in names:
-        stated |= {finder} | catalogue.rigid().behind(finder)
+        stated |= {finder} | catalogue.rigid().dependencies(finder)
         if VIBRATION in of.scene.effects:  # whose train has no mass here, says round 1
             rounds = {f"{node_name(VIBRATION)} in round 1"}
-    found = {node_name(name) + AT_FOUND for name in moved}
+    found = {node_name(name) + FOUND_SUFFIX for name in moved}
     return rounds | {node_name(name) for name in stated} | found
 
 

@@ -22,7 +22,7 @@ from hypothesis import strategies as st
 
 from camgeo.design.design import Design
 from camgeo.dynamics.effects.contact import INNER, OUTER, carrier, sliding
-from camgeo.dynamics.effects.forces import at_rates, rates_of
+from camgeo.dynamics.effects.forces import at_rates, cam_rates
 from camgeo.errors import EffectError, GeometryError, SceneError
 from camgeo.kinematics.mechanism.flat import OscillatingFlat, TranslatingFlat
 from camgeo.kinematics.mechanism.rollers import TranslatingRoller
@@ -306,7 +306,7 @@ def rubbing(made: Design, table: dict[str, Any], phi: FloatArray) -> dict[str, F
     """(n,) power of each Coulomb loss by its name [N mm/s]."""
     bodies: Any = made.effect("reactions").bodies
     subject, contact = bodies.subject, bodies.contact
-    omega = rates_of(subject, phi, "right")[0]
+    omega = cam_rates(subject, phi, "right")[0]
     normal = contact.normal(phi, "right")
     follower, rotation = subject.cam.follower, subject.cam.rotation
     found = {name: np.zeros(len(phi)) for name in STATED}
@@ -342,7 +342,7 @@ def powers(made: Design, table: dict[str, Any], phi: FloatArray) -> tuple[Any, d
     """(n,) power of the camshaft, and what each force and each loss takes of it [N mm/s]."""
     result: Any = made.effect("drive-torque")
     subject: Any = made.effect("reactions").bodies.subject
-    rates = rates_of(subject, phi, "right")
+    rates = cam_rates(subject, phi, "right")
     rate = subject.state.motion.jet(phi, "right", 1)[1] * rates[0]
     taken = {
         each.name: -at_rates(each.coefficients(phi, "right"), rates) * rate

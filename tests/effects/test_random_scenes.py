@@ -23,7 +23,7 @@ from hypothesis import strategies as st
 from camgeo.check.finding import Finding
 from camgeo.design.design import Design
 from camgeo.dynamics.effects.effect import Column, Machine, Only
-from camgeo.dynamics.effects.graph import machine_of
+from camgeo.dynamics.effects.graph import describe_machine
 from camgeo.dynamics.effects.registry import EFFECTS, find_effect
 from camgeo.dynamics.effects.results import FINDERS
 from camgeo.errors import EffectError, Fault, GeometryError, SceneError
@@ -146,13 +146,13 @@ def stage(rng: Random, node: dict[str, Any], *, wild: bool) -> dict[str, Any]:
 @cache
 def machine(name: str) -> Machine:
     scene = parse_scene(scene_text(name), str(SCENES / f"{name}.toml"))
-    return machine_of(Design(scene).effects.subject)
+    return describe_machine(Design(scene).effects.subject)
 
 
 def foreign_keys(effect: str, of: Machine) -> set[str]:
     """Keys of a table that do not suit the machine; empty for the effect as a whole."""
     rules = (each for each in find_effect(effect).rules if isinstance(each, Only))
-    unfit = (rule for rule in rules if getattr(of, rule.kind.of) in rule.kind.others)
+    unfit = (rule for rule in rules if getattr(of, rule.kind.attribute) in rule.kind.others)
     return {key for rule in unfit for key in rule.keys or ("",)}
 
 

@@ -15,7 +15,7 @@ import pytest
 
 from camgeo.dynamics.effects.effect import DataFile, Results
 from camgeo.dynamics.effects.graph import Effects
-from camgeo.dynamics.effects.loads import loads_of
+from camgeo.dynamics.effects.loads import follower_loads
 from camgeo.dynamics.effects.registry import EFFECTS, find_effect
 from camgeo.errors import EffectError, GeometryError, SceneError
 from camgeo.lazy import Ledger
@@ -304,7 +304,7 @@ def test_what_a_locked_slider_leaves_without_an_answer() -> None:
     """The pins of its coupler, and a spring that is to close the contact."""
     subject = design("schnitt", "", *LOCKED).effects.subject
     with pytest.raises(EffectError, match="the rocker cannot move the slider there") as caught:
-        loads_of(subject, Results({}), (), idle=True)
+        follower_loads(subject, Results({}), (), idle=True)
     assert caught.value.finding == "locked-slider"
     with pytest.raises(GeometryError, match="square to the guide"):
         design("schnitt", SPRUNG, *LOCKED).effect("spring")

@@ -40,7 +40,7 @@ class Law:
 
     @property
     def contact(self) -> Any:
-        return SimpleNamespace(lasting=(), normal_at=lambda phi, *_: np.ones(len(phi)))
+        return SimpleNamespace(lasting=(), normal_at_rates=lambda phi, *_: np.ones(len(phi)))
 
     def law(self, phi: FloatArray, side: Side) -> FloatArray:
         return np.stack([row + np.zeros(len(phi)) for row in self.rows(phi)])
@@ -100,7 +100,7 @@ def test_equation_of_motion_and_power_balance(load: float) -> None:
     phi = np.linspace(0.0, TURN, 999)
     omega, alpha = result.turn.omega(phi), result.alpha(phi, "right")
     motor = stall * (1.0 - omega / NO_LOAD)
-    cam = torque.at(phi, "right", omega, alpha)
+    cam = torque.torque_at_rates(phi, "right", omega, alpha)
     scale = np.max(np.abs(cam)) + stall
     assert np.max(np.abs(moment * alpha - motor + cam)) <= 50.0 * EPS * scale
     # alpha is the slope of omega^2 / 2: their integral over parts of the turn.
@@ -113,7 +113,7 @@ def test_equation_of_motion_and_power_balance(load: float) -> None:
 
     def balance(x: FloatArray) -> FloatArray:
         speed = result.turn.omega(x)
-        taken = torque.at(x, "right", speed, result.alpha(x, "right"))
+        taken = torque.torque_at_rates(x, "right", speed, result.alpha(x, "right"))
         return np.asarray(stall * (1.0 - speed / NO_LOAD) - taken)
 
     # The cells end at the kinks of friction, which the edges do not know.

@@ -187,7 +187,7 @@ def test_a_force_of_the_train_off_by_its_error_moves_no_figure_by_more_than_stat
     found = with_train(name)
     nodes = found.effects._nodes("contact-force")
     train = nodes.result("vibration")
-    monkeypatch.setattr(Response, "error_of", lambda _self, _reading: 0.05)
+    monkeypatch.setattr(Response, "reading_error", lambda _self, _reading: 0.05)
     told = {each: found.effect(each) for each in FOLLOWING}
     for result in told.values():
         valued = {each.name for each in result.findings if each.value is not None}
@@ -201,7 +201,7 @@ def test_a_force_of_the_train_off_by_its_error_moves_no_figure_by_more_than_stat
         def way(phi: FloatArray, _side: Side, count: int = count, phase: float = phase) -> Any:
             return np.cos(count * phi + phase)
 
-        off = replace(train, behind=train.behind._off(way))
+        off = replace(train, behind=train.behind._perturbed(way))
         moved = WithTrain(nodes, off)
         for effect, result in told.items():
             own, other = figures_of(result), figures_of(moved.result(effect))

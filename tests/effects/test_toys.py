@@ -102,7 +102,10 @@ def tree(folder: Path) -> Path:
     effects = copied(folder) / "dynamics" / "effects"
     (effects / "noise.py").write_text(RESULT, "utf-8")
     declared = DECLARATION.replace("MODULE", "camgeo.dynamics.effects.noise")
-    table, before = "DECLARED: Final = {", "        Effect(\n            **_beside(DRIVE_TORQUE)"
+    table, before = (
+        "DECLARED: Final = {",
+        "        Effect(\n            **_module_fields(DRIVE_TORQUE)",
+    )
     replaced(
         effects / "registry.py",
         (table, f"{PARSER}\n{table}"),

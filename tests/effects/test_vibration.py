@@ -14,7 +14,14 @@ from camgeo.dynamics.effects import shock_spectrum as module
 from camgeo.dynamics.effects.shock_spectrum import ShockSpectrum, measured
 from camgeo.dynamics.effects.vibration import Vibration
 from camgeo.dynamics.oscillator import steady
-from camgeo.dynamics.oscillator.steady import NODES, QUIET, Pieces, Shock, most_cells, solve
+from camgeo.dynamics.oscillator.steady import (
+    NODES,
+    QUIET,
+    PiecewiseSeries,
+    Shock,
+    most_cells,
+    solve,
+)
 from camgeo.errors import EffectError
 from camgeo.kinematics.laws import make_law
 from camgeo.kinematics.time_course import in_time
@@ -413,7 +420,7 @@ def test_what_stays_small_is_small_for_good(law: str, highest: int) -> None:
 def test_no_more_cells_are_made_than_blocks_are_counted_in(pieces: int, rate: float) -> None:
     steps = np.random.default_rng(pieces).uniform(0.01, 1.0, pieces)
     edges = np.concatenate(([0.0], np.cumsum(steps) / np.sum(steps)))
-    made = Pieces(edges, np.ones((len(NODES), pieces)), 0.0, 1.0)
+    made = PiecewiseSeries(edges, np.ones((len(NODES), pieces)), 0.0, 1.0)
     rates = np.full(pieces, complex(-0.3, 1.0) * rate)
     cells = len(solve(made, np.arange(pieces), rates).problem)
     assert cells <= most_cells(pieces, rates[:1])[0]

@@ -18,7 +18,7 @@ from camgeo.dynamics.oscillator.steady import (
     Forcing,
     ResonanceError,
     Response,
-    load_of,
+    load_forcing,
     steady_state,
 )
 from camgeo.dynamics.oscillator.train import EPS, Stage, Train, chain, one_mass
@@ -163,7 +163,7 @@ def states(response: Response, t: FloatArray, side: Side = "right") -> FloatArra
     """(n, 3, k) x, x' and x'' of all masses."""
     base = response.base.jet(t, side)
     found = [
-        response.states_of(mass, t, side) + np.stack((base[0], base[1], 0.0 * t))
+        response.mass_states(mass, t, side) + np.stack((base[0], base[1], 0.0 * t))
         for mass in range(len(response.train.shapes))
     ]
     return np.array(found)
@@ -313,21 +313,21 @@ def test_motions_and_forces_obey_newton(stages: list[Stage]) -> None:
     net = forces - np.append(forces[1:], [0.0 * t], axis=0)
     for i, each in enumerate(stages):
         told = [
-            response.error_of(read) + 16.0 * EPS * float(np.max(np.abs(value)))
+            response.reading_error(read) + 16.0 * EPS * float(np.max(np.abs(value)))
             for read, value in zip(
                 (train.deflection(i), train.velocity(i), train.acceleration(i)), x[i], strict=True
             )
         ]
-        own = response.error_of(train.force(i)) + 16.0 * EPS * float(np.max(np.abs(forces[i])))
+        own = response.reading_error(train.force(i)) + 16.0 * EPS * float(np.max(np.abs(forces[i])))
         if i + 1 < len(stages):
-            own += response.error_of(train.force(i + 1))
+            own += response.reading_error(train.force(i + 1))
             own += 16.0 * EPS * float(np.max(np.abs(forces[i + 1])))
         held = each.ground_stiffness * x[i, 0] + each.ground_damping * x[i, 1]
         off = np.max(np.abs(each.mass * x[i, 2] + held - net[i]))
         allowed = each.mass * told[2] + each.ground_stiffness * told[0]
         assert off <= allowed + each.ground_damping * told[1] + own
         before = (train.deflection(i - 1), train.velocity(i - 1)) if i else ()
-        slack = [response.error_of(read) for read in before] or [0.0, 0.0]
+        slack = [response.reading_error(read) for read in before] or [0.0, 0.0]
         off = np.max(np.abs(forces[i] - bent[i]))
         rounding = 16.0 * EPS * (each.stiffness * LIFT + each.damping * 400.0)
         allowed = each.stiffness * (told[0] + slack[0]) + each.damping * (told[1] + slack[1])
@@ -337,7 +337,9 @@ def test_motions_and_forces_obey_newton(stages: list[Stage]) -> None:
     for i in range(len(stages)):
         for order, read in enumerate((train.deflection(i), train.velocity(i))):
             scale = 16.0 * EPS * float(np.max(np.abs(x[i, order])))
-            assert abs(first[i, order] - last[i, order]) <= 2.0 * response.error_of(read) + scale
+            assert (
+                abs(first[i, order] - last[i, order]) <= 2.0 * response.reading_error(read) + scale
+            )
 
 
 @pytest.mark.parametrize("seed", range(12))
@@ -355,10 +357,10 @@ def test_errors_told_are_true(seed: int) -> None:
         moved = exact(stages, 0, moved_base(stages[0]), t.tolist())
         under_load = exact(stages, 1, loaded(), t.tolist())
     found = [(steady_state(chain(stages), polynomials(), x), moved) for x in (0.0, 1e-9, 1e-5)]
-    by_load = steady_state(chain(stages), at_rest(), 0.0, load_of(load, EDGES, 0.0))
+    by_load = steady_state(chain(stages), at_rest(), 0.0, load_forcing(load, EDGES, 0.0))
     for response, wanted in (*found, (by_load, under_load)):
         for mass in range(2):
-            told = response.error_of(response.train.deflection(mass))
+            told = response.reading_error(response.train.deflection(mass))
             assert np.max(np.abs(states(response, t)[mass, 0] - wanted[mass, 0])) <= told
             assert told <= 1e-6 * np.max(np.abs(wanted)) or response is not by_load
 
@@ -417,16 +419,16 @@ def test_under_load_it_is_that_of_the_matrix_exponential(count: int, output: int
     with mpmath.workdps(40):
         wanted = exact(stages, output, loaded(), t.tolist())
     moved = polynomials()
-    both = steady_state(train, moved, 0.0, load_of(load, EDGES, 0.0))
+    both = steady_state(train, moved, 0.0, load_forcing(load, EDGES, 0.0))
     alone = steady_state(train, moved, 0.0)
     for i, each in enumerate(stages):
-        got = both.states_of(i, t, "right") - alone.states_of(i, t, "right")
+        got = both.mass_states(i, t, "right") - alone.mass_states(i, t, "right")
         for order, read in enumerate((train.deflection(i), train.velocity(i))):
-            told = both.error_of(read) + alone.error_of(read)
+            told = both.reading_error(read) + alone.reading_error(read)
             assert np.max(np.abs(got[order] - wanted[i, order])) <= told
         slip = wanted[i] - (wanted[i - 1] if i else 0.0)
         push = both.forces([i], t, "right")[0] - alone.forces([i], t, "right")[0]
-        told = both.error_of(train.force(i)) + alone.error_of(train.force(i))
+        told = both.reading_error(train.force(i)) + alone.reading_error(train.force(i))
         rounding = 4.0 * EPS * each.stiffness * float(np.max(np.abs(wanted)))
         off = push + each.stiffness * slip[0] + each.damping * slip[1]
         assert np.max(np.abs(off)) <= told + rounding
@@ -436,12 +438,12 @@ def test_under_load_it_is_that_of_the_matrix_exponential(count: int, output: int
 def test_the_acceleration_of_the_output_jumps_with_the_load() -> None:
     """By the jump over its mass; no other mass feels it at once."""
     stages = CHAINS[3]
-    response = steady_state(chain(stages, 1), polynomials(), 0.0, load_of(load, EDGES, 0.0))
+    response = steady_state(chain(stages, 1), polynomials(), 0.0, load_forcing(load, EDGES, 0.0))
     at = EDGES[1:2]
     jumps = [
-        response.states_of(i, at, "right") - response.states_of(i, at, "left") for i in range(3)
+        response.mass_states(i, at, "right") - response.mass_states(i, at, "left") for i in range(3)
     ]
-    told = response.error_of(response.train.acceleration(1))
+    told = response.reading_error(response.train.acceleration(1))
     assert abs(jumps[1][2, 0] + 35.0 / stages[1].mass) <= 2.0 * told
     others = [jumps[i][2, 0] for i in (0, 2)] + [
         each[order, 0] for each in jumps for order in (0, 1)
@@ -451,7 +453,7 @@ def test_the_acceleration_of_the_output_jumps_with_the_load() -> None:
 
 def test_a_constant_load_shortens_the_train_as_springs_in_series_do() -> None:
     train = chain([Stage(1.0, 300.0, 2.0), Stage(1.0, 150.0, 2.0)])
-    steady = load_of(lambda t: np.full(len(t), -7.0), np.array([0.0, 1.0]), 0.0)
+    steady = load_forcing(lambda t: np.full(len(t), -7.0), np.array([0.0, 1.0]), 0.0)
     response = steady_state(train, at_rest(), 0.0, steady)
     t = np.linspace(0.0, 1.0, 9)
     wanted = -7.0 * (1.0 / 300.0 + 1.0 / 150.0)
@@ -464,7 +466,7 @@ def test_a_constant_load_shortens_the_train_as_springs_in_series_do() -> None:
 def test_what_a_step_leaves_is_a_vibration_about_the_new_place_of_rest() -> None:
     """p / k (1 - cos w t) without damping, but for what is left after a turn."""
     w, damping = 40.0 * TURN, 0.02
-    steps = load_of(lambda t: np.where(t < 0.5, 0.0, 9.0), np.array([0.0, 0.5, 1.0]), 0.0)
+    steps = load_forcing(lambda t: np.where(t < 0.5, 0.0, 9.0), np.array([0.0, 0.5, 1.0]), 0.0)
     response = steady_state(one_mass(w, damping), at_rest(), 0.0, steps)
     left = math.exp(-0.5 * damping * w)
     amplitude = float(response.free_amplitude(np.array([0.5]), "right")[0])
@@ -476,7 +478,7 @@ def test_a_load_alone_resonates() -> None:
 
     def steps(count: int) -> Forcing:
         edges = np.linspace(0.0, 1.0, 2 * count + 1)
-        return load_of(lambda t: np.sign(np.sin(count * TURN * t)), edges, 0.0)
+        return load_forcing(lambda t: np.sign(np.sin(count * TURN * t)), edges, 0.0)
 
     with pytest.raises(ResonanceError) as raised:
         steady_state(train, at_rest(), 0.0, steps(1))

@@ -21,12 +21,12 @@ from camgeo.dynamics.oscillator.steady import (
     ResonanceError,
     Response,
     Shock,
-    gain_over,
     interpolated,
     series_values,
     shock,
     solve,
     steady_state,
+    total_gain,
 )
 from camgeo.dynamics.oscillator.train import Train, one_mass
 from camgeo.kinematics.laws import make_law
@@ -132,7 +132,7 @@ def test_a_mode_under_a_polynomial_is_what_the_integrals_of_its_powers_say(
     )
     assert pieces.series.shape[1] == 1 or scale < SMALLEST_NORMAL
     cells = solve(pieces, np.array([0]), np.array([rate]))
-    got = gain_over(cells, np.zeros(1), 1.0)
+    got = total_gain(cells, np.zeros(1), 1.0)
     exact = complex(sum(c * x for c, x in zip(factors, powers(rate, len(factors)), strict=True)))
     # Some 25 roundings for each of at most 43 cells; the mode is at most scale, and scale by |rate|
     # times the degree. A subnormal result is rounded by half of the smallest number, whatever its

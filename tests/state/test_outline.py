@@ -21,7 +21,7 @@ from hypothesis import strategies as st
 
 from camgeo.design.design import Design
 from camgeo.dynamics.effects.results import CONTACT_FORCE, DRIVE_TORQUE
-from camgeo.dynamics.state.written import FarMotion, OfOutline, ReplayedMotion
+from camgeo.dynamics.state.written import FarMotion, OutlineState, ReplayedMotion
 from camgeo.errors import EffectError, GeometryError
 from camgeo.geometry.outline.roller import AS_DEMANDED
 from camgeo.kinematics.motion import Dwell, Jet
@@ -182,9 +182,9 @@ def trimmed(scene: str) -> Design:
     return Design(design(scene, text, *STEEPER[scene]).scene.with_values(edits))
 
 
-def state_of(made: Design) -> OfOutline:
+def state_of(made: Design) -> OutlineState:
     state = made.effects.subject.state
-    assert isinstance(state, OfOutline)
+    assert isinstance(state, OutlineState)
     return state
 
 

@@ -22,7 +22,7 @@ def test_force_per_acceleration_is_that_of_the_moving_mass() -> None:
     design = Design(load_scene(LEVER))
     found = known(contact_forces(design, Flank.INNER, ANGLES))
     force = design.effects.result(CONTACT_FORCE)
-    at_rest = force.normal_at(ANGLES, "right", np.zeros((2, len(ANGLES))))
+    at_rest = force.normal_at_rates(ANGLES, "right", np.zeros((2, len(ANGLES))))
     second = design.drive.motion.jet(ANGLES)[2]
     moving = found.per_acceleration * second
     np.testing.assert_allclose(found.nominal - at_rest, moving, rtol=0, atol=1e-9)

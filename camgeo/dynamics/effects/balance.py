@@ -18,10 +18,10 @@ from typing import Any, Final
 import numpy as np
 
 from camgeo.check.finding import Finding
-from camgeo.dynamics.effects.contact import part_of, unbalance_force
+from camgeo.dynamics.effects.contact import require_part, unbalance_force
 from camgeo.dynamics.effects.effect import Bound, Column, Quantity, Request, Result
 from camgeo.dynamics.effects.tables import BalanceRequirements
-from camgeo.dynamics.effects.wording import KG, at, missed
+from camgeo.dynamics.effects.wording import KG, at_angle, tolerance_error
 from camgeo.errors import GeometryError, ToleranceError
 from camgeo.geometry.outline.path import Moments
 from camgeo.kinematics.time_course import ConstantSpeed, TimeCourse
@@ -31,7 +31,7 @@ from camgeo.part.mass import disc_moments
 from camgeo.part.part import Boundary, Part
 from camgeo.units import RPM, place_text
 
-TAKEN: Final = 0.1
+QUADRATURE_SHARE: Final = 0.1
 """Share of the tolerance for each quadrature: the errors of the outlines add up, and relative to
 the disc, which is smaller than its outline, they are larger.
 """
@@ -59,7 +59,7 @@ class Balance(Result):
     unbalance: complex
     unbalance_error: float
     counterweight: float | None
-    holes: Row | None
+    holes: HoleRow | None
 
 
 def compute(request: Request[BalanceRequirements]) -> Balance:
@@ -77,23 +77,25 @@ def compute(request: Request[BalanceRequirements]) -> Balance:
     course = subject.state.course
     if data.grade is not None and course is None:
         raise GeometryError("needs [cam] speed or speed_curve", key="effects.balance.grade")
-    part = part_of(subject, "balance")
+    part = require_part(subject, "balance")
     spec = subject.part_spec
     if spec is not None and spec.density is not None:
         data = replace(data, density=spec.density)  # both agree if both are stated
+    # Density times thickness: a hole through the disc removes this mass per unit of its area.
     per_area = data.density * (part.disc[-1].z1 - part.disc[0].z0)
-    moments = disc_moments(part, data.density, request.tolerance * TAKEN)
+    moments = disc_moments(part, data.density, request.tolerance * QUADRATURE_SHARE)
     mass, unbalance, unsure = moments.area, moments.first, moments.first_error
+    # The solid disc of this mass is the scale of the error: the distance of the centre may be 0.
     radius = math.sqrt(mass / (per_area * math.pi))
     error = max(moments.area_error / mass, unsure / (mass * radius))
     if not error <= request.tolerance:
-        raise missed(
+        raise tolerance_error(
             "mass or centre of mass of the disc", error, "mass or radius", request.tolerance
         )
 
-    balanced, off = abs(unbalance) <= unsure, unsure
+    balanced, unbalance_error = abs(unbalance) <= unsure, unsure
     if balanced:  # what was found may be off by all of it
-        unbalance, off = 0.0j, unsure + abs(unbalance)
+        unbalance, unbalance_error = 0.0j, unsure + abs(unbalance)
     findings = [*disc_findings(mass, unbalance, balanced=balanced)]
     spin = None
     if course is not None:
@@ -112,11 +114,13 @@ def compute(request: Request[BalanceRequirements]) -> Balance:
     return Balance(
         findings=tuple(findings),
         columns=() if spin is None else spin.columns(),
-        errors=errors_of(moments, off, radius, spin, data.counterweight_radius, holes),
+        errors=figure_errors(
+            moments, unbalance_error, radius, spin, data.counterweight_radius, holes
+        ),
         mass=mass,
         centre=unbalance / mass,
         unbalance=unbalance,
-        unbalance_error=off,
+        unbalance_error=unbalance_error,
         counterweight=counterweight,
         holes=holes,
     )
@@ -124,13 +128,13 @@ def compute(request: Request[BalanceRequirements]) -> Balance:
 
 def _holes(
     part: Part, radius: float, largest: float, unbalance: complex, per_area: float
-) -> tuple[Row | None, Finding]:
+) -> tuple[HoleRow | None, Finding]:
     """The fewest holes that fit, with the finding; or the finding that says why none do."""
     reason = ""
-    room: Room | None = None
+    room: HoleSpace | None = None
     try:
         for row in rows(unbalance, per_area, radius, largest):
-            room = room or Room(part, largest)
+            room = room or HoleSpace(part, largest)
             fault = room.fault(row)
             if not fault:
                 rest = abs(unbalance - row.moment(per_area))
@@ -138,7 +142,7 @@ def _holes(
             reason = reason or fault
     except (GeometryError, ToleranceError) as error:
         reason = str(error)
-    reached = abs(most(per_area, radius, largest))
+    reached = abs(largest_removable(per_area, radius, largest))
     return None, no_row_finding(radius, largest, reason, reached, abs(unbalance))
 
 
@@ -200,7 +204,7 @@ def force_finding(spin: Spin) -> Finding:
     """The inertia force on the shaft."""
     force = spin.largest_force()
     steady = isinstance(spin.course, ConstantSpeed)
-    place = "at all cam angles" if steady else at(force.place)
+    place = "at all cam angles" if steady else at_angle(force.place)
     return Finding(
         name="unbalance-force",
         severity="ok",
@@ -228,7 +232,7 @@ def counterweight_finding(weight: float, radius: float, unbalance: complex) -> F
     )
 
 
-def row_finding(row: Row, wall: float, rest: float) -> Finding:
+def row_finding(row: HoleRow, wall: float, rest: float) -> Finding:
     """Balancing holes that fit, with the thinnest wall [mm] and the remaining unbalance [t mm]."""
     places = ", ".join(f"{degrees(angle):.4f}" for angle in row.directions)
     what, cancel = ("hole", "cancels") if row.count == 1 else ("holes", "cancel")
@@ -294,7 +298,7 @@ subtracted from the distances found."""
 
 
 @dataclass(frozen=True, slots=True)
-class Row:
+class HoleRow:
     """A row of equal holes.
 
     Attributes
@@ -312,7 +316,7 @@ class Row:
 
     @property
     def centres(self) -> tuple[complex, ...]:
-        """Of the holes, in cam coordinates [mm]."""
+        """Centres of the holes in cam coordinates [mm]."""
         return tuple(
             complex(self.radius * math.cos(angle), self.radius * math.sin(angle))
             for angle in self.directions
@@ -320,14 +324,14 @@ class Row:
 
     def moment(self, per_area: float) -> complex:
         """The unbalance that they remove [t mm], for `per_area` [t/mm^2] of the disc."""
-        each = per_area * 0.25 * math.pi * self.diameter**2
-        return each * complex(
+        hole_moment = per_area * 0.25 * math.pi * self.diameter**2
+        return hole_moment * complex(
             math.fsum(centre.real for centre in self.centres),
             math.fsum(centre.imag for centre in self.centres),
         )
 
 
-def rows(unbalance: complex, per_area: float, radius: float, largest: float) -> Iterator[Row]:
+def rows(unbalance: complex, per_area: float, radius: float, largest: float) -> Iterator[HoleRow]:
     """Rows of holes that cancel `unbalance`, those with few holes first.
 
     Parameters
@@ -345,9 +349,10 @@ def rows(unbalance: complex, per_area: float, radius: float, largest: float) -> 
         if diameter is None or diameter > largest:
             continue
         delta = 0.0 if count == 1 else 2.0 * math.asin(0.5 * PITCH * diameter / radius)
+        # The row is symmetric about the heavy direction.
         middle = 0.5 * (count - 1)
         directions = tuple(heavy + (k - middle) * delta for k in range(count))
-        yield Row(count, diameter, radius, directions)
+        yield HoleRow(count, diameter, radius, directions)
 
 
 def _diameter(unbalance: float, per_area: float, radius: float, count: int) -> float | None:
@@ -356,33 +361,35 @@ def _diameter(unbalance: float, per_area: float, radius: float, count: int) -> f
     if count == 1:
         return math.sqrt(share)
     # With u = delta/2 and d = 2 R sin(u) / PITCH: sin(u) sin(n u), which grows up to n u = pi/2.
-    sought = share * (0.5 * PITCH / radius) ** 2
+    target = share * (0.5 * PITCH / radius) ** 2
     last = 0.5 * math.pi / count
-    if sought > math.sin(last):
+    if target > math.sin(last):
         return None
 
     def missing(u: FloatArray) -> FloatArray:
-        return np.asarray(np.sin(u) * np.sin(count * u) - sought)
+        return np.asarray(np.sin(u) * np.sin(count * u) - target)
 
     u = bracketed_roots(missing, np.array([0.0]), np.array([last]))
     return 2.0 * radius * math.sin(float(u[0])) / PITCH
 
 
-def most(per_area: float, radius: float, largest: float) -> float:
+def largest_removable(per_area: float, radius: float, largest: float) -> float:
     """The largest unbalance [t mm] that a row of holes can remove."""
 
-    def of(count: int) -> float:
+    def removed(count: int) -> float:
         if count == 1:
             return largest**2
+        # Half the angle between neighbours of the largest diameter; the row spans half a turn at
+        # most.
         u = min(math.asin(min(0.5 * PITCH * largest / radius, 1.0)), 0.5 * math.pi / count)
         diameter = min(largest, 2.0 * radius * math.sin(u) / PITCH)
         return diameter**2 * math.sin(count * u) / math.sin(u)
 
-    best = max(of(count) for count in range(1, MOST_HOLES + 1))
+    best = max(removed(count) for count in range(1, MOST_HOLES + 1))
     return per_area * 0.25 * math.pi * radius * best
 
 
-class Room:
+class HoleSpace:
     """The material through the whole thickness of a disc, beside its hubs.
 
     Parameters
@@ -398,15 +405,15 @@ class Room:
 
     def __init__(self, part: Part, largest: float) -> None:
         self._tolerance = SHARE * largest
-        self._boundaries = {each.name: self._polygon(each) for each in part.boundaries}
+        self._boundaries = {boundary.name: self._polygon(boundary) for boundary in part.boundaries}
         # Boundaries are nested: material begins at one and ends at the next.
         sections = [
-            reduce(xor, (self._boundaries[each.name] for each in layer.boundaries))
+            reduce(xor, (self._boundaries[boundary.name] for boundary in layer.boundaries))
             for layer in part.disc
         ]
         material = reduce(and_, sections)
         hubs = [layer.boundaries[0] for layer in part.layers if layer not in part.disc]
-        self._material = reduce(sub, (self._boundaries[each.name] for each in hubs), material)
+        self._material = reduce(sub, (self._boundaries[hub.name] for hub in hubs), material)
 
     def _polygon(self, boundary: Boundary) -> Any:
         import shapely  # its import takes longer than the rest of the effect
@@ -414,7 +421,7 @@ class Room:
         vertices = boundary.polyline(self._tolerance, "fast").contour.vertices
         return shapely.Polygon(np.column_stack((vertices.real, vertices.imag)))
 
-    def fault(self, row: Row) -> str:
+    def fault(self, row: HoleRow) -> str:
         """The reason why the holes do not fit, as a clause; empty if they fit."""
         import shapely
 
@@ -430,7 +437,7 @@ class Room:
                 )
         return ""
 
-    def wall(self, row: Row) -> float:
+    def wall(self, row: HoleRow) -> float:
         """Smallest wall between a hole and a boundary [mm], for holes that fit."""
         return min(self._nearest(centre)[0] for centre in row.centres) - 0.5 * row.diameter
 
@@ -452,16 +459,16 @@ class Room:
 
 
 GRAM_MM: Final = 1e6
-"""From t mm to g mm."""
+"""Factor from t mm to g mm."""
 
 
-def errors_of(
+def figure_errors(
     moments: Moments,
     unsure: float,
     radius: float,
     spin: Spin | None,
     arm: float | None,
-    holes: Row | None,
+    holes: HoleRow | None,
 ) -> dict[str, Bound]:
     """The errors of all figures, by the names of findings and columns.
 
@@ -473,22 +480,24 @@ def errors_of(
     arm : the radius of the counterweight [mm].
     """
     mass, unbalance = moments.area, abs(moments.first)
-    own = Bound(unsure, mass * radius)
-    off = (unsure + unbalance / mass * moments.area_error) / mass
-    found = {
+    bound = Bound(unsure, mass * radius)
+    # The centre is U / m: to first order the errors of both add up.
+    centre_error = (unsure + unbalance / mass * moments.area_error) / mass
+    errors = {
         "disc-mass": Bound(moments.area_error, mass).times(KG),
-        "centre-of-mass": Bound(off, radius),
-        "unbalance": own.times(GRAM_MM),
+        "centre-of-mass": Bound(centre_error, radius),
+        "unbalance": bound.times(GRAM_MM),
     }
     if spin is not None:
+        # The force is linear in U, so that of a unit unbalance is the factor of its error.
         forces = ("unbalance-force", "unbalance force x", "unbalance force y")
-        found |= dict.fromkeys(forces, own.times(spin.largest_force_of_unit()))
+        errors |= dict.fromkeys(forces, bound.times(spin.largest_force_of_unit()))
     if arm is not None:
-        found["counterweight"] = own.times(KG / arm)
+        errors["counterweight"] = bound.times(KG / arm)
     if holes is not None:  # d grows no faster than U, see "holes"
         share = unsure / unbalance
-        found["balancing-holes"] = Bound(share * holes.diameter, holes.diameter)
-    return found
+        errors["balancing-holes"] = Bound(share * holes.diameter, holes.diameter)
+    return errors
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -513,11 +522,13 @@ class Spin:
         return unbalance_force(self.unbalance, self.rotation, phi, self.course.rates(phi, side))
 
     def largest_force(self) -> Extreme:
-        """Its largest magnitude [N], and the first cam angle [rad] at which it has it."""
+        """The largest magnitude of the force [N], and the first cam angle [rad] where it is
+        reached.
+        """
         return self._largest(lambda phi, side: np.abs(self.force(phi, side)))
 
     def largest_force_of_unit(self) -> float:
-        """The same for an unbalance of 1 t mm."""
+        """The largest force [N] of an unbalance of 1 t mm."""
         return replace(self, unbalance=1.0 + 0.0j).largest_force().value
 
     def largest_speed(self) -> float:

@@ -91,62 +91,77 @@ class BearingFriction:
     Attributes
     ----------
     rubbing : that of the pivot or guide.
-    own : (4, k, n) coefficients c0 to c3 of the A_i, see `camgeo.dynamics.effects.loads`.
+    noncontact_loads : (4, k, n) coefficients c0 to c3 of the A_i, see
+        `camgeo.dynamics.effects.loads`.
     per_far : (k, n) A_i for one unit more of force on the far member of a linkage, along its
         motion; 0 without one.
     """
 
     rubbing: Rubbing
-    own: Callable[[FloatArray, Side], ComplexArray]
+    noncontact_loads: Callable[[FloatArray, Side], ComplexArray]
     per_far: Callable[[FloatArray, Side], ComplexArray]
 
-    def beside(self, force: Force) -> BearingFriction:
-        """The same with a `force` besides."""
+    def with_force(self, force: Force) -> BearingFriction:
+        """The friction with one more `force`, which loads the bearings if it acts on the far member
+        of a linkage.
+        """
         if force.far is None:
             return self
         far = force.far
 
-        def own(phi: FloatArray, side: Side) -> ComplexArray:
+        def noncontact_loads(phi: FloatArray, side: Side) -> ComplexArray:
             passed = self.per_far(phi, side) * far(phi, side)[:, np.newaxis]
-            return np.asarray(self.own(phi, side) + passed)
+            return np.asarray(self.noncontact_loads(phi, side) + passed)
 
-        return replace(self, own=own)
+        return replace(self, noncontact_loads=noncontact_loads)
 
     def drag(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) w [1 or mm]."""
         return np.asarray(self.rubbing.lever * self.rubbing.senses(phi, side))
 
-    def alone(self, phi: FloatArray, side: Side, rates: FloatArray) -> FloatArray:
+    def noncontact_friction(self, phi: FloatArray, side: Side, rates: FloatArray) -> FloatArray:
         """(n,) w sum |A_i| at `rates` [N or N mm]."""
-        sizes = np.abs(at_rates(self.own(phi, side), rates))
+        sizes = np.abs(at_rates(self.noncontact_loads(phi, side), rates))
         return np.asarray(self.drag(phi, side) * np.sum(sizes, axis=0))
 
     def largest(self, phi: FloatArray, side: Side, rates: FloatArray) -> FloatArray:
-        """(n,) the same of the sizes of all terms of the A_i: what rounding is measured by."""
-        sizes = at_rates(np.abs(self.own(phi, side)), np.abs(rates))
+        """(n,) lambda times the sum of the magnitudes of all terms of the A_i [N or N mm]: the
+        scale of their rounding.
+        """
+        sizes = at_rates(np.abs(self.noncontact_loads(phi, side)), np.abs(rates))
         return np.asarray(self.rubbing.lever * np.sum(sizes, axis=0))
 
 
-def directions(
-    demand: FloatArray, free: FloatArray, drag: FloatArray, own: ComplexArray, per: ComplexArray
+def solve_balance(
+    demand: FloatArray,
+    free: FloatArray,
+    drag: FloatArray,
+    noncontact: ComplexArray,
+    per_normal: ComplexArray,
 ) -> tuple[FloatArray, ComplexArray]:
     """n (...) and the directions d (k, ...), for R, b and w (...), A and B (k, ...).
 
     All of R, b and w are multiplied by u. The result means nothing where kappa is not above 0.
     """
-    sound = jam_reserve(free, drag, per) > 0.0
-    d = unit_vectors(per, np.ones_like(per))
+    # Elsewhere the balance has no certain root, and the force stays 0.
+    sound = jam_reserve(free, drag, per_normal) > 0.0
+    # The directions at a very large |N|, from which the iteration is monotone.
+    d = unit_vectors(per_normal, np.ones_like(per_normal))
 
     def solved(d: ComplexArray) -> FloatArray:
-        carried = free - drag * _sum(d, per)
+        carried = free - drag * _sum(d, per_normal)
         force = np.zeros_like(carried)
-        np.divide(demand + drag * _sum(d, own), carried, out=force, where=sound & (carried > 0.0))
+        np.divide(
+            demand + drag * _sum(d, noncontact), carried, out=force, where=sound & (carried > 0.0)
+        )
         return force
 
     n, moving = solved(d), sound & (drag != 0.0)
     for _ in range(MOST_STEPS):
-        turned = unit_vectors(own + per * n, d)
+        turned = unit_vectors(noncontact + per_normal * n, d)
         new = solved(turned)
+        # n rises where drag is above 0, h being concave, and falls where it is below 0: a step the
+        # other way is rounding.
         moving = moving & (drag * (new - n) > 0.0)
         if not np.any(moving):
             break
@@ -154,9 +169,9 @@ def directions(
     return n, d
 
 
-def jam_reserve(free: FloatArray, drag: FloatArray, per: ComplexArray) -> FloatArray:
+def jam_reserve(free: FloatArray, drag: FloatArray, per_normal: ComplexArray) -> FloatArray:
     """kappa (...), for u b, u w (...) and B (k, ...): the follower jams where it is not above 0."""
-    return np.asarray(free - drag * np.sum(np.abs(per), axis=0))
+    return np.asarray(free - drag * np.sum(np.abs(per_normal), axis=0))
 
 
 def _sum(d: ComplexArray, vectors: ComplexArray) -> FloatArray:
@@ -183,36 +198,42 @@ class RubbingLaw:
     torque : (2, ...) on the cam per unit of |N| [mm].
     free : (2, ...) b [1 or mm].
     drag : (...) w.
-    own : (4, k, ...) c0 to c3 of the A_i.
-    per : (2, k, ...) B_i.
+    noncontact_loads : (4, k, ...) c0 to c3 of the A_i.
+    per_normal : (2, k, ...) B_i.
     """
 
     demand: FloatArray
     torque: FloatArray
     free: FloatArray
     drag: FloatArray
-    own: ComplexArray
-    per: ComplexArray
+    noncontact_loads: ComplexArray
+    per_normal: ComplexArray
 
     @classmethod
-    def of(cls, rows: FloatArray) -> Self:
-        """From its rows (9 + 12 k, ...)."""
+    def from_rows(cls, rows: FloatArray) -> Self:
+        """The law of its `rows` (9 + 12 k, ...)."""
         shape = rows.shape[1:]
         count = (len(rows) - FIXED) // PER_LOAD
-        own = rows[FIXED : FIXED + 8 * count].reshape(2, 4, count, *shape)
+        # Complex loads are kept as real rows: all real parts first, then all imaginary ones.
+        noncontact = rows[FIXED : FIXED + 8 * count].reshape(2, 4, count, *shape)
         per = rows[FIXED + 8 * count :].reshape(2, 2, count, *shape)
         return cls(
-            rows[:4], rows[4:6], rows[6:8], rows[8], own[0] + 1j * own[1], per[0] + 1j * per[1]
+            rows[:4],
+            rows[4:6],
+            rows[6:8],
+            rows[8],
+            noncontact[0] + 1j * noncontact[1],
+            per[0] + 1j * per[1],
         )
 
     @property
     def rows(self) -> FloatArray:
         """(9 + 12 k, ...), as they are kept."""
         shape = self.drag.shape
-        count = self.own.shape[1]
+        count = self.noncontact_loads.shape[1]
         parts = [
-            np.stack((each.real, each.imag)).reshape(2 * len(each) * count, *shape)
-            for each in (self.own, self.per)
+            np.stack((loads.real, loads.imag)).reshape(2 * len(loads) * count, *shape)
+            for loads in (self.noncontact_loads, self.per_normal)
         ]
         fixed = (self.demand, self.torque, self.free, self.drag[np.newaxis])
         return np.concatenate((*fixed, *parts))
@@ -222,7 +243,7 @@ class RubbingLaw:
         """(2, ...) whether a large force on the flank for this sign of R_0 jams the follower."""
         return np.stack(
             [
-                jam_reserve(u * self.free[k], u * self.drag, self.per[k]) <= 0.0
+                jam_reserve(u * self.free[k], u * self.drag, self.per_normal[k]) <= 0.0
                 for k, u in enumerate((1.0, -1.0))
             ]
         )
@@ -230,12 +251,12 @@ class RubbingLaw:
     @property
     def collinear(self) -> bool:
         """Whether each load has a fixed line, as those on a guide have."""
-        return not (np.any(self.per.imag) or np.any(self.own.imag))
+        return not (np.any(self.per_normal.imag) or np.any(self.noncontact_loads.imag))
 
     def released(self, omega: FloatArray | float, alpha: FloatArray | float) -> FloatArray:
-        """(...) R_0."""
+        """(...) R_0 at the speed `omega` [rad/s] and acceleration `alpha` [rad/s^2]."""
         rates = self._rates(omega, alpha)
-        alone = np.sum(np.abs(at_rates(self.own, rates)), axis=0)
+        alone = np.sum(np.abs(at_rates(self.noncontact_loads, rates)), axis=0)
         return np.asarray(at_rates(self.demand, rates) + self.drag * alone)
 
     def solved(
@@ -251,13 +272,18 @@ class RubbingLaw:
         the module.
         """
         rates = self._rates(omega, alpha)
+        # R_0 >= 0 is carried by the flank of index 0, with u = +1.
         index = np.where(self.released(omega, alpha) >= 0.0, 0, 1)
         u = 1.0 - 2.0 * index
-        slowed = _chosen(self.torque, index) * slowing
-        free = _chosen(self.free, index) + self.demand[3] * slowed
-        per = _chosen(self.per, index) - self.own[3] * slowed
+        # The torque slows the cam down: alpha falls by this per unit of |N|, so each c3 adds to the
+        # part that goes with |N|.
+        slowed = _select(self.torque, index) * slowing
+        free = _select(self.free, index) + self.demand[3] * slowed
+        per = _select(self.per_normal, index) - self.noncontact_loads[3] * slowed
         demand = at_rates(self.demand, rates)
-        n, d = directions(u * demand, u * free, u * self.drag, at_rates(self.own, rates), per)
+        n, d = solve_balance(
+            u * demand, u * free, u * self.drag, at_rates(self.noncontact_loads, rates), per
+        )
         sound = jam_reserve(u * free, u * self.drag, per) > 0.0
         return index, np.where(sound, n, np.nan), d
 
@@ -266,45 +292,50 @@ class RubbingLaw:
     ) -> ComplexArray:
         """(k, ...) the loads, as for `solved`."""
         index, n, _ = self.solved(omega, alpha, slowing)
-        less = slowing * n * _chosen(self.torque, index)
-        own = at_rates(self.own, self._rates(omega, alpha - less))
-        return np.asarray(own + _chosen(self.per, index) * n)
+        less = slowing * n * _select(self.torque, index)
+        noncontact = at_rates(self.noncontact_loads, self._rates(omega, alpha - less))
+        return np.asarray(noncontact + _select(self.per_normal, index) * n)
 
     def linear(
         self, omega: FloatArray | float, alpha: FloatArray | float, slowing: float = 0.0
     ) -> FloatArray:
         """(6, ...) the linear law with the directions at `solved`; nan where the follower jams."""
         index, n, d = self.solved(omega, alpha, slowing)
-        own = np.stack([_sum(d, each) for each in self.own])
-        free, torque = _chosen(self.free, index), _chosen(self.torque, index)
-        jams = _chosen(self.jams, index) | np.isnan(n)
-        carried = free - self.drag * _sum(d, _chosen(self.per, index))
+        projections = np.stack([_sum(d, coefficients) for coefficients in self.noncontact_loads])
+        free, torque = _select(self.free, index), _select(self.torque, index)
+        jams = _select(self.jams, index) | np.isnan(n)
+        carried = free - self.drag * _sum(d, _select(self.per_normal, index))
+        # nan marks a follower that jams, and also avoids a division by 0.
         gain = np.where(jams, np.nan, torque / np.where(carried == 0.0, np.nan, carried))
-        return np.concatenate((self.demand + self.drag * own, gain[np.newaxis], gain[np.newaxis]))
+        return np.concatenate(
+            (self.demand + self.drag * projections, gain[np.newaxis], gain[np.newaxis])
+        )
 
     def _rates(self, omega: FloatArray | float, alpha: FloatArray | float) -> FloatArray:
         shape = np.zeros(self.drag.shape)
         return np.stack((omega + shape, alpha + shape))
 
 
-def _chosen(pair: NDArray[Scalar], index: IntArray) -> NDArray[Scalar]:
-    """Of the two in `pair` (2, ...) the one that `index` says."""
+def _select(pair: NDArray[Scalar], index: IntArray) -> NDArray[Scalar]:
+    """The first of the `pair` (2, ...) where `index` is 0, the second one where it is 1."""
     return np.asarray(np.where(index == 0, pair[0], pair[1]))
 
 
-def with_force(
+def add_force(
     rows: FloatArray,
     bearings: BearingFriction | None,
     force: Force,
     phi: FloatArray,
     side: Side,
 ) -> FloatArray:
-    """The law `rows`, linear without `bearings`, at `phi` (n,) with a `force` besides."""
+    """The law `rows` (r, n) at `phi` (n,) [rad] with one more `force`; without `bearings` it is
+    linear.
+    """
     rows[:4] -= force.coefficients(phi, side)
     if bearings is None or force.far is None:
         return rows
-    law = RubbingLaw.of(rows)
-    law.own[:] += bearings.per_far(phi, side) * force.far(phi, side)[:, np.newaxis]
+    law = RubbingLaw.from_rows(rows)
+    law.noncontact_loads[:] += bearings.per_far(phi, side) * force.far(phi, side)[:, np.newaxis]
     return law.rows
 
 
@@ -314,34 +345,36 @@ def linear_law(
     """(6, ...) the law at these rates, see `RubbingLaw.linear`; `rows` if they are linear."""
     if len(rows) == LINEAR:
         return rows
-    return RubbingLaw.of(rows).linear(omega, alpha, slowing)
+    return RubbingLaw.from_rows(rows).linear(omega, alpha, slowing)
 
 
-def linear_at(law: list[float], omega: float, alpha: float, slowing: float) -> list[float]:
-    """As `RubbingLaw.linear` of one cam angle, in less time than arrays take; StuckError
-    where the follower jams.
+def scalar_linear_law(law: list[float], omega: float, alpha: float, slowing: float) -> list[float]:
+    """`RubbingLaw.linear` at one cam angle, with Python's numbers, which takes less time than
+    arrays. Raises StuckError where the follower jams.
     """
     count = (len(law) - FIXED) // PER_LOAD
+    # In the order of `RubbingLaw.rows`: the real parts of all A_i, then their imaginary parts.
     real, imag = FIXED, FIXED + 4 * count
-    own = [
+    noncontact = [
         [complex(law[real + k * count + i], law[imag + k * count + i]) for k in range(4)]
         for i in range(count)
     ]
     demand = law[0] + omega * (law[1] + omega * law[2]) + alpha * law[3]
-    at = [a[0] + omega * (a[1] + omega * a[2]) + alpha * a[3] for a in own]
-    flank = 0 if demand + law[8] * sum(map(abs, at)) >= 0.0 else 1
+    loads = [a[0] + omega * (a[1] + omega * a[2]) + alpha * a[3] for a in noncontact]
+    flank = 0 if demand + law[8] * sum(map(abs, loads)) >= 0.0 else 1
     u = 1.0 - 2.0 * flank
     torque, free, drag = law[4 + flank], u * law[6 + flank], u * law[8]
     real = FIXED + 8 * count + flank * count
     per = [complex(law[real + i], law[real + 2 * count + i]) for i in range(count)]
-    slowed = [b - a[3] * torque * slowing for a, b in zip(own, per, strict=True)]
+    slowed = [b - a[3] * torque * slowing for a, b in zip(noncontact, per, strict=True)]
     moved = free + u * law[3] * torque * slowing
     least = min(free - drag * sum(map(abs, per)), moved - drag * sum(map(abs, slowed)))
     if not least > 0.0:
         raise StuckError
+    # Any first step counts as one in the direction in which the iteration is monotone.
     n, d = -math.inf if drag > 0.0 else math.inf, [_unit(b, 1.0) for b in slowed]
     for _ in range(MOST_STEPS):
-        share = sum((e.conjugate() * a).real for e, a in zip(d, at, strict=True))
+        share = sum((e.conjugate() * a).real for e, a in zip(d, loads, strict=True))
         carried = moved - drag * sum(
             (e.conjugate() * b).real for e, b in zip(d, slowed, strict=True)
         )
@@ -349,15 +382,16 @@ def linear_at(law: list[float], omega: float, alpha: float, slowing: float) -> l
         if not drag * (new - n) > 0.0:
             break
         n = new
-        d = [_unit(a + b * n, e) for a, b, e in zip(at, slowed, d, strict=True)]
+        d = [_unit(a + b * n, e) for a, b, e in zip(loads, slowed, d, strict=True)]
     shares = [
-        sum((e.conjugate() * a[k]).real for e, a in zip(d, own, strict=True)) for k in range(4)
+        sum((e.conjugate() * a[k]).real for e, a in zip(d, noncontact, strict=True))
+        for k in range(4)
     ]
     carried = law[6 + flank] - law[8] * sum(
         (e.conjugate() * b).real for e, b in zip(d, per, strict=True)
     )
     gain = torque / carried
-    return [*(c + law[8] * each for c, each in zip(law[:4], shares, strict=True)), gain, gain]
+    return [*(c + law[8] * share for c, share in zip(law[:4], shares, strict=True)), gain, gain]
 
 
 def _unit(vector: complex, otherwise: complex) -> complex:

@@ -29,7 +29,7 @@ import numpy as np
 
 from camgeo.dynamics.effects.effect import Quantity, Result, Subject
 from camgeo.dynamics.effects.forces import shocks
-from camgeo.dynamics.effects.results import Bearing, ContactForce, LostContact, Range
+from camgeo.dynamics.effects.results import Bearing, ContactForce, LostContact, LowRange
 from camgeo.dynamics.state.state import FIRST, SECOND
 from camgeo.errors import EffectError, GeometryError
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, Number, Side, merged
@@ -55,9 +55,9 @@ FLANKS: Final = {INNER: "inner", OUTER: "outer"}
 TOUCH: Final = 1e-12
 """A contact force below this share of the largest one of the turn is 0."""
 
-OF_GROOVE: Final = (FLANKS, "flank")
-OF_PAIR: Final = ({INNER: "main", OUTER: "return"}, "disc")
-OF_YOKE: Final = ({INNER: "main", OUTER: "opposite"}, "side")
+GROOVE_SIDES: Final = (FLANKS, "flank")
+PAIR_SIDES: Final = ({INNER: "main", OUTER: "return"}, "disc")
+YOKE_SIDES: Final = ({INNER: "main", OUTER: "opposite"}, "side")
 
 
 def holds_both_ways(subject: Subject) -> bool:
@@ -76,9 +76,9 @@ def carrier(subject: Subject, sense: int) -> tuple[Subject, int]:
     return (subject, sense) if other is None or sense == INNER else (other, INNER)
 
 
-def on_carrier(normal: FloatArray, of: Callable[[int], NDArray[Number]]) -> NDArray[Number]:
-    """(..., n) the values `of` the side that carries the contact force `normal` (n,)."""
-    inner, outer = of(INNER), of(OUTER)
+def select_carrier(normal: FloatArray, values: Callable[[int], NDArray[Number]]) -> NDArray[Number]:
+    """(..., n) the `values` of the side that carries the contact force `normal` (n,)."""
+    inner, outer = values(INNER), values(OUTER)
     return np.where(normal >= 0.0, inner, outer)
 
 
@@ -105,8 +105,9 @@ def lost_contact(
     sense = subject.state.sense if holds_both_ways(subject) else subject.cam.contact.push
     if sense == 0:
         return LostContact()
+    # A force that is 0 but for rounding still touches.
     lowest, limit = lowest_on_flank(extremes, sense), margin - TOUCH * extremes.magnitude
-    ranges: tuple[Range, ...] = ()
+    ranges: tuple[LowRange, ...] = ()
     if lowest.value < limit:
         ranges = ranges_below(lambda phi, side: sense * normal(phi, side), edges, limit, lowest)
     return LostContact(ranges, _leaps(subject, mass, sense))
@@ -124,16 +125,17 @@ def _leaps(subject: Subject, mass: Quantity | None, sense: int) -> tuple[float, 
 
     No finite force holds the follower on the flank there.
     """
-    motion, found = subject.state.motion, []
+    motion, leaps = subject.state.motion, []
     for angle in shocks(subject, mass):
         here = np.array([angle])
         jump = motion.jet(here, "right")[1] - motion.jet(here, "left")[1]
-        if jump[0] * leverage_of(subject, here, "right", sense)[0] < 0.0:
-            found.append(angle)
-    return tuple(found)
+        # A flank pushes in the direction of its leverage; to cause this jump it would have to pull.
+        if jump[0] * contact_leverage(subject, here, "right", sense)[0] < 0.0:
+            leaps.append(angle)
+    return tuple(leaps)
 
 
-def leverage_of(subject: Subject, phi: FloatArray, side: Side, sense: int) -> FloatArray:
+def contact_leverage(subject: Subject, phi: FloatArray, side: Side, sense: int) -> FloatArray:
     """(n,) force on q [1 or mm/rad] per unit of |N| on the side `sense`, without friction.
 
     GeometryError where the pitch curve has a cusp.
@@ -142,8 +144,8 @@ def leverage_of(subject: Subject, phi: FloatArray, side: Side, sense: int) -> Fl
     return flank * disc.state.curve.leverage(phi, side)
 
 
-def bearing_of(contact: ContactForce, phi: FloatArray, side: Side) -> Bearing:
-    """How friction shares the load at n cam angles, on the side that carries; 0 without any."""
+def bearing_on_carrier(contact: ContactForce, phi: FloatArray, side: Side) -> Bearing:
+    """The `Bearing` at n cam angles on the side that carries; all values are 0 without friction."""
     if contact.friction is None:
         return Bearing(*np.zeros((3, len(phi))))
     inner, outer = (contact.friction.bearing(phi, side, sense) for sense in (INNER, OUTER))
@@ -155,32 +157,36 @@ def bearing_of(contact: ContactForce, phi: FloatArray, side: Side) -> Bearing:
     )
 
 
-def sides_of(subject: Subject) -> tuple[dict[int, str], str]:
+def side_names(subject: Subject) -> tuple[dict[int, str], str]:
     """The names of the two sides, and whether they are flanks, discs or sides of a yoke."""
     if subject.returning is None:
-        return OF_GROOVE
-    return OF_PAIR if subject.paired else OF_YOKE
+        return GROOVE_SIDES
+    return PAIR_SIDES if subject.paired else YOKE_SIDES
 
 
 def with_other_side(subject: Subject, main: Answer, other: Result) -> Answer:
     """The result on the `main` side with findings, columns and errors of the `other` one besides,
     by their names.
     """
-    names, noun = sides_of(subject)
+    names, noun = side_names(subject)
     second = names[OUTER]
-    told = [
-        replace(each, name=f"{second}-{each.name}", sentence=f"{second} {noun}: {each.sentence}")
-        for each in other.findings
+    other_findings = [
+        replace(
+            finding,
+            name=f"{second}-{finding.name}",
+            sentence=f"{second} {noun}: {finding.sentence}",
+        )
+        for finding in other.findings
     ]
     columns = [
         replace(column, name=f"{names[sense]} {column.name}")
-        for sense, of in ((INNER, main), (OUTER, other))
-        for column in of.columns
+        for sense, result in ((INNER, main), (OUTER, other))
+        for column in result.columns
     ]
     errors = {f"{second}-{name}": bound for name, bound in other.errors.items()}
     return replace(
         main,
-        findings=(*main.findings, *told),
+        findings=(*main.findings, *other_findings),
         columns=tuple(columns),
         errors={**main.errors, **errors},
     )
@@ -204,14 +210,14 @@ def require_convex(subject: Subject, what: str) -> None:
         return
     from camgeo.check.disc import check_convexity  # few cams have a flat face
 
-    for found in check_convexity(subject.cam.disc.pitch_curve):
-        if found.severity == "no-disc":
+    for finding in check_convexity(subject.cam.disc.pitch_curve):
+        if finding.severity == "no-disc":
             raise EffectError(
-                f"there is no {what}: {found.sentence}",
-                value=found.value,
-                limit=found.limit,
-                unit=found.unit,
-                cam_angle=found.cam_angle,
+                f"there is no {what}: {finding.sentence}",
+                value=finding.value,
+                limit=finding.limit,
+                unit=finding.unit,
+                cam_angle=finding.cam_angle,
             )
 
 
@@ -219,10 +225,10 @@ def require_convex(subject: Subject, what: str) -> None:
 # The disc as a body that turns with the camshaft.
 
 
-def part_of(subject: Subject, purpose: str) -> Part:
+def require_part(subject: Subject, purpose: str) -> Part:
     """The part; EffectError, that there is no disc for the `purpose`, if it does not exist."""
     try:
-        return subject.made.part
+        return subject.required_disc.part
     except GeometryError as error:
         if error.key:
             raise
@@ -243,7 +249,7 @@ def unbalance_force(
     return np.asarray(turned * (rates[0] ** 2 - 1j * rotation * rates[1]))
 
 
-# -- opposite -------------------------------------------------------------------------------------
+# -- yoke sides -----------------------------------------------------------------------------------
 # A yoke in the effects: the disc twice, as its two sides touch it.
 #
 # The second side is handled as the return disc of a conjugate pair: `camgeo.cam.cam` has the
@@ -265,13 +271,13 @@ class Opposite:
 
     @property
     def part(self) -> Part:
-        """The same part."""
+        """The part of the disc, which has both sides."""
         return self.disc.part
 
 
-def astride(subject: Subject) -> Subject:
-    """A `subject` whose cam has a yoke, with both sides of it."""
-    return replace(subject, returning=replace(subject, disc=Opposite(subject.made)))
+def with_both_yoke_sides(subject: Subject) -> Subject:
+    """The `subject`, whose cam has a yoke, with the second side of the yoke as `returning`."""
+    return replace(subject, returning=replace(subject, disc=Opposite(subject.required_disc)))
 
 
 # -- ranges ---------------------------------------------------------------------------------------
@@ -280,7 +286,7 @@ def astride(subject: Subject) -> Subject:
 
 def ranges_below(
     quantity: Quantity, edges: FloatArray, limit: float, lowest: Extreme
-) -> tuple[Range, ...]:
+) -> tuple[LowRange, ...]:
     """The ranges where `quantity` is below `limit`, by ascending start.
 
     Parameters
@@ -294,20 +300,22 @@ def ranges_below(
     def above(phi: FloatArray) -> FloatArray:
         return quantity(phi, "right") - limit
 
+    # The known minimum is made an edge, so that a short range around it is not stepped over.
     cuts = with_roots(above, merged(np.concatenate((edges, [lowest.place]))))
     below = above(0.5 * (cuts[:-1] + cuts[1:])) < 0.0
-    found = []
+    ranges = []
     for pieces in runs(below):
         passing = pieces.index(0) if 0 in pieces else 0  # a run may pass the end of the turn
         halves = [half for half in (pieces[:passing], pieces[passing:]) if half]
         low = min(
             (piecewise_lowest(quantity, cuts[half[0] : half[-1] + 2]) for half in halves),
-            key=lambda each: each.value,
+            key=lambda extreme: extreme.value,
         )
-        found.append(Range(float(cuts[pieces[0]]), float(cuts[pieces[-1] + 1]), low))
-    if not found and lowest.value < limit:
-        found.append(Range(lowest.place, lowest.place, lowest))
-    return tuple(found)
+        ranges.append(LowRange(float(cuts[pieces[0]]), float(cuts[pieces[-1] + 1]), low))
+    # The range is too short to be resolved: the place of its minimum stands for it.
+    if not ranges and lowest.value < limit:
+        ranges.append(LowRange(lowest.place, lowest.place, lowest))
+    return tuple(ranges)
 
 
 def runs(inside: BoolArray) -> list[list[int]]:
@@ -315,12 +323,12 @@ def runs(inside: BoolArray) -> list[list[int]]:
 
     A run that passes the end of the turn counts as one, and comes last.
     """
-    found: list[list[int]] = []
+    groups: list[list[int]] = []
     for piece in np.flatnonzero(inside):
-        if found and found[-1][-1] == piece - 1:
-            found[-1].append(int(piece))
+        if groups and groups[-1][-1] == piece - 1:
+            groups[-1].append(int(piece))
         else:
-            found.append([int(piece)])
-    if len(found) > 1 and inside[0] and inside[-1]:
-        found.append(found.pop() + found.pop(0))
-    return found
+            groups.append([int(piece)])
+    if len(groups) > 1 and inside[0] and inside[-1]:
+        groups.append(groups.pop() + groups.pop(0))
+    return groups

@@ -11,17 +11,17 @@ from typing import Any, Final, NoReturn
 import numpy as np
 
 from camgeo.check.finding import Finding, Severity, limit_finding
-from camgeo.dynamics.effects.bearing_friction import BearingFriction, directions
+from camgeo.dynamics.effects.bearing_friction import BearingFriction, solve_balance
 from camgeo.dynamics.effects.contact import (
     INNER,
     OUTER,
     carrier,
+    contact_leverage,
     holds_both_ways,
-    leverage_of,
     lost_contact,
-    on_carrier,
     require_convex,
-    sides_of,
+    select_carrier,
+    side_names,
 )
 from camgeo.dynamics.effects.effect import Column, Quantity, Request, Subject
 from camgeo.dynamics.effects.forces import (
@@ -29,11 +29,11 @@ from camgeo.dynamics.effects.forces import (
     Force,
     all_borders,
     at_rates,
-    rates_of,
+    cam_rates,
     shocks,
     smooth_edges,
 )
-from camgeo.dynamics.effects.loads import loads_of
+from camgeo.dynamics.effects.loads import follower_loads
 from camgeo.dynamics.effects.results import (
     ACTING,
     FRICTION,
@@ -43,7 +43,14 @@ from camgeo.dynamics.effects.results import (
     Friction,
     Inertia,
 )
-from camgeo.dynamics.effects.wording import angles, at, between, by_place, placed, resolved_ends
+from camgeo.dynamics.effects.wording import (
+    at_angle,
+    at_angles,
+    by_place,
+    over_range,
+    placed,
+    resolved_ends,
+)
 from camgeo.errors import EffectError, GeometryError
 from camgeo.numeric.arrays import SHARE, ComplexArray, FloatArray, Side, merged
 from camgeo.numeric.extremes import (
@@ -71,20 +78,22 @@ def compute(request: Request[Mapping[str, Any]]) -> ContactForce:
     """
     subject, friction = request.subject, request.results.get(FRICTION)
     acting = [request.results.get(key) for key in ACTING]
-    forces = [each.force for each in acting if each is not None]
+    forces = [effect.force for effect in acting if effect is not None]
     if friction is not None:
         forces.append(friction.force)
     require_convex(subject, "contact force")
-    bearings = bearings_of(request, tuple(forces))
+    bearings = bearing_friction(request, tuple(forces))
     rigid = ForceBalance(subject, tuple(forces), friction, bearings)
     inertia, vibration = request.results.get(INERTIA), request.results.get(VIBRATION)
     behind = None if vibration is None else vibration.behind
     balance = rigid
     if behind is not None:
+        # What an elastic train passes on beyond a rigid one is one more force.
         train = behind.force(subject.state.smooth_angles)
-        balance = rigid.beside(train)
-    edges = edges_of(balance)
+        balance = rigid.with_force(train)
+    edges = force_edges(balance)
     refuse_jamming(balance, edges)
+    # The loads follow from the normal force, which is known only where nothing jams.
     edges = load_edges(balance, edges)
 
     @recalling  # all effects of the scene ask for it, most of them at the same angles
@@ -97,12 +106,12 @@ def compute(request: Request[Mapping[str, Any]]) -> ContactForce:
 
     limit = request.data.get("limit")
     extremes = piecewise_extremes(normal, edges)
-    found = force_findings(extremes, subject, limit)
+    findings = force_findings(extremes, subject, limit)
     columns = _columns(subject, normal, limit, all_borders(forces))
-    struck = struck_by_jumps(inertia, behind)
-    made = ContactForce(
+    struck = struck_mass(inertia, behind)
+    contact_force = ContactForce(
         findings=(
-            *found,
+            *findings,
             *shock_findings(subject, struck),
         ),
         columns=columns,
@@ -113,32 +122,34 @@ def compute(request: Request[Mapping[str, Any]]) -> ContactForce:
         extremes=extremes,
         required=rigid.required,
         normal=normal,
-        normal_at=rigid.normal,
+        normal_at_rates=rigid.normal,
         bracket=balance.bracket,
         demand=demand,
         bearings=rigid.bearings,
         released=rigid.released,
-        beside=lambda force: beside(made, rigid, force),
+        with_force=lambda force: add_force(contact_force, rigid, force),
         struck=struck,
         behind=behind,
     )
-    return made
+    return contact_force
 
 
-def beside(found: ContactForce, rigid: ForceBalance, force: Force) -> ContactForce:
-    """See `ContactForce.beside`; `rigid` is the balance with a rigid train."""
-    balance = rigid.beside(force)
+def add_force(contact: ContactForce, rigid: ForceBalance, force: Force) -> ContactForce:
+    """The `contact` force with one more `force`, see `ContactForce.with_force`; `rigid` is the
+    balance with a rigid train.
+    """
+    balance = rigid.with_force(force)
     return replace(
-        found,
+        contact,
         forces=balance.forces,
         bearings=balance.bearings,
         required=balance.required,
-        normal_at=balance.normal,
+        normal_at_rates=balance.normal,
         released=balance.released,
     )
 
 
-def bearings_of(
+def bearing_friction(
     request: Request[Mapping[str, Any]], forces: tuple[Force, ...]
 ) -> BearingFriction | None:
     """Friction under the loads of pivot or guide with these `forces`; None if the scene has none.
@@ -151,7 +162,7 @@ def bearings_of(
     friction = request.results.get(FRICTION)
     if friction is None or friction.rubbing is None:
         return None
-    loads = loads_of(request.subject, request.results, forces, idle=False)
+    loads = follower_loads(request.subject, request.results, forces, idle=False)
     return BearingFriction(
         friction.rubbing,
         recalling(partial(loads.on_bearings, friction), MOST_ANGLES),
@@ -159,7 +170,7 @@ def bearings_of(
     )
 
 
-def struck_by_jumps(inertia: Inertia | None, behind: ElasticTrain | None) -> Quantity | None:
+def struck_mass(inertia: Inertia | None, behind: ElasticTrain | None) -> Quantity | None:
     """See `ContactForce.struck`."""
     if inertia is None:
         return None
@@ -183,7 +194,7 @@ def _columns(
     def pushing(sense: int) -> Quantity:
         return lambda phi, side: np.maximum(sense * normal(phi, side), 0.0)
 
-    names, _ = sides_of(subject)
+    names, _ = side_names(subject)
     return tuple(
         Column(f"{names[sense]} contact force", "N", pushing(sense), limit, borders)
         for sense in (INNER, OUTER)
@@ -195,7 +206,7 @@ def force_findings(extremes: Extremes, subject: Subject, limit: float | None) ->
 
     The sides are the flanks of a groove, the discs of a conjugate pair or those of a yoke.
     """
-    names, noun = sides_of(subject)
+    names, noun = side_names(subject)
     extremes = resolved_ends(extremes)
     low, high = extremes.lowest, extremes.highest
     mirrored = Extreme(-low.value, low.place)
@@ -205,13 +216,13 @@ def force_findings(extremes: Extremes, subject: Subject, limit: float | None) ->
         smallest = low if inner else Extreme(-high.value, high.place)
         largest = _largest(high if inner else mirrored, where, limit)
         return [largest, _smallest(smallest, where, subject.cam.follower.touching)]
-    both = sorted(((high, INNER), (mirrored, OUTER)), key=lambda each: -each[0].value)
-    found = [_largest(both[0][0], f"the {names[both[0][1]]} {noun}", limit)]
+    both = sorted(((high, INNER), (mirrored, OUTER)), key=lambda pair: -pair[0].value)
+    findings = [_largest(both[0][0], f"the {names[both[0][1]]} {noun}", limit)]
     for extreme, sense in both:
         if extreme.value > 0.0:
             text = f"largest contact force {_value(extreme, f'the {names[sense]} {noun}')}"
-            found.append(placed(f"largest-contact-force-{names[sense]}", text, extreme, "N"))
-    return found
+            findings.append(placed(f"largest-contact-force-{names[sense]}", text, extreme, "N"))
+    return findings
 
 
 def _largest(extreme: Extreme, where: str, limit: float | None) -> Finding:
@@ -228,18 +239,20 @@ def _smallest(extreme: Extreme, where: str, what: str) -> Finding:
 
 
 def _value(extreme: Extreme, where: str) -> str:
-    return f"on {where} {extreme.value:.6g} N {at(extreme.place)}"
+    return f"on {where} {extreme.value:.6g} N {at_angle(extreme.place)}"
 
 
 def shock_findings(subject: Subject, struck: Quantity | None) -> list[Finding]:
-    """Where the velocity of a mass jumps: the force is infinite there, and not in the values."""
+    """Findings on jumps of the velocity of a mass, at which the force is infinite; no value
+    includes it.
+    """
     return [
         Finding(
             name="shock",
             severity="broken",
             sentence=(
-                f"the velocity jumps {angles(places)}: the inertia force at the contact is infinite"
-                " for an instant, and not included in any value"
+                f"the velocity jumps {at_angles(places)}: the inertia force at the contact is"
+                " infinite for an instant, and not included in any value"
             ),
             cam_angle=places[0],
         )
@@ -290,14 +303,14 @@ class ForceBalance:
     friction: Friction | None
     bearings: BearingFriction | None
 
-    def beside(self, force: Force) -> ForceBalance:
-        """The same with a `force` besides."""
-        bearings = None if self.bearings is None else self.bearings.beside(force)
+    def with_force(self, force: Force) -> ForceBalance:
+        """The balance with one more `force`."""
+        bearings = None if self.bearings is None else self.bearings.with_force(force)
         return replace(self, forces=(*self.forces, force), bearings=bearings)
 
     def rates(self, phi: FloatArray, side: Side) -> FloatArray:
         """(2 or more, n) omega [rad/s] and alpha [rad/s^2] of the scene; 0 if it gives no speed."""
-        return rates_of(self.subject, phi, side)
+        return cam_rates(self.subject, phi, side)
 
     def demand(self, phi: FloatArray, side: Side, rates: FloatArray) -> FloatArray:
         """(n,) R [N or N mm] at `rates`; exactly 0 where the forces cancel to rounding."""
@@ -312,21 +325,21 @@ class ForceBalance:
 
     def required(self, phi: FloatArray, side: Side) -> FloatArray:
         """(4, n) coefficients of R."""
-        out = np.zeros((4, len(phi)))
+        coefficients = np.zeros((4, len(phi)))
         for force in self.forces:
-            out += force.coefficients(phi, side)
-        return -out
+            coefficients += force.coefficients(phi, side)
+        return -coefficients
 
     def released(self, phi: FloatArray, side: Side, rates: FloatArray) -> FloatArray:
         """(n,) R_0 [N or N mm] at `rates`; exactly 0 where it is rounding."""
         needed = self.demand(phi, side, rates)
         if self.bearings is None:
             return needed
-        alone = self.bearings.alone(phi, side, rates)
+        alone = self.bearings.noncontact_friction(phi, side, rates)
         size = np.abs(needed) + self.bearings.largest(phi, side, rates)
-        found = needed + alone
-        found[np.abs(found) <= SHARE * size] = 0.0
-        return found
+        remainder = needed + alone
+        remainder[np.abs(remainder) <= SHARE * size] = 0.0
+        return remainder
 
     def leverage(self, phi: FloatArray, side: Side, sense: int) -> FloatArray:
         """(n,) sense dn/dq [1 or mm/rad]: force on q per unit of |N|, without friction.
@@ -337,7 +350,7 @@ class ForceBalance:
             Where the pitch curve has a cusp, and thus no normal.
         """
         try:
-            return leverage_of(self.subject, phi, side, sense)
+            return contact_leverage(self.subject, phi, side, sense)
         except GeometryError as error:
             raise EffectError(f"there is no contact force: {error.message}") from error
 
@@ -365,6 +378,8 @@ class ForceBalance:
         needed = self.released(phi, side, rates)
         lever = self.leverage(phi, side, INNER)
         other = -lever if self.subject.returning is None else self.leverage(phi, side, OUTER)
+        # The inner flank pushes along its leverage; the other side has to carry what is demanded
+        # the other way.
         sense = np.where(needed * np.sign(lever) >= 0.0, INNER, OUTER)
         inner = self.bracket(phi, side, INNER, lever)
         outer = self.bracket(phi, side, OUTER, other)
@@ -384,15 +399,15 @@ class ForceBalance:
         jammed = loaded & (reserve <= VANISHING * abs(self.subject.cam.follower.reach))
         if np.any(jammed):
             self.refuse(float(phi[jammed][0]), side)
-        found = np.zeros(len(phi))
+        forces = np.zeros(len(phi))
         if self.bearings is None:
-            np.divide(np.abs(needed), reserve, out=found, where=loaded)
+            np.divide(np.abs(needed), reserve, out=forces, where=loaded)
         else:
-            found[loaded] = self._under_loads(self.bearings, phi, side, rates, sense)[loaded]
-        found *= sense
-        return found
+            forces[loaded] = self._loaded_normal(self.bearings, phi, side, rates, sense)[loaded]
+        forces *= sense
+        return forces
 
-    def _under_loads(
+    def _loaded_normal(
         self,
         bearings: BearingFriction,
         phi: FloatArray,
@@ -401,26 +416,32 @@ class ForceBalance:
         sense: FloatArray,
     ) -> FloatArray:
         """(n,) |N| on the side `sense` (n,) with friction in the bearings."""
-        found = np.zeros(len(phi))
+        normal = np.zeros(len(phi))
         demand, drag = self.demand(phi, side, rates), bearings.drag(phi, side)
-        own = at_rates(bearings.own(phi, side), rates)
+        noncontact = at_rates(bearings.noncontact_loads(phi, side), rates)
         for flank in (INNER, OUTER):
             here = sense == flank
             if not np.any(here):
                 continue
             per = bearings.rubbing.per_normal(phi, side, flank)
+            # The bracket is reduced by the friction of the contact's load alone; here b is without
+            # it, because the loads include it.
             free = self.bracket(phi, side, flank) + drag * np.sum(np.abs(per), axis=0)
-            u = np.where(demand + drag * np.sum(np.abs(own), axis=0) >= 0.0, 1.0, -1.0)
-            n, _ = directions(u * demand, u * free, u * drag, own, per)
-            found[here] = n[here]
-        return found
+            # The direction in which the flank must push: both sides of the balance are multiplied
+            # by it.
+            u = np.where(demand + drag * np.sum(np.abs(noncontact), axis=0) >= 0.0, 1.0, -1.0)
+            n, _ = solve_balance(u * demand, u * free, u * drag, noncontact, per)
+            normal[here] = n[here]
+        return normal
 
     def bearing_loads(self, bearings: BearingFriction, phi: FloatArray, side: Side) -> ComplexArray:
         """(k, n) the loads that rub in pivot or guide, at the speed of the scene."""
         rates = self.rates(phi, side)
         normal = self.normal(phi, side, rates)
-        per = on_carrier(normal, lambda sense: bearings.rubbing.per_normal(phi, side, sense))
-        return np.asarray(at_rates(bearings.own(phi, side), rates) + per * np.abs(normal))
+        per = select_carrier(normal, lambda sense: bearings.rubbing.per_normal(phi, side, sense))
+        return np.asarray(
+            at_rates(bearings.noncontact_loads(phi, side), rates) + per * np.abs(normal)
+        )
 
     def refuse(
         self, angle: float, side: Side, cam_range: tuple[float, float] | None = None
@@ -435,7 +456,7 @@ class ForceBalance:
 
         value: float | None = transmission(angle)
         limit: float | None = 0.0
-        where = at(angle) if cam_range is None else between(cam_range)
+        where = at_angle(angle) if cam_range is None else over_range(cam_range)
         if self.friction is not None and not self.subject.cam.follower.rolls:
             value = limit = None
             why = "friction absorbs the entire contact force"
@@ -459,7 +480,7 @@ class ForceBalance:
         )
 
 
-def edges_of(balance: ForceBalance) -> FloatArray:
+def force_edges(balance: ForceBalance) -> FloatArray:
     """(k,) cam angles [rad] from 0 to 2 pi between which the normal force is smooth.
 
     They are the smooth angles of the motion, the borders of the forces, and the roots of R_0 and of
@@ -475,10 +496,11 @@ def edges_of(balance: ForceBalance) -> FloatArray:
         return balance.leverage(phi, "right", sense)
 
     senses = (INNER,) if balance.subject.returning is None else (INNER, OUTER)
+    # Where R_0 dips below 0 between two points of the grid, both roots would be missed.
     inner = sample_grid(merged(np.concatenate((edges, dips(demand, grid)))))
-    found = [edges, roots_on_grid(demand, inner)]
-    found += [roots_on_grid(partial(leverage, sense=sense), grid) for sense in senses]
-    return merged(np.concatenate(found))
+    angles = [edges, roots_on_grid(demand, inner)]
+    angles += [roots_on_grid(partial(leverage, sense=sense), grid) for sense in senses]
+    return merged(np.concatenate(angles))
 
 
 def load_edges(balance: ForceBalance, edges: FloatArray) -> FloatArray:
@@ -512,5 +534,6 @@ def refuse_jamming(balance: ForceBalance, edges: FloatArray) -> None:
     if stretch is None:
         balance.refuse(lowest.place, "right")
     else:
+        # At the end of the range the values inside it are meant.
         side: Side = "left" if lowest.place == stretch[1] else "right"
         balance.refuse(lowest.place, side, stretch)

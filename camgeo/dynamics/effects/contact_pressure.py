@@ -15,7 +15,7 @@ from typing import Final, NoReturn
 import numpy as np
 
 from camgeo.check.finding import Finding, limit_finding
-from camgeo.dynamics.effects.contact import FLANKS, INNER, OUTER, sides_of, with_other_side
+from camgeo.dynamics.effects.contact import FLANKS, INNER, OUTER, side_names, with_other_side
 from camgeo.dynamics.effects.effect import (
     SPEED,
     Bound,
@@ -28,7 +28,7 @@ from camgeo.dynamics.effects.effect import (
 )
 from camgeo.dynamics.effects.results import CONTACT_FORCE
 from camgeo.dynamics.effects.tables import PressureRequirements
-from camgeo.dynamics.effects.wording import at, missed, placed
+from camgeo.dynamics.effects.wording import at_angle, placed, tolerance_error
 from camgeo.dynamics.state.state import Model
 from camgeo.errors import EffectError, GeometryError
 from camgeo.kinematics.time_course import TimeCourse, period
@@ -80,18 +80,18 @@ def compute(request: Request[PressureRequirements]) -> ContactPressure:
     """
     force = request.results[CONTACT_FORCE]
     subject = request.subject
-    main = _of_disc(request, subject, force.normal, force.edges)
+    main = _disc_pressure(request, subject, force.normal, force.edges)
     if subject.returning is None:
         return main
     try:
-        other = _of_disc(request, subject.returning, scaled(force.normal, -1.0), force.edges)
+        other = _disc_pressure(request, subject.returning, scaled(force.normal, -1.0), force.edges)
     except EffectError as error:  # of the return disc, or of the opposite side
-        names, noun = sides_of(subject)
+        names, noun = side_names(subject)
         raise replace(error, message=f"{names[OUTER]} {noun}: {error.message}") from error
     return replace(with_other_side(subject, main, other), returning=other)
 
 
-def _of_disc(
+def _disc_pressure(
     request: Request[PressureRequirements], subject: Subject, normal: Quantity, edges: FloatArray
 ) -> ContactPressure:
     """The pressure on one disc, `subject`; `edges` are those of the force `normal`."""
@@ -128,20 +128,20 @@ def _of_disc(
             Column("contact pressure", "MPa", contact.pressure, data.limit, inside),
             Column("subsurface shear", "MPa", scaled(contact.pressure, SHEAR_SHARE), None, inside),
         ),
-        errors={} if life is None else errors_of(life),
+        errors={} if life is None else figure_errors(life),
         contact=contact,
         largest=Extreme(worst.pressure(data.modulus), worst.angle),
         life=life,
     )
 
 
-def errors_of(life: Life) -> dict[str, Bound]:
+def figure_errors(life: Life) -> dict[str, Bound]:
     """The errors of what is integrated; all else is exact."""
-    found = {"roller-speed": _relative(life.speed / RPM, life.speed_error)}
+    errors = {"roller-speed": _relative(life.speed / RPM, life.speed_error)}
     if life.seconds is not None:
-        found["roller-life"] = _relative(life.seconds / HOUR, life.error)
-        found["equivalent-roller-load"] = _relative(life.load, life.load_error)
-    return found
+        errors["roller-life"] = _relative(life.seconds / HOUR, life.error)
+        errors["equivalent-roller-load"] = _relative(life.load, life.load_error)
+    return errors
 
 
 def _relative(value: float, error: float) -> Bound:
@@ -152,6 +152,7 @@ def _width(subject: Subject, data: PressureRequirements) -> float:
     """L [mm]."""
     part = subject.part_spec
     groove = subject.cam.contact.closed_by_form
+    # The flanks of a groove are as wide as it is deep.
     whole = None if part is None else part.groove_depth if groove else part.thickness
     name = "groove_depth" if groove else "thickness"
     if data.width is None:
@@ -174,7 +175,8 @@ def _worst(contact: LineContact, angle: float, square: float) -> Worst:
     """The contact at `angle` [rad], from the side on which p^2 is `square`."""
     phi = np.array([angle])
     sides: tuple[Side, ...] = ("right", "left")
-    side = min(sides, key=lambda each: abs(float(contact.square(phi, each)[0]) - square))
+    # Where the pressure jumps, only one side has the value that the search has found.
+    side = min(sides, key=lambda side: abs(float(contact.square(phi, side)[0]) - square))
     load, radius = contact.load_and_radius(phi, side)
     sense = int(contact.carried(phi, side)[1][0])
     follower = contact.subject.cam.follower
@@ -199,8 +201,8 @@ def _worst(contact: LineContact, angle: float, square: float) -> Worst:
 HOUR: Final = 3600.0
 
 LONGEST: Final = 1e6
-"""A life [h] of more than a century is not told in figures: no bearing ends by fatigue alone then,
-which is all that the formula knows."""
+"""A life [h] of more than a century is not stated in figures: no bearing ends by fatigue
+alone then, and the formula knows nothing else."""
 
 HEAVY: Final = 0.5
 """Share of the dynamic load rating up to which the life formula applies (ISO 281:2007)."""
@@ -232,7 +234,7 @@ class Worst:
     @property
     def place(self) -> str:
         """The place in words."""
-        return at(self.angle)
+        return at_angle(self.angle)
 
     def pressure(self, modulus: float) -> float:
         """p [MPa] for E* `modulus` [MPa]; 0 without force, whatever the radius."""
@@ -345,6 +347,7 @@ def _needed_roller(worst: Worst, roller: float, data: PressureRequirements) -> F
             cam_angle=worst.angle,
         )
     low, high = radii
+    # The end of the range that is nearer to the roller of the scene.
     nearest = high if roller > high else low
     upper = "or more" if math.isinf(high) else f"to {high:.6g} mm"
     sentence = f"roller radius needed {goal}: {low:.6g} mm {upper}; it is {roller:g} mm"
@@ -362,19 +365,19 @@ def life_findings(life: Life, data: PressureRequirements) -> tuple[Finding, ...]
         value=speed,
         unit="rev/min",
     )
-    asked = None if data.life is None else data.life / HOUR
+    required = None if data.life is None else data.life / HOUR
     if life.seconds is None:
         unlimited = (
             "nothing presses the roller on its flank, so the life of its bearing has no limit"
         )
-        return (Finding("roller-life", "ok", unlimited, limit=asked, unit="h"), turning)
+        return (Finding("roller-life", "ok", unlimited, limit=required, unit="h"), turning)
     hours = life.seconds / HOUR
-    known = f"over {LONGEST:,.0f}" if hours > max(LONGEST, asked or 0.0) else f"{hours:.6g}"
+    known = f"over {LONGEST:,.0f}" if hours > max(LONGEST, required or 0.0) else f"{hours:.6g}"
     text = f"basic rating life of the roller bearing {known} h"
     heavy = life.load > HEAVY * data.rating
     most = HEAVY * data.rating
     return (
-        limit_finding("roller-life", text, hours, asked, "h", least=True),
+        limit_finding("roller-life", text, hours, required, "h", least=True),
         Finding(
             name="equivalent-roller-load",
             severity="warning" if heavy else "ok",
@@ -476,6 +479,7 @@ def rolling_life(
         return np.asarray((load / rating) ** exponent * turns)
 
     share = 0.5 * tolerance  # the estimate also contains the rounding of the sum
+    # |nu| has a kink where the roller reverses its spin.
     borders = with_roots(turning, edges)
     turns = piecewise_integral(lambda phi: np.abs(turning(phi)), borders, share)
     worn = piecewise_integral(wear, borders, share)
@@ -486,11 +490,14 @@ def rolling_life(
         return Life(0.0, speed, None, 0.0, turned, 0.0)
     error = worn.error / worn.value
     if max(error, turned) > tolerance:
-        raise missed("the life of the roller bearing", max(error, turned), "itself", tolerance)
+        raise tolerance_error(
+            "the life of the roller bearing", max(error, turned), "itself", tolerance
+        )
     return Life(
         load=rating * (worn.value / turns.value) ** (1.0 / exponent),
         speed=speed,
         seconds=TURNS * TURN * duration / worn.value,
+        # P is the p-th root of a quotient of both integrals.
         load_error=(error + turned) / exponent,
         speed_error=turned,
         error=error,
@@ -575,6 +582,7 @@ class LineContact:
         kappa = sense * self.curvature(phi, side)
         cam, state = self.subject.cam, self.subject.state
         radius = cam.follower.contact_radius(kappa, cam.disc.flank_distance)
+        # A corner of the disc has no radius: any load makes the pressure infinite.
         return load, np.where(state.on_corner(phi, side), 0.0, radius)
 
     def square(self, phi: FloatArray, side: Side) -> FloatArray:
@@ -590,10 +598,11 @@ class LineContact:
         beyond = loaded & (radius <= CUSP * self.scale)
         if np.any(beyond):
             self._refuse(float(phi[beyond][0]), float(np.min(radius[beyond])))
-        found = np.zeros(len(phi))
+        squares = np.zeros(len(phi))
+        # p^2 = F E* / (pi L R).
         share = self.modulus / (math.pi * self.width)
-        np.divide(share * load, radius, out=found, where=loaded)
-        return found
+        np.divide(share * load, radius, out=squares, where=loaded)
+        return squares
 
     def pressure(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) p [MPa], see `square`."""
@@ -603,11 +612,12 @@ class LineContact:
         """Raise EffectError if a cusp or undercut is loaded between `edges` (k,) [rad]."""
         scale = self.scale
 
-        def under_load(phi: FloatArray, side: Side) -> FloatArray:
+        def loaded_radius(phi: FloatArray, side: Side) -> FloatArray:
             load, radius = self.load_and_radius(phi, side)
+            # Without load any radius will do; this one is no cusp.
             return np.where(load > 0.0, radius, scale)
 
-        lowest = piecewise_lowest(under_load, edges)
+        lowest = piecewise_lowest(loaded_radius, edges)
         if lowest.value <= CUSP * scale:
             self._refuse(lowest.place, lowest.value)
 
@@ -617,8 +627,8 @@ class LineContact:
         what = CORNERS.get(self.subject.state.model, what)
         touching = self.subject.cam.follower.touching
         raise EffectError(
-            f"the pressure is infinite {at(angle)}: {what} carries the {touching} there; 1 + d"
-            f" kappa is {value:.6g} and must be above 0",
+            f"the pressure is infinite {at_angle(angle)}: {what} carries the {touching} there; 1 +"
+            f" d kappa is {value:.6g} and must be above 0",
             finding="infinite-contact-pressure",
             value=value,
             limit=0.0,
@@ -673,6 +683,7 @@ def roller_radii(needed: float, curvature: float) -> tuple[float, float] | None:
     kappa), at half the radius of curvature. The lower root of the quadratic equation is computed
     from the upper one, to avoid cancellation.
     """
+    # The discriminant of kappa r^2 - r + R = 0.
     rest = 1.0 - 4.0 * needed * curvature
     if rest < 0.0:
         return None

@@ -20,20 +20,28 @@ from camgeo.dynamics.effects.bearing_friction import (
     LINEAR,
     BearingFriction,
     RubbingLaw,
+    add_force,
     linear_law,
-    with_force,
 )
-from camgeo.dynamics.effects.contact import INNER, OUTER, carrier, leverage_of
-from camgeo.dynamics.effects.effect import Bound, Column, Quantity, Request, Subject, data_of
+from camgeo.dynamics.effects.contact import INNER, OUTER, carrier, contact_leverage
+from camgeo.dynamics.effects.effect import Bound, Column, Quantity, Request, Subject, build_data
 from camgeo.dynamics.effects.forces import (
     all_borders,
     at_rates,
-    rates_of,
+    cam_rates,
     smooth_edges,
     torque_shocks,
 )
 from camgeo.dynamics.effects.results import CONTACT_FORCE, ContactForce, DriveTorque
-from camgeo.dynamics.effects.wording import KG_M2, N_M, at, degrees, missed, placed, resolved_ends
+from camgeo.dynamics.effects.wording import (
+    KG_M2,
+    N_M,
+    at_angle,
+    degrees,
+    placed,
+    resolved_ends,
+    tolerance_error,
+)
 from camgeo.errors import EffectError, GeometryError
 from camgeo.kinematics.time_course import period
 from camgeo.numeric.arrays import SHARE, FloatArray, Side, resolved
@@ -73,7 +81,7 @@ def compute(request: Request[Mapping[str, Any]]) -> DriveTorque:
         "jamming", if friction prevents the contact force from driving the follower; and if the
         tolerance cannot be reached.
     """
-    subject, data = request.subject, data_of(TorqueLimits, request.data)
+    subject, data = request.subject, build_data(TorqueLimits, request.data)
     course = subject.state.course
     if data.fluctuation is not None and course is None:
         raise GeometryError(
@@ -82,37 +90,37 @@ def compute(request: Request[Mapping[str, Any]]) -> DriveTorque:
         )
     contact = request.results[CONTACT_FORCE]
     law = TorqueLaw(subject, contact)
-    found = summary(law, data.fluctuation, request.tolerance)
+    totals = summarise(law, data.fluctuation, request.tolerance)
     return DriveTorque(
-        findings=findings(law, found, data),
+        findings=torque_findings(law, totals, data),
         columns=_columns(law, data.limit),
-        errors=errors_of(found, data),
+        errors=figure_errors(totals, data),
         contact=contact,
         law=law.coefficients,
-        at=law.at,
+        torque_at_rates=law.torque_at_rates,
         torque=law.torque,
         static=law.static,
         edges=contact.edges,
     )
 
 
-def errors_of(found: Summary, data: TorqueLimits) -> dict[str, Bound]:
+def figure_errors(summary: Summary, data: TorqueLimits) -> dict[str, Bound]:
     """The errors of the integrals; peaks and columns are exact."""
-    scale = N_M * found.peaks.magnitude
-    mean = Bound(N_M * found.mean_error, scale)
-    out = {
+    scale = N_M * summary.peaks.magnitude
+    mean = Bound(N_M * summary.mean_error, scale)
+    errors = {
         "mean-torque": mean,
         "work-per-turn": mean.times(TURN),
-        "mean-power": mean.times(found.speed),
-        "rms-torque": Bound(N_M * found.rms_error, scale),
+        "mean-power": mean.times(summary.speed),
+        "rms-torque": Bound(N_M * summary.rms_error, scale),
     }
-    if found.stored is not None and data.fluctuation is not None:
-        energy = Bound(N_M * found.stored.error, TURN * scale)
-        out["energy-fluctuation"] = energy
-        out["flywheel"] = energy.times(
-            moment_of_inertia(1.0, data.fluctuation, found.speed) * KG_M2 / N_M
+    if summary.stored is not None and data.fluctuation is not None:
+        energy = Bound(N_M * summary.stored.error, TURN * scale)
+        errors["energy-fluctuation"] = energy
+        errors["flywheel"] = energy.times(
+            moment_of_inertia(1.0, data.fluctuation, summary.speed) * KG_M2 / N_M
         )
-    return out
+    return errors
 
 
 def _columns(law: TorqueLaw, limit: float | None) -> tuple[Column, ...]:
@@ -132,32 +140,32 @@ def _columns(law: TorqueLaw, limit: float | None) -> tuple[Column, ...]:
     )
 
 
-def findings(law: TorqueLaw, found: Summary, data: TorqueLimits) -> tuple[Finding, ...]:
-    """All findings."""
+def torque_findings(law: TorqueLaw, summary: Summary, data: TorqueLimits) -> tuple[Finding, ...]:
+    """The findings on the peaks, the integrals, the flywheel and the shocks of the torque."""
     turning = law.subject.state.course is not None
-    peaks = resolved_ends(found.peaks)
-    static = resolved_ends(found.static_peaks, peaks.magnitude)
-    out = [
+    peaks = resolved_ends(summary.peaks)
+    static = resolved_ends(summary.static_peaks, peaks.magnitude)
+    report = [
         _peak("largest-torque", "largest drive torque", peaks.highest, data.limit, 1.0),
         _peak("smallest-torque", "smallest drive torque", peaks.lowest, data.limit, -1.0),
     ]
     if turning:
-        out += [
+        report += [
             _peak("largest-static-torque", "largest static drive torque", static.highest),
             _peak("smallest-static-torque", "smallest static drive torque", static.lowest),
         ]
-    out += [
-        _value("rms-torque", "root mean square of the drive torque", N_M * found.rms, "N m"),
-        _value("mean-torque", "mean drive torque", N_M * found.mean, "N m"),
-        _value("work-per-turn", "work of the drive over a turn", N_M * TURN * found.mean, "J"),
+    report += [
+        _value("rms-torque", "root mean square of the drive torque", N_M * summary.rms, "N m"),
+        _value("mean-torque", "mean drive torque", N_M * summary.mean, "N m"),
+        _value("work-per-turn", "work of the drive over a turn", N_M * TURN * summary.mean, "J"),
     ]
     if turning:
-        power = N_M * found.mean * found.speed
-        out.append(_value("mean-power", "mean power of the drive", power, "W"))
-    out += _flywheel(found, data.fluctuation)
+        power = N_M * summary.mean * summary.speed
+        report.append(_value("mean-power", "mean power of the drive", power, "W"))
+    report += _flywheel(summary, data.fluctuation)
     if turning:
-        out += _shock(law)
-    return tuple(out)
+        report += _shock(law)
+    return tuple(report)
 
 
 def _value(name: str, words: str, value: float, unit: str) -> Finding:
@@ -177,17 +185,17 @@ def _peak(
         broken = sense * value > sense * bound
         severity = "broken" if broken else "ok"
         verdict = f", {'beyond' if broken else 'within'} {bound:g} N m"
-    sentence = f"{words} {value:.5g} N m {at(peak.place)}{verdict}"
+    sentence = f"{words} {value:.5g} N m {at_angle(peak.place)}{verdict}"
     return placed(name, sentence, Extreme(value, peak.place), "N m", bound, severity)
 
 
-def _flywheel(found: Summary, fluctuation: float | None) -> list[Finding]:
-    stored = found.stored
+def _flywheel(summary: Summary, fluctuation: float | None) -> list[Finding]:
+    stored = summary.stored
     if stored is None or fluctuation is None:
         return []
     low, high = stored.extremes.lowest, stored.extremes.highest
     span = stored.span if stored.span > stored.error else 0.0
-    moment = KG_M2 * moment_of_inertia(span, fluctuation, found.speed)
+    moment = KG_M2 * moment_of_inertia(span, fluctuation, summary.speed)
     return [
         Finding(
             "energy-fluctuation",
@@ -201,7 +209,7 @@ def _flywheel(found: Summary, fluctuation: float | None) -> list[Finding]:
         Finding(
             "flywheel",
             "ok",
-            f"for a speed fluctuation of {fluctuation:g} at {found.speed / RPM:.5g} rev/min,"
+            f"for a speed fluctuation of {fluctuation:g} at {summary.speed / RPM:.5g} rev/min,"
             f" everything that turns with the cam needs a moment of inertia of {moment:.5g} kg m^2",
             moment,
             unit="kg m^2",
@@ -210,7 +218,7 @@ def _flywheel(found: Summary, fluctuation: float | None) -> list[Finding]:
 
 
 def _shock(law: TorqueLaw) -> list[Finding]:
-    """Where the velocity of a mass jumps; no finding without a mass."""
+    """A finding on the jumps of the velocity of a mass; none without masses."""
     contact = law.contact
     if contact.struck is None:
         return []
@@ -268,45 +276,55 @@ class TorqueLaw:
         """
         if self.contact.bearings is not None:
             return self._rubbing(self.contact.bearings, phi, side).rows
-        out = np.empty((LINEAR, len(phi)))
-        out[:4] = self.contact.required(phi, side)
+        rows = np.empty((LINEAR, len(phi)))
+        rows[:4] = self.contact.required(phi, side)
         velocity = self.subject.state.motion.jet(phi, side, 1)[1]
         friction = self.contact.friction
         if friction is None:
-            out[4:] = velocity
-            return out
-        levers = {sense: leverage_of(self.subject, phi, side, sense) for sense in (INNER, OUTER)}
+            rows[4:] = velocity
+            return rows
+        levers = {
+            sense: contact_leverage(self.subject, phi, side, sense) for sense in (INNER, OUTER)
+        }
         gains = {
             sense: _gain(lever, velocity, friction.per_normal(phi, side, sense))
             for sense, lever in levers.items()
         }
         outwards = levers[INNER] >= 0.0
-        out[4] = np.where(outwards, gains[1], gains[-1])
-        out[5] = np.where(outwards, gains[-1], gains[1])
-        return out
+        # R > 0 is carried by the inner flank where its leverage is above 0, else by the other one.
+        rows[4] = np.where(outwards, gains[1], gains[-1])
+        rows[5] = np.where(outwards, gains[-1], gains[1])
+        return rows
 
     def _rubbing(self, bearings: BearingFriction, phi: FloatArray, side: Side) -> RubbingLaw:
         """The law with friction in the bearings."""
         velocity = self.subject.state.motion.jet(phi, side, 1)[1]
         drag, friction = bearings.drag(phi, side), self.contact.friction
         assert friction is not None  # that of the bearings is part of it
-        found = {}
+        sides = {}
         for sense in (INNER, OUTER):
-            lever = leverage_of(self.subject, phi, side, sense)
+            lever = contact_leverage(self.subject, phi, side, sense)
             loads = bearings.rubbing.per_normal(phi, side, sense)
             force, torque = friction.per_normal(phi, side, sense)
+            # per_normal includes the friction of the contact's load alone; b is without it, because
+            # the loads include it.
             free = lever + force + drag * np.sum(np.abs(loads), axis=0)
-            found[sense] = (lever * velocity + torque, free, loads)
-        outwards = leverage_of(self.subject, phi, side, INNER) >= 0.0
+            sides[sense] = (lever * velocity + torque, free, loads)
+        outwards = contact_leverage(self.subject, phi, side, INNER) >= 0.0
         torque, free, per = (
             np.stack((np.where(outwards, inner, outer), np.where(outwards, outer, inner)))
-            for inner, outer in zip(found[INNER], found[OUTER], strict=True)
+            for inner, outer in zip(sides[INNER], sides[OUTER], strict=True)
         )
         return RubbingLaw(
-            self.contact.required(phi, side), torque, free, drag, bearings.own(phi, side), per
+            self.contact.required(phi, side),
+            torque,
+            free,
+            drag,
+            bearings.noncontact_loads(phi, side),
+            per,
         )
 
-    def at(
+    def torque_at_rates(
         self, phi: FloatArray, side: Side, omega: FloatArray | float, alpha: FloatArray | float
     ) -> FloatArray:
         """(n,) torque [N mm] at `phi` with the cam turning at omega [rad/s] and alpha [rad/s^2], of
@@ -319,16 +337,17 @@ class TorqueLaw:
         """
         shape = np.zeros(phi.shape)
         rates = np.stack((omega + shape, alpha + shape))
-        return self._at(rates, self.coefficients(phi, side), phi)
+        return self._torque_by_law(rates, self.coefficients(phi, side), phi)
 
-    def _at(self, rates: FloatArray, rows: FloatArray, phi: FloatArray) -> FloatArray:
+    def _torque_by_law(self, rates: FloatArray, rows: FloatArray, phi: FloatArray) -> FloatArray:
         """(n,) torque [N mm] at `rates` (2, n) by the law `rows`, see `coefficients`."""
         law = linear_law(rows, rates[0], rates[1])
-        return self._under(at_rates(law[:4], rates), law, phi)
+        return self._torque_for_force(at_rates(law[:4], rates), law, phi)
 
-    def _under(self, force: FloatArray, law: FloatArray, phi: FloatArray) -> FloatArray:
+    def _torque_for_force(self, force: FloatArray, law: FloatArray, phi: FloatArray) -> FloatArray:
         """(n,) torque [N mm] where the contact provides R = `force` (n,)."""
         gain = np.where(force >= 0.0, law[4], law[5])
+        # Where nothing is demanded a gain of nan is no jamming.
         torque: FloatArray = np.where(force == 0.0, 0.0, force * gain)
         jammed = np.isnan(torque)
         if np.any(jammed):
@@ -341,8 +360,8 @@ class TorqueLaw:
         angle = math.degrees(min(curve.transmission_angle(here)[0] for curve in curves))
         place = float(here[0]) % TURN
         raise EffectError(
-            f"the follower jams {at(place)}: at a transmission angle of {angle:.4f} deg friction"
-            " absorbs the entire contact force",
+            f"the follower jams {at_angle(place)}: at a transmission angle of {angle:.4f} deg"
+            " friction absorbs the entire contact force",
             finding="jamming",
             value=angle,
             unit="deg",
@@ -353,15 +372,15 @@ class TorqueLaw:
         """(n,) [N mm] at the speed of the scene; the static part if it gives none."""
         rows, contact = self.coefficients(phi, side), self.contact
         if contact.bearings is None:
-            return self._under(contact.demand(phi, side), rows, phi)
+            return self._torque_for_force(contact.demand(phi, side), rows, phi)
         for force in contact.forces:
             if force.present:
-                rows = with_force(rows, contact.bearings, force, phi, side)
-        return self._at(rates_of(self.subject, phi, side), rows, phi)
+                rows = add_force(rows, contact.bearings, force, phi, side)
+        return self._torque_by_law(cam_rates(self.subject, phi, side), rows, phi)
 
     def static(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) [N mm] at very low speed: without inertia and viscous friction."""
-        return self.at(phi, side, 0.0, 0.0)
+        return self.torque_at_rates(phi, side, 0.0, 0.0)
 
     def dynamic(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) [N mm] the part that the speed adds to the static part."""
@@ -385,7 +404,7 @@ class TorqueLaw:
             return edges
 
         def loads(phi: FloatArray) -> FloatArray:
-            law = RubbingLaw.of(self.coefficients(phi, "right"))
+            law = RubbingLaw.from_rows(self.coefficients(phi, "right"))
             return np.asarray(law.loads(0.0, 0.0).real)
 
         return with_roots(loads, edges)
@@ -394,6 +413,7 @@ class TorqueLaw:
 def _gain(lever: FloatArray, velocity: FloatArray, per_normal: FloatArray) -> FloatArray:
     """(n,) T / R, with `lever` = sense * leverage; nan where the follower jams."""
     force = lever + per_normal[0]
+    # With friction the contact must still push along its leverage; in a dwell nothing has to move.
     jams = (force == 0.0) | ((force * lever <= 0.0) & (velocity != 0.0))
     torque = lever * velocity + per_normal[1]
     return np.where(jams, np.nan, torque / np.where(jams, 1.0, force))
@@ -464,7 +484,7 @@ class Summary:
         return worst / largest if largest > 0.0 else 0.0
 
 
-def summary(law: TorqueLaw, fluctuation: float | None, tolerance: float) -> Summary:
+def summarise(law: TorqueLaw, fluctuation: float | None, tolerance: float) -> Summary:
     """The values of the torque in `law`, with integrals to `tolerance`.
 
     The mean square over time is the integral of T^2 dt over the turn divided by its duration, with
@@ -492,17 +512,18 @@ def summary(law: TorqueLaw, fluctuation: float | None, tolerance: float) -> Summ
     square = piecewise_integral(squares, edges, tolerance)
     mean_square, unsure = max(square.value, 0.0) / duration, square.error / duration
     rms = math.sqrt(mean_square)
+    # The lower end is the farther one, as a root is steeper there.
     rms_error = rms - math.sqrt(max(mean_square - unsure, 0.0))
     stored = None
     if fluctuation is not None:
         stored = stored_energy(values, mean, work.error / TURN, edges, tolerance)
     speed = 0.0 if course is None else TURN / duration
-    found = Summary(peaks, static_peaks, mean, rms, speed, stored, work.error / TURN, rms_error)
-    if found.error > max(tolerance, SHARE):
-        raise missed(
-            "an integral of the drive torque", found.error, "the largest torque", tolerance
+    totals = Summary(peaks, static_peaks, mean, rms, speed, stored, work.error / TURN, rms_error)
+    if totals.error > max(tolerance, SHARE):
+        raise tolerance_error(
+            "an integral of the drive torque", totals.error, "the largest torque", tolerance
         )
-    return found
+    return totals
 
 
 def stored_energy(
@@ -527,6 +548,7 @@ def stored_energy(
 
     places = with_roots(surplus, edges)
     stored = piecewise_integral(surplus, places, tolerance)
+    # E has its extremes where T passes T_m, and nowhere in between.
     energy = np.concatenate(([0.0], np.cumsum(stored.parts)))
     return StoredEnergy(sampled_extremes(places, energy), stored.error + TURN * unsure)
 

@@ -43,7 +43,7 @@ class Subject:
     lift_unit : of the follower's own motion.
     unit : unit of length of the scene, for messages; values are in mm.
     part_spec : what the scene says of the part.
-    model : whose motion the effects are computed for, where that can be told (`state`).
+    model : whose motion the effects are computed for, where that makes a difference (`state`).
     output : whether the forces are those of the elastic train, where the scene has one.
     disc : the disc of the cam; None if there is no follower.
     returning : the return disc of a conjugate pair, or the disc at the second side of a yoke, with
@@ -73,7 +73,7 @@ class Subject:
         for a follower that is held both ways, in a groove, between two discs or by a yoke.
         """
         if self.contours is not None:
-            return self.contours.state_of(self.cam)
+            return self.contours.written_state(self.cam)
         from camgeo.dynamics.state.state import Demanded
 
         cam, course = None if self.disc is None else self.disc.cam, self.drive.time_course
@@ -89,14 +89,15 @@ class Subject:
             replay = cam.disc.replay(flank)
         except GeometryError:  # the checks report it
             return demanded
+        # Where the lift itself jumps there is no velocity to compute with.
         if len(replay.drops):
             return demanded
-        from camgeo.dynamics.state.written import OfOutline  # few discs are trimmed
+        from camgeo.dynamics.state.written import OutlineState  # few discs are trimmed
 
-        found = OfOutline(cam, replay, course)
-        return found if found.is_followed else demanded
+        outline_state = OutlineState(cam, replay, course)
+        return outline_state if outline_state.is_followed else demanded
 
-    def written_as(self, writing: Writing, sense: int) -> Subject:
+    def with_written_contours(self, writing: Writing, sense: int) -> Subject:
         """The same design with the motion of its contours as they are written; on the side `sense`
         if the follower is held both ways.
         """
@@ -104,20 +105,20 @@ class Subject:
 
         other = self.returning
         discs = (self.disc, None if other is None else other.disc)
-        found = Contours(tuple(each for each in discs if each is not None), writing, sense)
+        contours = Contours(tuple(disc for disc in discs if disc is not None), writing, sense)
         if other is not None:
-            other = replace(other, model="written", contours=found)
-        return replace(self, model="written", contours=found, returning=other)
+            other = replace(other, model="written", contours=contours)
+        return replace(self, model="written", contours=contours, returning=other)
 
     def turning(self, course: TimeCourse) -> Subject:
         """The same design with the cam turning as `course` says."""
         other = None if self.returning is None else self.returning.turning(course)
-        made = replace(self, returning=other, course=course)
-        vars(made)["state"] = self.state.turning(course)  # the same motion, which may be dear
-        return made
+        turned = replace(self, returning=other, course=course)
+        vars(turned)["state"] = self.state.turning(course)  # the same motion, which may be dear
+        return turned
 
     @property
-    def made(self) -> HasPart:
+    def required_disc(self) -> HasPart:
         """The disc as it is made; GeometryError with key "follower" if there is no follower."""
         if self.disc is None:
             raise GeometryError("needs [follower]", key="follower")
@@ -126,7 +127,7 @@ class Subject:
     @property
     def cam(self) -> Cam:
         """The cam; GeometryError with key "follower" if there is no follower."""
-        return self.made.cam
+        return self.required_disc.cam
 
     @property
     def paired(self) -> bool:
@@ -159,8 +160,8 @@ class Results:
         self._by_name = by_name
 
     def __getitem__(self, key: Key[Answer]) -> Answer:
-        found: Answer = self._by_name[key]
-        return found
+        result: Answer = self._by_name[key]
+        return result
 
     def get(self, key: Key[Answer]) -> Answer | None:
         """The result of the effect `key`; None if it is optional and not in the scene."""
@@ -295,7 +296,7 @@ class Result(Displayed):
     @property
     def error(self) -> float | None:
         """The largest of the errors, each relative to its scale; None if all is exact."""
-        return max((each.share for each in self.errors.values()), default=None)
+        return max((bound.share for bound in self.errors.values()), default=None)
 
 
 # -- rules ----------------------------------------------------------------------------------------
@@ -366,16 +367,16 @@ class Kind:
 
     Attributes
     ----------
-    of : the attribute of `Machine` that distinguishes it.
+    attribute : the attribute of `Machine` that distinguishes it.
     others : values of this attribute that certainly mean another kind.
-    refusal : the message for a scene with another kind of machine.
+    message : the message for a scene with another kind of machine.
     description : the same, as a sentence for the schema.
     barring : key of [follower] in the scene that makes it another kind; empty if there is none.
     """
 
-    of: str
+    attribute: str
     others: tuple[str | bool, ...]
-    refusal: str
+    message: str
     description: str
     barring: str = ""
 
@@ -393,10 +394,10 @@ class Only:
 
     def __call__(self, machine: Machine, table: Table) -> Iterator[tuple[str, str]]:
         """See `Rule`."""
-        if getattr(machine, self.kind.of) in self.kind.others:
+        if getattr(machine, self.kind.attribute) in self.kind.others:
             for key in self.keys or ("",):
                 if not key or key in table.values:
-                    yield key, self.kind.refusal
+                    yield key, self.kind.message
 
 
 # -- effect ---------------------------------------------------------------------------------------
@@ -415,14 +416,14 @@ class Refinement:
 
     Attributes
     ----------
-    by : name of the other effect.
-    taken : what the figures of this effect hold for, as in "a rigid follower".
+    effect : name of the other effect.
+    assumption : what the figures of this effect hold for, as in "a rigid follower".
     caution : what differs, where one can tell, e.g. "an elastic one leaves the cam earlier".
     followed : whether this effect takes it into account unless the scene states a simpler state.
     """
 
-    by: str
-    taken: str
+    effect: str
+    assumption: str
     caution: str = ""
     followed: bool = False
 
@@ -482,7 +483,7 @@ class Effect:
     refined_by: tuple[Refinement, ...] = ()
 
 
-def data_of(kind: Callable[..., Data], table: Mapping[str, Any]) -> Data:
+def build_data(kind: Callable[..., Data], table: Mapping[str, Any]) -> Data:
     """The dataclass `kind` with the values of `table`; missing keys keep their defaults.
 
     Keys that are not its fields are ignored, such as the tolerance, which is in `Request`.

@@ -37,7 +37,7 @@ Scalar = TypeVar("Scalar", np.float64, np.complex128)
 Coefficients = Callable[[FloatArray, Side], FloatArray]
 """(4, n) c0 to c3 at n cam angles [rad]."""
 
-Off = Callable[[FloatArray, FloatArray, FloatArray], FloatArray]
+FreeForce = Callable[[FloatArray, FloatArray, FloatArray], FloatArray]
 """(n,) the force at n cam angles [rad] on a follower with the coordinate q (n,) [mm or rad] and the
 velocity dq/dt (n,) [per s], whatever the motion of the state is there."""
 
@@ -55,8 +55,8 @@ class Force:
     far : the part that acts on the far member of a linkage, as the generalised force on the
         demanded coordinate x [N or N mm]: a share far dx/dq of the `coefficients`; None if nothing
         of it does.
-    off : the force on a follower that is off the cam, see `Off`; None if it is known for the motion
-        of the state alone, and for inertia, which is no force on a free follower.
+    free_force : the force on a follower that is off the cam, see `FreeForce`; None if it is known
+        for the motion of the state alone, and for inertia, which is no force on a free follower.
     cuts : (k,) cam angles [rad] in [0, 2 pi] between which extremes are searched for, besides the
         borders, where a coefficient has many of them.
     present : whether it is known for the present course of the cam in time only, and is then c0.
@@ -65,7 +65,7 @@ class Force:
     name: str
     coefficients: Coefficients
     borders: FloatArray = field(default_factory=lambda: np.empty(0))
-    off: Off | None = None
+    free_force: FreeForce | None = None
     far: Coefficients | None = None
     cuts: FloatArray = field(default_factory=lambda: np.empty(0))
     present: bool = False
@@ -75,14 +75,14 @@ def unmoved(values: Callable[[FloatArray, Side], FloatArray]) -> Coefficients:
     """The coefficients of a force (n,) that does not depend on speed: c0 alone."""
 
     def coefficients(phi: FloatArray, side: Side) -> FloatArray:
-        out = np.zeros((4, len(phi)))
-        out[0] = values(phi, side)
-        return out
+        rows = np.zeros((4, len(phi)))
+        rows[0] = values(phi, side)
+        return rows
 
     return coefficients
 
 
-def rates_of(subject: Subject, phi: FloatArray, side: Side) -> FloatArray:
+def cam_rates(subject: Subject, phi: FloatArray, side: Side) -> FloatArray:
     """(2 or more, n) omega [rad/s] and alpha [rad/s^2] of the scene; 0 if it gives no speed."""
     course = subject.state.course
     return np.zeros((2, len(phi))) if course is None else course.rates(phi, side)
@@ -123,11 +123,12 @@ def shaft_and_turn(subject: Subject, linkage: Linkage) -> tuple[complex, complex
         return follower.pivot, 1.0 + 0.0j
     still, one = np.zeros((2, 1)), np.array([[1.0], [0.0]])
     pin, ahead = linkage.joints(still[0])[0], linkage.joint_rates(still[0], still, one)[0]
+    # The pin must move along the guide: this fixes the direction of the linkage in the drawing.
     turn = complex(follower.way / ahead[0, 0])
     return follower.start_arm - turn * complex(pin[0]), turn
 
 
-def way_of(subject: Subject, phi: FloatArray, side: Side) -> FloatArray:
+def output_per_follower(subject: Subject, phi: FloatArray, side: Side) -> FloatArray:
     """(n,) dx/dq, the derivative of the demanded motion by the follower's coordinate."""
     if subject.drive.linkage is None:
         return np.ones(len(phi))
@@ -176,6 +177,8 @@ def torque_shocks(subject: Subject, per_alpha: Quantity, edges: FloatArray) -> F
     if not len(places):
         return places
     jump = np.abs(motion.jet(places, "right", 1)[1] - motion.jet(places, "left", 1)[1])
+    # The velocities in the middle of the pieces are the scale by which a jump is distinguished from
+    # rounding.
     inside = np.abs(motion.jet(edges[:-1] + 0.5 * np.diff(edges), "right", 1)[1])
     heavy = (per_alpha(places, "left") != 0.0) | (per_alpha(places, "right") != 0.0)
     return np.asarray(
@@ -232,8 +235,8 @@ lasting vibration cover all its phases, and a decaying one is searched where it 
 """
 
 RUNGS: Final = 8
-"""In an octave: numbers of periods between two rungs have the edges of the upper one, so that those
-of neighbouring speeds are the same."""
+"""Rungs in an octave. A number of periods takes the edges of the next rung, so that those of
+neighbouring speeds are the same."""
 
 BEGINNING: Final = np.array([1.0, 2.0])
 """Periods after each border that are then searched separately."""
@@ -246,10 +249,12 @@ def search_edges(smooth: FloatArray, train: Train | None, period: float) -> Floa
     periods = float(np.max(train.rates.imag)) * period / TURN
     if not periods > 1.0:
         return smooth
+    # Numbers of periods are rounded up to a rung, so that neighbouring speeds share their edges.
     rung = math.ceil(RUNGS * math.log2(min(periods, MOST_PERIODS)))
     count = math.ceil(2.0 ** (rung / RUNGS))
     edges = np.concatenate((smooth, np.linspace(0.0, TURN, count + 1)))
     if periods > MOST_PERIODS:
+        # A vibration that decays is largest in its first periods behind an edge.
         begin = (smooth[:-1, np.newaxis] + BEGINNING * (TURN / periods)).ravel()
         edges = np.concatenate((edges, begin[begin < TURN]))
     return merged(edges)
@@ -257,7 +262,7 @@ def search_edges(smooth: FloatArray, train: Train | None, period: float) -> Floa
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ElasticTrain:
-    """What is behind the train, at some speed.
+    """The elastic train behind the follower, at one speed of the cam.
 
     Attributes
     ----------
@@ -289,7 +294,7 @@ class ElasticTrain:
             push = push + self.load.coefficients(phi, side)[0]
         return np.asarray(self.mass * self.base(phi, side)[2] - push)
 
-    def given(self, phi: FloatArray, side: Side) -> FloatArray:
+    def excess_load_power(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) power [N mm/s] that the load takes from the train beyond -p y', which it has from a
         rigid one.
         """
@@ -306,11 +311,11 @@ class ElasticTrain:
     @property
     def error(self) -> float:
         """Estimate of the error of F [N or N mm]."""
-        return self.response.error_of(self.train.force(0))
+        return self.response.reading_error(self.train.force(0))
 
     @property
     def train(self) -> Train:
-        """Its modes."""
+        """The train, decomposed into its modes."""
         return self.response.train
 
     def edges(self, smooth: FloatArray) -> FloatArray:
@@ -329,9 +334,9 @@ class ElasticTrain:
             far=unmoved(self.beyond_base),
         )
 
-    def off(self, demand: Quantity) -> tuple[ElasticTrain, ElasticTrain]:
-        """The same with F off by its error, so that the contact carries more everywhere, where it
-        must provide the generalised force `demand`; and so that the drive puts in more.
+    def perturbed_trains(self, demand: Quantity) -> tuple[ElasticTrain, ElasticTrain]:
+        """The train with F off by its error, twice: so that the contact carries more everywhere,
+        where it must provide the generalised force `demand`; and so that the drive puts in more.
 
         A force of the contact or a load follows from F at the same cam angle, and a sum of such
         forces or of powers over the turn is off most where all of them are off to the same side.
@@ -343,21 +348,22 @@ class ElasticTrain:
         def driving(phi: FloatArray, side: Side) -> FloatArray:
             return np.asarray(self.base(phi, side)[1])
 
-        return self._off(pressing), self._off(driving)
+        return self._perturbed(pressing), self._perturbed(driving)
 
-    def _off(self, way: Quantity) -> ElasticTrain:
-        """With F off by its error in the direction of `way`."""
+    def _perturbed(self, way: Quantity) -> ElasticTrain:
+        """The train with F off by its error in the direction of `way`."""
 
         def pushes(response: Response, phi: FloatArray, side: Side) -> FloatArray:
-            error = response.error_of(response.train.force(0))
+            error = response.reading_error(response.train.force(0))
             return self.pushes(response, phi, side) + error * np.sign(way(phi, side))
 
         return replace(self, pushes=pushes)
 
-    def at(self, factor: float) -> ElasticTrain:
-        """The same with the cam running `factor` times as fast as in `response`."""
+    def with_speed_factor(self, factor: float) -> ElasticTrain:
+        """The train with the cam running `factor` times as fast as in `response`."""
         load, once = self.load, factor**-2
         if load is not None:
             pressed = load.coefficients
+            # Forces in the time of the response are smaller by the square of the factor.
             load = replace(load, coefficients=lambda phi, side: once * pressed(phi, side))
         return replace(self, response=self.response.in_time(factor), load=load)

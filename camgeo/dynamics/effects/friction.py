@@ -19,11 +19,11 @@ from camgeo.dynamics.effects.contact import (
     sliding,
 )
 from camgeo.dynamics.effects.effect import Column, Quantity, Request, Subject, driving_slider
-from camgeo.dynamics.effects.forces import Force, Off
+from camgeo.dynamics.effects.forces import Force, FreeForce
 from camgeo.dynamics.effects.loads import guide_ends
 from camgeo.dynamics.effects.results import Bearing, Friction
 from camgeo.dynamics.effects.tables import FrictionCoefficients
-from camgeo.dynamics.effects.wording import at, between
+from camgeo.dynamics.effects.wording import at_angle, over_range
 from camgeo.errors import EffectError, GeometryError
 from camgeo.kinematics.mechanism.linkage import first_locked_place
 from camgeo.kinematics.mechanism.linkages import SliderCrank
@@ -48,7 +48,7 @@ def compute(request: Request[FrictionCoefficients]) -> Friction:
     subject, data = request.subject, request.data
     require_convex(subject, "friction of the face")
     edges = subject.state.smooth_angles
-    statics = statics_of(subject, data)
+    statics = friction_statics(subject, data)
     try:
         borders = _borders(statics, edges)
         findings = jamming_margin(statics, merged(np.concatenate((edges, borders))))
@@ -69,19 +69,21 @@ def compute(request: Request[FrictionCoefficients]) -> Friction:
     )
 
 
-def statics_of(subject: Subject, data: FrictionCoefficients) -> Statics:
+def friction_statics(subject: Subject, data: FrictionCoefficients) -> Statics:
     """The friction that grows with the normal force."""
     motion = subject.state.motion
-    senses = senses_of(motion, subject.state.smooth_angles)
+    senses = motion_senses(motion, subject.state.smooth_angles)
     start = float(subject.drive.motion.jet(np.zeros(1), "right", 1)[0, 0])
     return Statics(subject, data, senses, start)
 
 
 def _borders(statics: Statics, edges: FloatArray) -> FloatArray:
-    """Where an angular velocity, a reaction or a direction changes sign on either flank."""
-    found = [edges]
+    """(k,) cam angles [rad] at which an angular velocity, a reaction or a direction changes its
+    sign on either flank.
+    """
+    angles = [edges]
     if statics.data.face and statics.swing:
-        found.append(
+        angles.append(
             roots_on_grid(lambda phi: statics.state(phi, "right", 1).slip, sample_grid(edges))
         )
     for sense in (INNER, OUTER):
@@ -90,16 +92,16 @@ def _borders(statics: Statics, edges: FloatArray) -> FloatArray:
             return statics.state(phi, "right", sense).spin
 
         if statics.data.roller_pin:
-            found.append(roots_on_grid(spin, sample_grid(edges)))
-        cuts = merged(np.concatenate(found))
+            angles.append(roots_on_grid(spin, sample_grid(edges)))
+        cuts = merged(np.concatenate(angles))
 
         def signed(phi: FloatArray, sense: int = sense) -> FloatArray:
             state = statics.state(phi, "right", sense)
             guided = () if statics.swing else (state.near, state.far)
             return np.stack((state.sine, state.cosine, *guided))
 
-        found.append(roots_on_grid(signed, sample_grid(cuts)))
-    return np.mod(merged(np.concatenate(found[1:])), TURN)
+        angles.append(roots_on_grid(signed, sample_grid(cuts)))
+    return np.mod(merged(np.concatenate(angles[1:])), TURN)
 
 
 def _force(subject: Subject, data: FrictionCoefficients, borders: FloatArray) -> Force:
@@ -110,59 +112,69 @@ def _force(subject: Subject, data: FrictionCoefficients, borders: FloatArray) ->
     """
     linkage = driving_slider(subject)
     if linkage is not None and (data.slider or data.guide_viscous):
-        far = _on_slider(subject, data, linkage)
+        far = _slider_friction(subject, data, linkage)
 
         def coefficients(phi: FloatArray, side: Side) -> FloatArray:
-            found = far(phi, side) * linkage.per_follower(subject.state.output.jet(phi, side)[0])
+            rows = far(phi, side) * linkage.per_follower(subject.state.output.jet(phi, side)[0])
             if data.pivot_viscous:
-                found[1] -= data.pivot_viscous * subject.state.motion.jet(phi, side, 1)[1]
-            return np.asarray(found)
+                rows[1] -= data.pivot_viscous * subject.state.motion.jet(phi, side, 1)[1]
+            return np.asarray(rows)
 
-        return Force("friction", coefficients, borders=borders, off=_off(subject, data), far=far)
+        return Force(
+            "friction",
+            coefficients,
+            borders=borders,
+            free_force=_free_force(subject, data),
+            far=far,
+        )
     viscous = data.pivot_viscous + data.guide_viscous  # a follower has only one of the two
 
-    def own(phi: FloatArray, side: Side) -> FloatArray:
-        out = np.zeros((4, len(phi)))
+    def viscous_friction(phi: FloatArray, side: Side) -> FloatArray:
+        rows = np.zeros((4, len(phi)))
         if viscous:
-            out[1] = -viscous * subject.state.motion.jet(phi, side, 1)[1]
-        return out
+            rows[1] = -viscous * subject.state.motion.jet(phi, side, 1)[1]
+        return rows
 
-    return Force("friction", own, borders=borders, off=_off(subject, data))
+    return Force(
+        "friction", viscous_friction, borders=borders, free_force=_free_force(subject, data)
+    )
 
 
-def _off(subject: Subject, data: FrictionCoefficients) -> Off:
-    """The same on a follower that is off the cam."""
+def _free_force(subject: Subject, data: FrictionCoefficients) -> FreeForce:
+    """The friction on a follower that is off the cam, see `FreeForce`."""
     far = subject.drive.far_end
     if far is None or driving_slider(subject) is None:
         viscous = data.pivot_viscous + data.guide_viscous
         return lambda _phi, _q, rate: -viscous * rate
 
-    def off(phi: FloatArray, q: FloatArray, rate: FloatArray) -> FloatArray:
+    def free_force(phi: FloatArray, q: FloatArray, rate: FloatArray) -> FloatArray:
         slide = far.jet(phi, q)[1]
         pace = slide * rate
-        found = -(data.slider * np.sign(pace) + data.guide_viscous * pace) * slide
-        return np.asarray(found - data.pivot_viscous * rate)
+        force = -(data.slider * np.sign(pace) + data.guide_viscous * pace) * slide
+        return np.asarray(force - data.pivot_viscous * rate)
 
-    return off
+    return free_force
 
 
-def _on_slider(subject: Subject, data: FrictionCoefficients, linkage: SliderCrank) -> Quantity:
+def _slider_friction(
+    subject: Subject, data: FrictionCoefficients, linkage: SliderCrank
+) -> Quantity:
     """(4, n) coefficients of friction along the stroke; EffectError where the slider is locked."""
     output = subject.state.output
     locked = first_locked_place(linkage, output)
     if locked is not None:
         raise EffectError(
-            f"the rocker cannot move the slider against its friction: {at(locked[0])}, stroke"
+            f"the rocker cannot move the slider against its friction: {at_angle(locked[0])}, stroke"
             f" {locked[1]:.6g} mm, the coupler is square to the guide",
             cam_angle=locked[0] % TURN,
         )
-    strokes = senses_of(output, subject.state.smooth_angles)
+    strokes = motion_senses(output, subject.state.smooth_angles)
 
     def coefficients(phi: FloatArray, side: Side) -> FloatArray:
-        out = np.zeros((4, len(phi)))
-        out[0] = -data.slider * strokes(phi, side)
-        out[1] = -data.guide_viscous * output.jet(phi, side, 1)[1]
-        return out
+        rows = np.zeros((4, len(phi)))
+        rows[0] = -data.slider * strokes(phi, side)
+        rows[1] = -data.guide_viscous * output.jet(phi, side, 1)[1]
+        return rows
 
     return coefficients
 
@@ -206,7 +218,7 @@ WORDING: Final = {
 contact force is fixed."""
 
 
-def margin_of(statics: Statics, phi: FloatArray, side: Side) -> FloatArray:
+def driving_margin(statics: Statics, phi: FloatArray, side: Side) -> FloatArray:
     """(n,) [rad] margin for the flank with which the cam drives the follower.
 
     That is the flank on which the roller runs. In a groove, or between two discs, it is the one
@@ -229,7 +241,7 @@ def column(statics: Statics, borders: FloatArray) -> Column:
     """The margin over the cam angle [deg]."""
 
     def values(phi: FloatArray, side: Side) -> FloatArray:
-        return np.degrees(margin_of(statics, phi, side))
+        return np.degrees(driving_margin(statics, phi, side))
 
     return Column("jamming margin", "deg", values, 0.0, borders)
 
@@ -244,23 +256,23 @@ def jamming_margin(statics: Statics, edges: FloatArray) -> tuple[Finding, ...]:
     def driven(phi: FloatArray, side: Side) -> FloatArray:
         drive = _drive(statics, phi, side)
         pushes = drive != 0.0 if both else drive == contact.push
-        return np.where(pushes, margin_of(statics, phi, side), UNDRIVEN)
+        return np.where(pushes, driving_margin(statics, phi, side), UNDRIVEN)
 
     lowest = piecewise_lowest(driven, edges)
     if lowest.value == UNDRIVEN:
         return ()
     value, near = math.degrees(lowest.value), math.degrees(NEAR)
     sentence, fault = WORDING[statics.subject.cam.follower.touching]
-    sentence = sentence.format(value=value, place=at(lowest.place))
+    sentence = sentence.format(value=value, place=at_angle(lowest.place))
     severity: Severity = "ok"
     limit = near
     cam_range = None
     if lowest.value <= ROUNDING:
         severity, limit = "broken", 0.0
         cam_range = stretch_below(lambda phi: driven(phi, "right") - ROUNDING, edges, lowest.place)
-        sentence = f"the follower jams: the {fault} by {-value:.4f} deg {at(lowest.place)}"
+        sentence = f"the follower jams: the {fault} by {-value:.4f} deg {at_angle(lowest.place)}"
         if cam_range is not None:
-            sentence += f", and {between(cam_range)}"
+            sentence += f", and {over_range(cam_range)}"
     elif lowest.value < NEAR:
         severity = "warning"
         sentence += f", less than {near:g} deg"
@@ -351,15 +363,17 @@ class Senses:
 
     def __call__(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) the sense at `phi` (n,) [rad], on the given side."""
+        # An angle that is an edge but for rounding belongs to the piece on its given side.
         nudge = EDGE_ROUNDING if side == "right" else -EDGE_ROUNDING
         piece = np.searchsorted(self.edges, np.mod(phi, TURN) + nudge) - 1
         return self.signs[piece % len(self.signs)]
 
 
-def senses_of(motion: Motion, edges: FloatArray) -> Senses:
+def motion_senses(motion: Motion, edges: FloatArray) -> Senses:
     """The senses of `motion` between `edges` (k,) [rad]."""
     low, span = edges[:-1], np.diff(edges)
     velocity = np.stack([motion.jet(low + share * span, "right", 1)[1] for share in SHARES])
+    # A single sample may lie where the velocity is rounding.
     fastest = np.argmax(np.abs(velocity), axis=0)
     return Senses(edges, np.sign(velocity[fastest, np.arange(len(low))]))
 
@@ -372,7 +386,7 @@ class ContactState:
     ----------
     velocity : q' [mm or rad per rad].
     spin : omega_rf, of the roller relative to the follower.
-    against_cam : omega_rc.
+    spin_to_cam : omega_rc.
     pin_moment, rolling_moment : m_p, m_r on the roller [mm].
     tangential : f_t.
     slip : g, along t [mm/rad]; 0 for a roller.
@@ -386,7 +400,7 @@ class ContactState:
 
     velocity: FloatArray
     spin: FloatArray
-    against_cam: FloatArray
+    spin_to_cam: FloatArray
     pin_moment: FloatArray
     rolling_moment: float
     tangential: FloatArray
@@ -401,8 +415,8 @@ class ContactState:
     force: ComplexArray
 
     def __post_init__(self) -> None:
-        for each in fields(self):
-            value = getattr(self, each.name)
+        for attribute in fields(self):
+            value = getattr(self, attribute.name)
             if isinstance(value, np.ndarray):
                 read_only(value)
 
@@ -451,8 +465,8 @@ class Statics:
         slip = np.zeros_like(speed)
         # A knife edge or a face does not roll, and has neither pin nor rolling friction.
         per_radius = 1.0 / follower.roller_radius if follower.roller_radius > 0.0 else 0.0
-        against_cam = (-sense * sigma * per_radius) * speed
-        spin = (sigma + against_cam) - relative.turning
+        spin_to_cam = (-sense * sigma * per_radius) * speed
+        spin = (sigma + spin_to_cam) - relative.turning
         pin = (-0.5 * data.roller_pin * data.roller_pin_diameter) * np.sign(spin)
         rolling = sense * sigma * data.rolling
         tangential = (-sense * sigma * per_radius) * (pin + rolling)
@@ -471,8 +485,8 @@ class Statics:
             onward = math.copysign(1.0, main.reach)
             facing = onward * outward
             across = facing * sigma * (tangential * relative.u - sense * relative.v) / speed
-            between = (main.way.conjugate() * (main.start_arm - follower.start_arm)).real
-            overhang = data.guide_overhang + onward * (between - (jet[0] - self.start))
+            spacing = (main.way.conjugate() * (main.start_arm - follower.start_arm)).real
+            overhang = data.guide_overhang + onward * (spacing - (jet[0] - self.start))
             # the force on a roller passes through the axis of the guide
             offset = follower.offset + facing * data.guide_offset
             tilt = sense * (relative.along[0] - offset) - pin
@@ -481,7 +495,7 @@ class Statics:
         tangent = (relative.along[1] + 1j * relative.across[1]) / speed * np.exp(1j * relative.axis)
         force = (1j * sigma * sense + tangential) * tangent
         return ContactState(
-            jet[1], spin, against_cam, pin, rolling, tangential, slip, reach, sine, cosine, near,
+            jet[1], spin, spin_to_cam, pin, rolling, tangential, slip, reach, sine, cosine, near,
             far, overhang, tilt, force,
         )  # fmt: skip
 
@@ -493,26 +507,28 @@ class Statics:
         omega_rc m_r, with the angular velocity omega_r of the roller. The power of the cam exceeds
         that of the follower by the losses in the bearings and at the contact.
         """
-        at = self.state(phi, side, sense)
-        along = at.reach * at.tangential * at.cosine
-        force = along - self.swing * at.pin_moment - self.senses(phi, side) * self.drag(at)
-        turning = at.spin + self.swing * at.velocity  # omega_r
-        torque = along * at.velocity - at.tangential * at.slip
-        torque -= turning * at.pin_moment + at.against_cam * at.rolling_moment
+        contact = self.state(phi, side, sense)
+        along = contact.reach * contact.tangential * contact.cosine
+        force = (
+            along - self.swing * contact.pin_moment - self.senses(phi, side) * self.drag(contact)
+        )
+        turning = contact.spin + self.swing * contact.velocity  # omega_r
+        torque = along * contact.velocity - contact.tangential * contact.slip
+        torque -= turning * contact.pin_moment + contact.spin_to_cam * contact.rolling_moment
         return np.stack((force, torque))
 
     def at_contact(self, phi: FloatArray, side: Side, sense: int) -> FloatArray:
         """(n,) torque on the cam [mm], see `Friction`: each moment or force by the velocity with
         which its parts move on each other, -f_t g - omega_rf m_p - omega_rc m_r.
         """
-        at = self.state(phi, side, sense)
-        lost = at.tangential * at.slip + at.spin * at.pin_moment
-        return np.asarray(-(lost + at.against_cam * at.rolling_moment))
+        contact = self.state(phi, side, sense)
+        lost = contact.tangential * contact.slip + contact.spin * contact.pin_moment
+        return np.asarray(-(lost + contact.spin_to_cam * contact.rolling_moment))
 
     def bearing(self, phi: FloatArray, side: Side, sense: int) -> Bearing:
         """See `Friction`."""
-        at = self.state(phi, side, sense)
-        return Bearing(at.tangential, at.tilt, at.overhang)
+        contact = self.state(phi, side, sense)
+        return Bearing(contact.tangential, contact.tilt, contact.overhang)
 
     @property
     def lever(self) -> float:
@@ -527,17 +543,17 @@ class Statics:
 
     def loads(self, phi: FloatArray, side: Side, sense: int) -> ComplexArray:
         """(k, n) of the contact on pivot or guide, see `Rubbing`."""
-        at = self.state(phi, side, sense)
+        contact = self.state(phi, side, sense)
         if self.swing:
-            return -at.force[np.newaxis]
-        ends = (at.near,) if self.data.guide_length is None else (at.near, at.far)
+            return -contact.force[np.newaxis]
+        ends = (contact.near,) if self.data.guide_length is None else (contact.near, contact.far)
         return np.stack(ends).astype(np.complex128)
 
-    def drag(self, at: ContactState) -> FloatArray:
+    def drag(self, contact: ContactState) -> FloatArray:
         """(n,) [1 or mm] friction of guide or pivot along q, with no load but the contact."""
         if self.swing:
-            return np.asarray(self.lever * np.hypot(1.0, at.tangential))
-        return np.asarray(self.lever * (np.abs(at.near) + np.abs(at.far)))
+            return np.asarray(self.lever * np.hypot(1.0, contact.tangential))
+        return np.asarray(self.lever * (np.abs(contact.near) + np.abs(contact.far)))
 
     def margin(self, phi: FloatArray, side: Side, sense: int) -> FloatArray:
         """(n,) [rad] margin of the transmission angle against jamming.
@@ -550,34 +566,35 @@ class Statics:
         Rothbart, chapter 6, tan alpha = b / (mu (2 a + b)). A pivot alone gives sin mu = mu_b d /
         (2 l_3), the friction circle.
         """
-        at, data = self.state(phi, side, sense), self.data
+        contact, data = self.state(phi, side, sense), self.data
         subject, sense = carrier(self.subject, sense)
-        pushed = sense * _sign(at.sine)  # direction of q in which this flank pushes
-        ahead = pushed * _sign(at.cosine)  # +1 where t points in the direction of the push
-        helping = ahead * at.tangential
+        pushed = sense * _sign(contact.sine)  # direction of q in which this flank pushes
+        ahead = pushed * _sign(contact.cosine)  # +1 where t points in the direction of the push
+        helping = ahead * contact.tangential
         first, second = np.ones_like(helping), helping
         if self.swing:
-            loss = self.drag(at) + pushed * self.swing * at.pin_moment
-            third = loss / at.reach
+            loss = self.drag(contact) + pushed * self.swing * contact.pin_moment
+            third = loss / contact.reach
         else:
             # S = turned (cos mu - helping sin mu), along the main guide
             outward = math.copysign(1.0, self.subject.cam.follower.reach)
             turned = -subject.cam.rotation * outward * ahead * pushed * sense
-            near, far = -_sign(at.near), _sign(at.far)
+            near, far = -_sign(contact.near), _sign(contact.far)
             length = data.guide_length
             if length is None:
                 share, offset = near, np.zeros_like(near)
             else:
-                share = (far * at.overhang + near * (at.overhang + length)) / length
-                offset = -(far + near) * at.tilt / length
+                share = (far * contact.overhang + near * (contact.overhang + length)) / length
+                offset = -(far + near) * contact.tilt / length
             lever = data.guide * turned * share
             first, second = first + lever * helping, helping - lever
             third = -data.guide * offset
         size = np.hypot(first, second)
-        transmission = np.arctan2(np.abs(at.sine), np.abs(at.cosine))
-        off = 0.5 * math.pi - transmission - np.arctan2(second, first)
-        off -= TURN * np.round(off / TURN)
-        return np.asarray(np.arccos(np.clip(third / size, -1.0, 1.0)) - np.abs(off))
+        transmission = np.arctan2(np.abs(contact.sine), np.abs(contact.cosine))
+        deviation = 0.5 * math.pi - transmission - np.arctan2(second, first)
+        # Into -pi to pi: the phase may be given in another turn.
+        deviation -= TURN * np.round(deviation / TURN)
+        return np.asarray(np.arccos(np.clip(third / size, -1.0, 1.0)) - np.abs(deviation))
 
 
 def _sign(values: FloatArray) -> FloatArray:

@@ -25,7 +25,7 @@ from camgeo.check.finding import (
     findings_in_unit,
     folded,
 )
-from camgeo.dynamics.effects.contact import FLANKS, INNER, holds_both_ways, sides_of
+from camgeo.dynamics.effects.contact import FLANKS, INNER, holds_both_ways, side_names
 from camgeo.dynamics.effects.effect import (
     TOLERANCE,
     Answer,
@@ -49,11 +49,11 @@ from camgeo.dynamics.effects.results import (
     SPRING,
     VIBRATION,
     Elastic,
-    Leaving,
+    Flying,
     LostContact,
     Touching,
 )
-from camgeo.dynamics.effects.wording import angles, at, over
+from camgeo.dynamics.effects.wording import at_angle, at_angles, over_ranges
 from camgeo.dynamics.state.state import Speed, Used
 from camgeo.errors import EffectError, GeometryError, ToleranceError
 from camgeo.kinematics.time_course import ConstantSpeed, TimeCourse, period
@@ -69,17 +69,18 @@ if TYPE_CHECKING:
     from camgeo.geometry.outline.replay import Replay
 
 
-AT_FOUND: Final = " at the found speed"
-AT_ROUGH: Final = " at the found speed, roughly"
-"""What the ledger adds to the names of effects that are computed for this speed."""
+FOUND_SUFFIX: Final = " at the found speed"
+ROUGH_SUFFIX: Final = " at the found speed, roughly"
+"""Added in the ledger to the names of effects that are computed for the speed that is found."""
 
-OF_RIGID: Final = " of a rigid train"
-"""What it adds to what a speed is found from that takes a train as rigid, if no other one does."""
+RIGID_SUFFIX: Final = " of a rigid train"
+"""Added to the name of an effect that finds a speed for a rigid train, where no other effect uses
+this speed."""
 
 HOLDING: Final = "camgeo.dynamics.effects.lift_off.flank:holding"
 """Imported only where a follower leaves its flank."""
 
-FED_BACK: Final = "camgeo.dynamics.effects.feedback:FedBack"
+FED_BACK: Final = "camgeo.dynamics.effects.feedback:FeedbackNodes"
 """Imported only where an elastic train acts back on the speed."""
 
 
@@ -165,58 +166,61 @@ class Effects:
         if not isinstance(result, Result):
             return result
 
-        def found() -> Findings:
+        def qualify_findings() -> Findings:
             known, entry = self._judged, FINDINGS + node_name(name)
             with self.ledger.lock:  # another thread may have set it meanwhile
                 if entry not in known:
                     with self.ledger.entry(entry, known):
                         known[entry] = Findings(self._qualified(name, result))
-                told: Findings = known[entry]
-                return told
+                findings: Findings = known[entry]
+                return findings
 
-        whole, errors = LazyFindings(found), result.errors
+        whole, errors = LazyFindings(qualify_findings), result.errors
         if isinstance(errors, InheritedErrors):
             force = partial(self._computed, CONTACT_FORCE)
+            # Findings on premises state the contact force, and are as accurate as that.
             errors = replace(errors, premises=whole, force=force)
         return replace(result, findings=whole, errors=errors)
 
     def course(self, name: str) -> TimeCourse | None:
-        """How the cam turns in the state of the effect `name`; None if that is not known.
+        """How the cam turns in the state of the effect `name`; None if its speed is not known.
 
         Raises EffectError if it is neither found nor given.
         """
         return self._nodes(name).subject.state.course
 
     def _nodes(self, name: str) -> Nodes:
-        """Where the effect `name` is computed.
+        """The nodes that compute the effect `name`.
 
         Raises
         ------
         EffectError
             If its speed is neither found nor given.
         """
-        if self._finder is None and name in FINDERS and self.catalogue.followed(name):
-            return self._of_rigid
-        if self._finder is None or not self.catalogue.moved(name):
-            return self._stated
-        return self._found
+        if self._finder is None and name in FINDERS and self.catalogue.follows_train(name):
+            return self._rigid_nodes
+        if self._finder is None or not self.catalogue.depends_on_speed(name):
+            return self._stated_nodes
+        return self._solved_nodes
 
     @cached_property
-    def _stated(self) -> Nodes:
-        """Where what does not depend on a found speed is computed."""
-        feeds = self._finder is not None and self.catalogue.followed(self._finder)
+    def _stated_nodes(self) -> Nodes:
+        """The nodes of effects that do not depend on a speed that is found."""
+        feeds = self._finder is not None and self.catalogue.follows_train(self._finder)
         kind: type[Nodes] = pkgutil.resolve_name(FED_BACK) if feeds else Nodes
-        return kind(self._given, self.catalogue, self.ledger)
+        return kind(self._stated_subject, self.catalogue, self.ledger)
 
     @cached_property
-    def _of_rigid(self) -> Nodes:
-        """Where what finds a speed is computed if no other effect follows that."""
-        return Nodes(self._given, self.catalogue.rigid(), self.ledger.named(OF_RIGID))
+    def _rigid_nodes(self) -> Nodes:
+        """The nodes of an effect that finds a speed which no other effect uses; the train is
+        rigid.
+        """
+        return Nodes(self._stated_subject, self.catalogue.rigid(), self.ledger.named(RIGID_SUFFIX))
 
     @property
-    def _given(self) -> Subject:
-        """The design at the speed of the scene; if it gives but a motor, at one near what is to be
-        found, for what does not depend on it.
+    def _stated_subject(self) -> Subject:
+        """The design at the speed of the scene. If the scene states only a motor, it turns at a
+        speed near the one to be found, for effects that do not depend on it.
         """
         if self._finder is None or self.subject.state.course is not None:
             return self.subject
@@ -225,27 +229,27 @@ class Effects:
         return self.subject if first is None else self.subject.turning(ConstantSpeed(first))
 
     @cached_property
-    def _found(self) -> Nodes:
+    def _solved_nodes(self) -> Nodes:
         """The effects at the found speed; if there is none, at that of the scene."""
-        stated, finder = self._stated, self._finder
+        stated, finder = self._stated_nodes, self._finder
         assert finder is not None  # what finds it
         try:
-            found = stated.result(finder)
+            turning = stated.result(finder)
         except EffectError as error:
             if self.subject.state.course is not None:
                 return Nodes(self.subject, self.catalogue, self.ledger)
             raise EffectError(
-                f"the speed of the cam is neither given nor found: {error.message}",
+                f"the scene states no speed of the cam, and none was found: {error.message}",
                 finding="no-speed",
                 cam_angle=error.cam_angle,
             ) from error
         rough = Nodes(
-            self.subject.turning(found.rough_course), self.catalogue,
-            self.ledger.named(AT_ROUGH), base=stated,
+            self.subject.turning(turning.rough_course), self.catalogue,
+            self.ledger.named(ROUGH_SUFFIX), base=stated,
         )  # fmt: skip
         return Nodes(
-            self.subject.turning(found.course), self.catalogue,
-            self.ledger.named(AT_FOUND), base=stated, rough=rough,
+            self.subject.turning(turning.course), self.catalogue,
+            self.ledger.named(FOUND_SUFFIX), base=stated, rough=rough,
         )  # fmt: skip
 
     def findings(self, name: str) -> tuple[Finding, ...]:
@@ -279,31 +283,34 @@ class Effects:
         lost = result.lost_contact if touching else self._lost_contact(name)
         at_speed_of_scene = not touching or name == CONTACT_FORCE
         flies = lost or (lost is not None and in_contact)
-        flown = self._flown() if flies and at_speed_of_scene else ()
-        if all(each.value is None for each in findings):  # there is nothing to qualify
+        flights = self._flight_ranges() if flies and at_speed_of_scene else ()
+        if all(finding.value is None for finding in findings):  # there is nothing to qualify
             return findings_in_unit(subject.unit, folded(findings))
         broken, crossed = list[Finding](), list[Finding]()
         if in_contact and lost and holds_both_ways(subject):
-            broken.append(_on_other_side(lost, subject))
+            broken.append(_other_side_finding(lost, subject))
         elif in_contact and lost:
             holding = self._holding if at_speed_of_scene else ""
-            broken.append(_without_contact(lost, subject, flown, holding))
-        elif in_contact and flown:
-            crossed.append(_in_clearance(subject, flown))
-        trimmed, uneven = tuple(trimming(effect, subject)), tuple(_of_breadth(effect, subject))
+            broken.append(_lost_contact_finding(lost, subject, flights, holding))
+        elif in_contact and flights:
+            crossed.append(_clearance_finding(subject, flights))
+        trimmed, uneven = (
+            tuple(trimming(effect, subject)),
+            tuple(_breadth_findings(effect, subject)),
+        )
         if broken or uneven or (trimmed and not _follows(effect, subject)):
-            findings = [_doubted(each, effect) for each in findings]
-        taken = self._nodes(name).at_found
-        named = [each for each in self.names if not (taken and each in FINDERS)]
-        stated = [*self._at_speed(name, findings), *broken, *crossed, *trimmed, *uneven]
-        stated += as_written(effect, subject)
-        stated += (OF_TRAIN,) if self._is_elastic(effect) else ()
+            findings = [_downgraded(finding, effect) for finding in findings]
+        is_solved = self._nodes(name).has_solved_speed
+        named = [other for other in self.names if not (is_solved and other in FINDERS)]
+        stated = [*self._speed_findings(name, findings), *broken, *crossed, *trimmed, *uneven]
+        stated += written_findings(effect, subject)
+        stated += (ELASTIC_TRAIN,) if self._is_elastic(effect) else ()
         stated += _simplified(effect, named, follows=self._follows(effect))
         return findings_in_unit(subject.unit, folded((*stated, *findings)))
 
     def _follows(self, effect: Effect) -> bool:
         """Whether `effect` takes an elastic train of the scene into account."""
-        return self.catalogue.followed(effect.name) and (
+        return self.catalogue.follows_train(effect.name) and (
             self._finder is not None or effect.name not in FINDERS
         )
 
@@ -315,29 +322,29 @@ class Effects:
             return self._computed(effect.name).feedback is not None
         return self._computed(CONTACT_FORCE).behind is not None
 
-    def _at_speed(self, name: str, findings: Sequence[Finding]) -> Iterator[Finding]:
+    def _speed_findings(self, name: str, findings: Sequence[Finding]) -> Iterator[Finding]:
         """For which speed the figures of the effect `name` are, if that is the found one."""
         nodes = self._nodes(name)
-        if not nodes.at_found or not self.catalogue.of_given_speed(name):
+        if not nodes.has_solved_speed or not self.catalogue.declares_speed(name):
             return
         course = nodes.subject.course
-        if course is not None and any(each.value is not None for each in findings):
+        if course is not None and any(finding.value is not None for finding in findings):
             mean = TURN / period(course) / RPM
             sentence = (
-                f"these figures are for the speed that {self._finder} finds, {mean:.6g}"
-                " rev/min in the mean"
+                f"these figures are for the speed that {self._finder} determines, {mean:.6g}"
+                " rev/min on average"
             )
             yield Finding("found-speed", "ok", sentence)
 
-    def _flown(self) -> tuple[tuple[float, float], ...]:
+    def _flight_ranges(self) -> tuple[tuple[float, float], ...]:
         """The ranges [rad] over which the follower flies, if the scene names what computes them."""
         if LIFT_OFF not in self.tables:
             return ()
         try:
-            found: Leaving = self._computed(LIFT_OFF)
+            result: Flying = self._computed(LIFT_OFF)
         except (EffectError, GeometryError):  # which its own findings report
             return ()
-        return found.flown
+        return result.flight_ranges
 
     @cached_property
     def _holding(self) -> str:
@@ -361,14 +368,14 @@ class Effects:
         """
         if self.effect(name).premise != "contact":
             return None
-        asked = {name, *self.names}
-        if CONTACT_FORCE not in asked.union(*map(self.catalogue.behind, asked)):
+        requested = {name, *self.names}
+        if CONTACT_FORCE not in requested.union(*map(self.catalogue.dependencies, requested)):
             return None
         try:
-            found: LostContact = self._computed(CONTACT_FORCE).lost_contact
+            lost: LostContact = self._computed(CONTACT_FORCE).lost_contact
         except (EffectError, GeometryError):  # which its own findings report
             return None
-        return found
+        return lost
 
     def recomputed(self, name: str, tolerance: float | None = None) -> Nodes:
         """Effects of the same design in which only `name` is computed again.
@@ -381,7 +388,7 @@ class Effects:
             table = {**self.tables.get(name, {}), "tolerance": tolerance}
             catalogue = catalogue.with_table(name, table)
         self.inputs(name)
-        known = {each: nodes.result(each) for each in nodes.catalogue.received(name)}
+        known = {key: nodes.result(key) for key in nodes.catalogue.received(name)}
         return type(nodes)(nodes.subject, catalogue, Ledger(), known)
 
 
@@ -389,8 +396,8 @@ class Effects:
 # Results of effects for one state of motion: each is computed once, with what it needs.
 
 
-TRAIN_OFF: Final = " with the train off by its error"
-"""What the ledger adds to the names of effects that are computed for errors alone."""
+TRAIN_ERROR_SUFFIX: Final = " with the train off by its error"
+"""Added to the names of effects that are computed for error estimates alone."""
 
 
 def node_name(name: str) -> str:
@@ -435,7 +442,7 @@ class Nodes:
         self._results: dict[str, Any] = dict(known or {})
 
     @property
-    def at_found(self) -> bool:
+    def has_solved_speed(self) -> bool:
         """Whether they are for the speed that is found."""
         return self._base is not None
 
@@ -444,7 +451,7 @@ class Nodes:
         `camgeo.dynamics.effects.graph.Effects.result`.
         """
         with self.ledger.lock:  # another thread may be computing it
-            if self._base is not None and not self.catalogue.moved(name):
+            if self._base is not None and not self.catalogue.depends_on_speed(name):
                 return self._base.result(name)
             if name not in self._results:
                 self.catalogue.inputs(name)
@@ -452,7 +459,7 @@ class Nodes:
                     self._results[name] = self._compute(name)
             return self._results[name]
 
-    def beside(self, name: str, near: Any) -> Any:
+    def result_near(self, name: str, near: Any) -> Any:
         """The result of the effect `name`, which is known to be `near` another; raises as
         `result`.
         """
@@ -468,8 +475,8 @@ class Nodes:
         if self.subject.disc is None and not effect.of_drive:
             raise GeometryError("needs [follower]", key="follower")
         received = {}
-        for each in self.catalogue.received(name):  # a loop, which takes no frame on the stack
-            received[each] = self.result(each)
+        for key in self.catalogue.received(name):  # a loop, which takes no frame on the stack
+            received[key] = self.result(key)
         table = tables.get(name, {})
         tolerance = float(table.get("tolerance", TOLERANCE))
         if name in tables and effect.rules:
@@ -486,7 +493,7 @@ class Nodes:
 
     def _refuse_misfits(self, effect: Effect, table: Mapping[str, Any]) -> None:
         """Raise GeometryError with the key if the effect or one of its keys does not fit."""
-        machine = machine_of(self.subject)
+        machine = describe_machine(self.subject)
         for key, message in (
             fault for rule in effect.rules for fault in rule(machine, Table(table))
         ):
@@ -499,9 +506,9 @@ class Nodes:
         if not isinstance(result, Result):
             return result
         state, rough = self.subject.state, self._rough
-        found = self._base is not None or name in FINDERS
-        speed: Speed = "found" if found else "stated"
-        known = found or state.course is not None
+        is_solved = self._base is not None or name in FINDERS
+        speed: Speed = "found" if is_solved else "stated"
+        known = is_solved or state.course is not None
         used = Used(state.model, speed if known else None, state.sense)
         result = replace(result, state=used)
         others: list[Callable[[], Result]] = []
@@ -509,9 +516,9 @@ class Nodes:
             others += [partial(self._with_train, number, name, result) for number in range(2)]
         if rough is not None and state.course is not None:
             jumps = state.course.jumps
-            columns = tuple(_also_jumping(each, jumps) for each in result.columns)
+            columns = tuple(_also_jumping(column, jumps) for column in result.columns)
             result = replace(result, columns=columns)
-            others.append(partial(rough.beside, name, result))
+            others.append(partial(rough.result_near, name, result))
         return replace(result, errors=InheritedErrors(result, others)) if others else result
 
     def _follows(self, name: str) -> bool:
@@ -519,23 +526,23 @@ class Nodes:
         train = self._results.get(VIBRATION)
         if train is None or train.behind is None or name in FINDERS:
             return False  # they state the errors of the speeds that they find themselves
-        return VIBRATION in self.catalogue.behind(name)
+        return VIBRATION in self.catalogue.dependencies(name)
 
     def _with_train(self, number: int, name: str, near: Any) -> Any:
-        """The result of the effect `name` with one of the trains that are `_off`; `near` is that
+        """The result of the effect `name` with one of the `_perturbed_nodes`; `near` is that
         with the train itself.
         """
-        return self._off[number].beside(name, near)
+        return self._perturbed_nodes[number].result_near(name, near)
 
     @cached_property
-    def _off(self) -> tuple[Nodes, ...]:
-        """With trains that are off by the error of their force, see
-        `camgeo.dynamics.effects.forces.ElasticTrain.off`.
+    def _perturbed_nodes(self) -> tuple[Nodes, ...]:
+        """The nodes with trains that are off by the error of their force, see
+        `camgeo.dynamics.effects.forces.ElasticTrain.perturbed_trains`.
         """
         train, contact = self.result(VIBRATION), self.result(CONTACT_FORCE)
         return tuple(
-            WithTrain(self, replace(train, behind=each))
-            for each in train.behind.off(contact.demand)
+            WithTrain(self, replace(train, behind=perturbed))
+            for perturbed in train.behind.perturbed_trains(contact.demand)
         )
 
 
@@ -543,13 +550,15 @@ class WithTrain(Nodes):
     """The effects of `nodes` with another elastic `train`."""
 
     def __init__(self, nodes: Nodes, train: Elastic) -> None:
-        ledger = nodes.ledger.named(TRAIN_OFF)
+        ledger = nodes.ledger.named(TRAIN_ERROR_SUFFIX)
         super().__init__(nodes.subject, nodes.catalogue, ledger, {VIBRATION: train})
         self._nodes = nodes
 
     def result(self, name: str) -> Any:
-        """As that of `nodes`, unless it depends on the train."""
-        if name != VIBRATION and VIBRATION not in self.catalogue.behind(name):
+        """The result of the effect `name`, which is that of `nodes` unless it depends on the
+        train.
+        """
+        if name != VIBRATION and VIBRATION not in self.catalogue.dependencies(name):
             return self._nodes.result(name)
         return super().result(name)
 
@@ -571,13 +580,13 @@ def _also_jumping(column: Column, places: FloatArray) -> Column:
 # motion; that a yoke fits its cam; and that no other effect of the scene has a better model
 # (`Effect.refined_by`). Each that fails gives one finding. While one of the first three fails, no
 # figure of the effect is "ok". Where the state is the motion of a trimmed disc, or of the contour
-# as it is written, that is told too, and where the train behind the follower is elastic.
+# as it is written, that is reported too, and where the train behind the follower is elastic.
 
 
 Range = tuple[float, float]
 """Cam angles [rad]; past cam angle 0 the end is below the start, or beyond a turn."""
 
-OF_TRAIN: Final = Finding(
+ELASTIC_TRAIN: Final = Finding(
     "elastic-train",
     "ok",
     "these figures are for the elastic train of the effect vibration, in the steady state",
@@ -587,25 +596,29 @@ SLACK: Final = 1e-9
 """Cam angles [rad] this close are equal but for rounding."""
 
 
-def _doubted(finding: Finding, effect: Effect) -> Finding:
+def _downgraded(finding: Finding, effect: Effect) -> Finding:
     """A figure that relies on a premise which is not true; it is not "ok"."""
     if finding.severity != "ok" or finding.value is None or finding.name in effect.regardless:
         return finding
     return replace(finding, severity="warning")
 
 
-def _without_contact(
+def _lost_contact_finding(
     lost: LostContact, subject: Subject, flown: Sequence[Range], holding: str
 ) -> Finding:
-    """Where contact is lost, though the figures take it for granted."""
-    ranges = [(each.start, each.end) for each in lost.ranges]
+    """The finding that the follower leaves the cam, though the figures are for one that does
+    not.
+    """
+    ranges = [(stretch.start, stretch.end) for stretch in lost.ranges]
     touching = subject.cam.follower.touching
-    places = [over(ranges)] if ranges else []
+    places = [over_ranges(ranges)] if ranges else []
     if lost.leaps:
-        places.append(f"{angles(lost.leaps)}, where the velocity jumps away from it")
+        places.append(f"{at_angles(lost.leaps)}, where the velocity jumps away from it")
     low = lost.lowest
-    flight = f", and flies {over([_in_turn(each) for each in flown])}" if flown else ""
-    force = "" if low is None else f": contact force {low.value:.6g} N {at(low.place)}"
+    flight = (
+        f", and flies {over_ranges([_wrap_range(stretch) for stretch in flown])}" if flown else ""
+    )
+    force = "" if low is None else f": contact force {low.value:.6g} N {at_angle(low.place)}"
     return Finding(
         name="contact-lost",
         severity="broken",
@@ -621,15 +634,17 @@ def _without_contact(
     )
 
 
-def _on_other_side(lost: LostContact, subject: Subject) -> Finding:
-    """Where the other side carries than the one whose written contour makes the motion."""
+def _other_side_finding(lost: LostContact, subject: Subject) -> Finding:
+    """The warning that the other side carries than the one whose written contour makes the
+    motion.
+    """
     sense, low = subject.state.sense, lost.lowest
-    names, noun = sides_of(subject)
-    ranges = [(each.start, each.end) for each in lost.ranges]
-    places = [over(ranges)] if ranges else []
+    names, noun = side_names(subject)
+    ranges = [(stretch.start, stretch.end) for stretch in lost.ranges]
+    places = [over_ranges(ranges)] if ranges else []
     if lost.leaps:
-        places.append(f"{angles(lost.leaps)}, where the velocity jumps away from this one")
-    force = "" if low is None else f", with up to {-low.value:.6g} N {at(low.place)}"
+        places.append(f"{at_angles(lost.leaps)}, where the velocity jumps away from this one")
+    force = "" if low is None else f", with up to {-low.value:.6g} N {at_angle(low.place)}"
     return Finding(
         name="other-side",
         severity="warning",
@@ -646,44 +661,48 @@ def _on_other_side(lost: LostContact, subject: Subject) -> Finding:
     )
 
 
-def _in_clearance(subject: Subject, flown: Sequence[Range]) -> Finding:
-    """Where a follower that is held both ways touches nothing."""
+def _clearance_finding(subject: Subject, flown: Sequence[Range]) -> Finding:
+    """The warning that a follower that is held both ways crosses its clearance."""
     who, where = "follower", "between its discs" if subject.paired else "of its yoke"
     if subject.returning is None:
         who, where = "roller", "between its flanks"
-    ranges = [_in_turn(each) for each in flown]
+    ranges = [_wrap_range(stretch) for stretch in flown]
     return Finding(
         name="clearance-crossed",
         severity="warning",
         sentence=(
-            f"the {who} crosses the clearance {where} {over(ranges)}; these figures are"
+            f"the {who} crosses the clearance {where} {over_ranges(ranges)}; these figures are"
             " for one that always touches, without its impacts"
         ),
         cam_range=_only(ranges),
     )
 
 
-def _of_breadth(effect: Effect, subject: Subject) -> Iterator[Finding]:
-    """Where a yoke does not fit its cam; an even play alters no force, and `lift-off` tells it."""
+def _breadth_findings(effect: Effect, subject: Subject) -> Iterator[Finding]:
+    """A warning if a yoke does not fit its cam. A constant play alters no force, and the effect
+    `lift-off` reports it.
+    """
     breadth = subject.cam.breadth if subject.returning is not None else None
     if breadth is None or not (effect.premise == "contact" or CONTACT_FORCE in effect.needs):
         return
     (least, _), (most, place) = breadth.range
     squeeze = -breadth.play(subject.cam.yoke_breadth)
-    told = []
+    parts = []
     if breadth.variation > 0.0:
-        told.append(
+        parts.append(
             f"the cam is {least:.6g} to {most:.6g} mm wide, and these figures are for one that is"
             f" {breadth.best:.6g} mm wide everywhere"
         )
     if squeeze > 0.0:
-        told.append(
-            f"the cam squeezes its yoke by up to {squeeze:.3g} mm, {at(place)}, and the forces of"
-            " that are in no figure"
+        parts.append(
+            f"the cam squeezes its yoke by up to {squeeze:.3g} mm, {at_angle(place)}, and no"
+            " figure includes the resulting forces"
         )
-    if told:
+    if parts:
         value = max(squeeze, breadth.variation)
-        yield Finding("yoke-breadth", "warning", "; ".join(told), value, 0.0, "mm", cam_angle=place)
+        yield Finding(
+            "yoke-breadth", "warning", "; ".join(parts), value, 0.0, "mm", cam_angle=place
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -704,18 +723,20 @@ class _Trimmed:
         """Cam angles [rad] in these ranges at which velocity or lift jump."""
         jumps = [*self.replay.shocks.phi.tolist(), *self.replay.drops.phi.tolist()]
         return tuple(
-            sorted(phi for phi in jumps if any(_inside(phi, each) for each in self.dropped))
+            sorted(phi for phi in jumps if any(_inside(phi, stretch) for stretch in self.dropped))
         )
 
     def corners(self, *, included: bool) -> str:
-        """What happens at the corners of the disc, and whether it is computed."""
+        """What the motion does at the corners of the disc, and whether it is computed, as a
+        clause.
+        """
         if not self.shocks:
             where = "at both ends" if included else "at the corner of the disc there"
             computed = ", which is computed" if included else ", which is not computed"
             return f"{where} the acceleration jumps{computed}"
         if included:
-            return f"the velocity jumps {angles(self.shocks)}"
-        return f"velocity or lift jump {angles(self.shocks)}, and these shocks are not computed"
+            return f"the velocity jumps {at_angles(self.shocks)}"
+        return f"velocity or lift jump {at_angles(self.shocks)}, and these shocks are not computed"
 
 
 def _follows(effect: Effect, subject: Subject) -> bool:
@@ -736,14 +757,14 @@ def trimming(effect: Effect, subject: Subject) -> Iterator[Finding]:
             if trimmed is None:
                 continue
             loss = trimmed.replay.largest_loss
-            flank, dropped = f"trimmed {which}{name} flank", over(trimmed.dropped)
+            flank, dropped = f"trimmed {which}{name} flank", over_ranges(trimmed.dropped)
             follows = _follows(effect, subject)
             whose = f"the demanded motion, which the {flank} does not make {dropped}"
             if follows:
                 whose = (
                     f"the motion that the {flank} makes, which is not the demanded one {dropped}"
                 )
-            if follows and holds_both_ways(subject) and not _is_of(subject, disc, name):
+            if follows and holds_both_ways(subject) and not _makes_motion(subject, disc, name):
                 whose = (
                     f"the motion of the other side, where the {flank} has lost what would hold the"
                     f" follower on it {dropped}"
@@ -754,8 +775,8 @@ def trimming(effect: Effect, subject: Subject) -> Iterator[Finding]:
                 severity="warning",
                 sentence=(
                     f"these figures are for {whose}: up to"
-                    f" {factor * loss.value:.4g} {unit} of the lift are lost, {at(loss.place)};"
-                    f" {trimmed.corners(included=follows)}"
+                    f" {factor * loss.value:.4g} {unit} of the lift are lost,"
+                    f" {at_angle(loss.place)}; {trimmed.corners(included=follows)}"
                 ),
                 value=factor * loss.value,
                 limit=0.0,
@@ -765,7 +786,7 @@ def trimming(effect: Effect, subject: Subject) -> Iterator[Finding]:
             )
 
 
-def _is_of(subject: Subject, disc: Disc, flank: str) -> bool:
+def _makes_motion(subject: Subject, disc: Disc, flank: str) -> bool:
     """Whether the motion of the state is that of this flank, of a follower that is held both
     ways.
     """
@@ -783,7 +804,9 @@ def _discs(subject: Subject) -> Iterator[tuple[str, Disc]]:
 
 
 def _trimmed(disc: Disc, flank: str) -> _Trimmed | None:
-    """What a flank has lost; None if nothing, or if there is no disc, which the checks report."""
+    """The lost part of a flank; None if nothing is lost, or if there is no disc, which the checks
+    report.
+    """
     try:
         outline = disc.outline(flank)
         return _Trimmed(outline.dropped, disc.replay(flank)) if outline.is_trimmed else None
@@ -793,22 +816,28 @@ def _trimmed(disc: Disc, flank: str) -> _Trimmed | None:
 
 def _simplified(effect: Effect, named: Sequence[str], *, follows: bool) -> Iterator[Finding]:
     """A warning if other effects that the scene names have a better model that is not followed."""
-    found = [
-        each for each in effect.refined_by if each.by in named and not (each.followed and follows)
+    refinements = [
+        refinement
+        for refinement in effect.refined_by
+        if refinement.effect in named and not (refinement.followed and follows)
     ]
-    if not found:
+    if not refinements:
         return
-    others = listed([each.by for each in found])
-    model = "has a better model, which is" if len(found) == 1 else "have better models, which are"
-    sentence = (
-        f"these figures hold for {listed([each.taken for each in found])}; {others} in the same"
-        f" scene {model} not taken into account here"
+    others = listed([refinement.effect for refinement in refinements])
+    model = (
+        "has a more accurate model, which is"
+        if len(refinements) == 1
+        else "have more accurate models, which are"
     )
-    cautions = [each.caution for each in found if each.caution]
+    sentence = (
+        f"these figures assume {listed([refinement.assumption for refinement in refinements])};"
+        f" {others} in the same scene {model} not taken into account here"
+    )
+    cautions = [refinement.caution for refinement in refinements if refinement.caution]
     yield Finding("simplified", "warning", "; ".join((sentence, *cautions)))
 
 
-def _in_turn(range_: Range) -> Range:
+def _wrap_range(range_: Range) -> Range:
     """The range with both ends in [0, 2 pi)."""
     return range_[0] % TURN, range_[1] % TURN
 
@@ -839,9 +868,9 @@ WORDS: Final[dict[Form, str]] = {
 """Forms of a contour, in words."""
 
 
-def as_written(effect: Effect, subject: Subject) -> Iterator[Finding]:
-    """That the figures are for the motion that the contour makes as it is written; of two, of
-    which, and how far the other one is.
+def written_findings(effect: Effect, subject: Subject) -> Iterator[Finding]:
+    """The findings that the figures are for the motion on the contour as it is written and, if
+    there are two, on which one, and how far the other one is from it.
     """
     contours = subject.contours
     if contours is None or effect.premise == "disc" or effect.of_plan:
@@ -849,7 +878,7 @@ def as_written(effect: Effect, subject: Subject) -> Iterator[Finding]:
     writing, held = contours.writing, holds_both_ways(subject)
     _, unit = STATED["mm"]
     whose = "the written contour makes"
-    names, noun = sides_of(subject)
+    names, noun = side_names(subject)
     if held:
         whose = f"the written contour of the {names[contours.sense]} {noun} makes all round"
     yield Finding(
@@ -863,30 +892,33 @@ def as_written(effect: Effect, subject: Subject) -> Iterator[Finding]:
         unit=unit,
     )
     if held:
-        yield _between(subject, contours)
+        yield _other_contour_finding(subject, contours)
 
 
-def _between(subject: Subject, contours: Contours) -> Finding:
-    """How far the other written contour is from the one whose motion it is."""
-    names, noun = sides_of(subject)
-    own, other = (f"the {names[each]} {noun}" for each in (contours.sense, -contours.sense))
+def _other_contour_finding(subject: Subject, contours: Contours) -> Finding:
+    """The finding on the distance of the other written contour from the one that makes the
+    motion.
+    """
+    names, noun = side_names(subject)
+    carrying, other = (f"the {names[side]} {noun}" for side in (contours.sense, -contours.sense))
     try:
         play = contours.play
     except (GeometryError, ToleranceError) as error:
         return Finding(
-            "other-contour", "warning", f"how far {other} is from {own} is not known: {error}"
+            "other-contour", "warning", f"how far {other} is from {carrying} is not known: {error}"
         )
     factor, unit = STATED[subject.cam.lift_unit]
-    low, high = (factor * each.value for each in (play.lowest, play.highest))
+    low, high = (factor * extreme.value for extreme in (play.lowest, play.highest))
     who = "roller" if subject.returning is None else "follower"
-    written = f"the written contours of {own} and {other} leave"
+    written = f"the written contours of {carrying} and {other} leave"
     if subject.cam.yoke is not None:
-        written = f"between {own} and {other}, the written contour leaves"
+        written = f"between {carrying} and {other}, the written contour leaves"
     sentence = (
-        f"{written} the {who} {low:.4g} to {high:.4g} {unit} of lift, least {at(play.lowest.place)}"
+        f"{written} the {who} {low:.4g} to {high:.4g} {unit} of lift, least"
+        f" {at_angle(play.lowest.place)}"
     )
     if low < 0.0:
-        sentence += "; less than 0 is squeezed, which is not computed"
+        sentence += "; below 0 both squeeze it, which is not computed"
     return Finding(
         name="other-contour",
         severity="warning" if low < 0.0 else "ok",
@@ -898,17 +930,17 @@ def _between(subject: Subject, contours: Contours) -> Finding:
     )
 
 
-# -- inherited ------------------------------------------------------------------------------------
+# -- inherited errors -----------------------------------------------------------------------------
 # Results from others that are known to an error: the errors that all their figures inherit.
 #
 # A speed that `speed-fluctuation` or `camshaft-windup` finds is off by less than it differs from
 # the one on cells twice as long (`camgeo.dynamics.effects.results.Turning`), and the force of an
 # elastic train by no more than its error e, in either direction at each cam angle. So is what
 # follows from them: an effect is computed again with the other speed, and with trains that are off
-# by e (`camgeo.dynamics.effects.forces.ElasticTrain.off`), and of all its figures in one unit the
-# largest difference is taken for each of them; those of several causes add up. That one figure
-# hardly differs, by chance or because it depends on the speed where that is accurate, thus does not
-# make it look exact. These computations wait until an error is asked for.
+# by e (`camgeo.dynamics.effects.forces.ElasticTrain.perturbed_trains`), and of all its figures in
+# one unit the largest difference is taken for each of them; those of several causes add up. That
+# one figure hardly differs, by chance or because it depends on the speed where that is accurate,
+# thus does not make it look exact. These computations wait until an error is asked for.
 
 
 PLACE: Final = 2.0**-26
@@ -918,7 +950,7 @@ known to the root of a rounding."""
 ANGLES: Final = 1024
 """Cam angles over a turn at which columns are compared."""
 
-OF_FORCE: Final = ("contact-lost", "other-side")
+FORCE_FINDINGS: Final = ("contact-lost", "other-side")
 """Findings on premises that state a contact force."""
 
 OFFSET: Final = 0.381966
@@ -949,24 +981,25 @@ class InheritedErrors(Mapping[str, Bound]):
 
     @cached_property
     def _bounds(self) -> dict[str, Bound]:
-        own = _figures(self.result)
-        placed = {each.name for each in self.result.findings if each.cam_angle is not None}
+        figures = _figures(self.result)
+        placed = {finding.name for finding in self.result.findings if finding.cam_angle is not None}
         moved: dict[str, float] = {}
         sizes: dict[str, float] = {}
-        for unit, values in own.values():
+        for unit, values in figures.values():
             sizes[unit] = max(sizes.get(unit, 0.0), float(np.max(np.abs(values))))
         for other in self.others:
-            for unit, off in _moved(own, other).items():
-                moved[unit] = moved.get(unit, 0.0) + off
-        found = dict(self.result.errors)
-        for name, (unit, _) in own.items():
+            for unit, difference in _largest_differences(figures, other).items():
+                # The causes are independent of each other, so their effects may add up.
+                moved[unit] = moved.get(unit, 0.0) + difference
+        bounds = dict(self.result.errors)
+        for name, (unit, _) in figures.items():
             size = sizes[unit]
-            known = found.get(name, Bound((PLACE if name in placed else SHARE) * size, size))
-            found[name] = Bound(known.error + moved[unit], known.scale)
-        return found
+            known = bounds.get(name, Bound((PLACE if name in placed else SHARE) * size, size))
+            bounds[name] = Bound(known.error + moved[unit], known.scale)
+        return bounds
 
     def __getitem__(self, name: str) -> Bound:
-        if self.force is not None and name in self._of_force:
+        if self.force is not None and name in self._force_figures:
             return max(self.force().errors.values(), key=lambda bound: bound.error)
         return self._bounds[name]
 
@@ -978,47 +1011,50 @@ class InheritedErrors(Mapping[str, Bound]):
 
     @property
     def _names(self) -> dict[str, None]:
-        """All figures."""
+        """The names of all figures, in order."""
         result = self.result
-        valued = [each.name for each in result.findings if each.value is not None]
-        columns = [each.name for each in result.columns]
-        return dict.fromkeys([*result.errors, *valued, *columns, *self._of_force])
+        valued = [finding.name for finding in result.findings if finding.value is not None]
+        columns = [column.name for column in result.columns]
+        return dict.fromkeys([*result.errors, *valued, *columns, *self._force_figures])
 
     @property
-    def _of_force(self) -> list[str]:
-        return [each.name for each in self.premises if each.name in OF_FORCE]
+    def _force_figures(self) -> list[str]:
+        return [finding.name for finding in self.premises if finding.name in FORCE_FINDINGS]
 
 
-def _moved(own: Figures, other: Callable[[], Result]) -> dict[str, float]:
-    """By unit, the largest difference of any figure in it."""
+def _largest_differences(own: Figures, other: Callable[[], Result]) -> dict[str, float]:
+    """The largest difference of the figures in each unit."""
     try:
         others = _figures(other())
     except (EffectError, GeometryError):
         others = {}
-    found: dict[str, float] = {}
+    differences: dict[str, float] = {}
     for name, (unit, values) in own.items():
-        off = float(np.max(np.abs(values)))  # nothing is known of a figure that the other has not
+        difference = float(
+            np.max(np.abs(values))
+        )  # nothing is known of a figure that the other has not
         if name in others and others[name][1].shape == values.shape:
-            off = float(np.max(np.abs(values - others[name][1])))
-        found[unit] = max(found.get(unit, 0.0), off)
-    return found
+            difference = float(np.max(np.abs(values - others[name][1])))
+        differences[unit] = max(differences.get(unit, 0.0), difference)
+    return differences
 
 
 def _figures(result: Result) -> Figures:
     """The unit and the values of all figures: of findings, in order, and of columns."""
     phi: FloatArray = (np.arange(ANGLES, dtype=np.float64) + OFFSET) * (TURN / ANGLES)
     units: dict[str, str] = {}
-    found: dict[str, list[float]] = {}
-    for each in result.findings:
-        if each.value is not None:
-            units.setdefault(each.name, each.unit)
-            found.setdefault(each.name, []).append(each.value)
-    figures = {name: (units[name], np.array(values)) for name, values in found.items()}
-    columns = {each.name: (each.unit, each.values(phi, "right")) for each in result.columns}
+    finding_values: dict[str, list[float]] = {}
+    for finding in result.findings:
+        if finding.value is not None:
+            units.setdefault(finding.name, finding.unit)
+            # Findings may share a name: their values are compared in order.
+            finding_values.setdefault(finding.name, []).append(finding.value)
+    figures = {name: (units[name], np.array(values)) for name, values in finding_values.items()}
+    columns = {column.name: (column.unit, column.values(phi, "right")) for column in result.columns}
     return figures | columns
 
 
-def machine_of(subject: Subject) -> Machine:
+def describe_machine(subject: Subject) -> Machine:
     """The properties of the machine that the rules of effects depend on."""
     follower, linkage = subject.cam.follower, subject.drive.linkage
     return Machine(

@@ -37,34 +37,34 @@ def compute(request: Request[Mapping[str, Any]]) -> Gravity:
     subject = request.subject
 
     def on_follower(phi: FloatArray, side: Side) -> FloatArray:
-        out = np.zeros(len(phi))
-        for each in masses:
-            out += each.mass * _along(each.per_lift(phi, side), pull)
-        return out
+        force = np.zeros(len(phi))
+        for mass in masses:
+            force += mass.mass * _along(mass.per_lift(phi, side), pull)
+        return force
 
-    def off(phi: FloatArray, q: FloatArray, _rate: FloatArray) -> FloatArray:
-        out = np.zeros(len(q))
-        for each in masses:
-            out += each.mass * _along(each.per_coordinate(phi, q), pull)
-        return out
+    def free_force(phi: FloatArray, q: FloatArray, _rate: FloatArray) -> FloatArray:
+        force = np.zeros(len(q))
+        for mass in masses:
+            force += mass.mass * _along(mass.per_coordinate(phi, q), pull)
+        return force
 
-    shown = FORCES[subject.cam.lift_unit]
-    acting = scaled(on_follower, shown.scale)
-    weight = STANDARD_GRAVITY * sum(each.mass for each in masses)
+    label = FORCES[subject.cam.lift_unit]
+    acting = scaled(on_follower, label.scale)
+    weight = STANDARD_GRAVITY * sum(mass.mass for mass in masses)
     extremes = piecewise_extremes(acting, subject.state.smooth_angles)
     return Gravity(
-        force=Force("gravity", unmoved(on_follower), off=off),
+        force=Force("gravity", unmoved(on_follower), free_force=free_force),
         findings=(
             Finding("weight", "ok", f"weight of all masses {weight:.6g} N", weight, unit="N"),
             *extreme_findings(
                 "weight-force",
-                f"{shown.word} of the weights on the follower",
+                f"{label.word} of the weights on the follower",
                 extremes,
-                shown.unit,
+                label.unit,
                 ", positive in the direction of increasing lift",
             ),
         ),
-        columns=(Column(f"weight {shown.word}", shown.unit, acting),),
+        columns=(Column(f"weight {label.word}", label.unit, acting),),
         pull=pull,
     )
 

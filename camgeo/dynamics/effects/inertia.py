@@ -52,7 +52,7 @@ def compute(request: Request[MassProperties]) -> Inertia:
         If the follower cannot move a mass behind a linkage at some cam angle.
     """
     subject, data = request.subject, request.data
-    train, linkage = train_of(subject, data), subject.drive.linkage
+    train, linkage = mass_train(subject, data), subject.drive.linkage
     if data.beyond(linkage):
         refuse_locked(subject, "'s mass")
 
@@ -60,15 +60,15 @@ def compute(request: Request[MassProperties]) -> Inertia:
     report = _Report(subject, request.course, train, MASSES[lift], FORCES[lift])
     inertia = Inertia(
         force=Force("inertia", partial(inertia_force, train)),
-        masses=masses_of(subject, data),
+        masses=weighted_masses(subject, data),
         moved=at_follower(subject, data) if linkage is None else data.far(linkage),
         coupler_moment=0.0 if linkage is None else data.turning(linkage),
         to_follower=partial(reduced, train),
-        at=partial(reduced_at, train, subject.drive.far_end),
+        mass_terms=partial(reduced_mass_terms, train, subject.drive.far_end),
         columns=report.columns(),
     )
-    found = report.findings(shocks(subject, inertia.to_follower))
-    return replace(inertia, findings=(*found, *lacking(subject, data)))
+    findings = report.findings(shocks(subject, inertia.to_follower))
+    return replace(inertia, findings=(*findings, *lacking(subject, data)))
 
 
 def lacking(subject: Subject, data: MassProperties) -> tuple[Finding, ...]:
@@ -119,8 +119,8 @@ class _Report:
 
     def force(self, phi: FloatArray, side: Side) -> FloatArray:
         """Inertia force at the speed of the scene [N or N m]."""
-        found = at_rates(inertia_force(self.train, phi, side), self.course.rates(phi, side))
-        return found * self.acting.scale
+        acting = at_rates(inertia_force(self.train, phi, side), self.course.rates(phi, side))
+        return acting * self.acting.scale
 
     def columns(self) -> tuple[Column, ...]:
         return (
@@ -133,16 +133,16 @@ class _Report:
         edges, unit = self.subject.state.smooth_angles, self.reduced.unit
         largest = piecewise_highest(self.at_cam, edges)
         name = f"reduced-{self.reduced.word.replace(' ', '-')}"
-        at = f"{self.reduced.word} reduced to the follower"
-        found = []
+        words = f"{self.reduced.word} reduced to the follower"
+        report = []
         if isinstance(self.train, DirectTrain):  # constant over the cam angle
             value = float(self.mass(np.zeros(1), "right")[0])
-            sentence = f"{at} {value:.6g} {unit}"
-            found.append(Finding(name, "ok", sentence, value, unit=unit))
+            sentence = f"{words} {value:.6g} {unit}"
+            report.append(Finding(name, "ok", sentence, value, unit=unit))
         else:
             masses = piecewise_extremes(self.mass, edges)
-            found += extreme_findings(name, at, masses, unit)
-        found.append(
+            report += extreme_findings(name, words, masses, unit)
+        report.append(
             extreme_finding(
                 "largest-moment-at-cam",
                 "largest moment of inertia reduced to the camshaft",
@@ -150,8 +150,8 @@ class _Report:
                 "kg m^2",
             )
         )
-        found.append(self._largest_force(edges, shocks))
-        return tuple(found)
+        report.append(self._largest_force(edges, shocks))
+        return tuple(report)
 
     def _largest_force(self, edges: FloatArray, shocks: Sequence[float]) -> Finding:
         forces = piecewise_extremes(self.force, edges)
@@ -176,34 +176,34 @@ class _Report:
 # The masses that have a weight, and their positions.
 
 
-def masses_of(subject: Subject, data: MassProperties) -> tuple[Mass, ...]:
+def weighted_masses(subject: Subject, data: MassProperties) -> tuple[Mass, ...]:
     """The masses of `data` that are not 0."""
-    found: list[tuple[str, float, _OnGuide | _OnRocker | _OnCoupler]]
+    points: list[tuple[str, float, _GuidedPoint | _RockerPoint | _CouplerPoint]]
     follower, linkage = subject.cam.follower, subject.drive.linkage
     pivot = follower.pivot
     if pivot is not None:
         centre = pivot if data.rocker_centre is None else data.rocker_centre
-        found = [
-            ("rocker", data.rocker_mass, _OnRocker(subject, pivot, centre - pivot)),
-            ("roller", data.roller_mass, _OnRocker(subject, pivot, follower.start_arm)),
+        points = [
+            ("rocker", data.rocker_mass, _RockerPoint(subject, pivot, centre - pivot)),
+            ("roller", data.roller_mass, _RockerPoint(subject, pivot, follower.start_arm)),
         ]
     else:
-        guided = _OnGuide(subject)
-        found = [("follower", data.mass, guided), ("roller", data.roller_mass, guided)]
+        guided = _GuidedPoint(subject)
+        points = [("follower", data.mass, guided), ("roller", data.roller_mass, guided)]
     if linkage is not None:
         placed = (subject, linkage, *shaft_and_turn(subject, linkage))
         if driving_slider(subject) is not None:
-            found.append(("slider", data.mass, _OnCoupler(*placed, 1.0)))
-        found.append(("coupler", data.coupler_mass, _OnCoupler(*placed, data.coupler_centre)))
+            points.append(("slider", data.mass, _CouplerPoint(*placed, 1.0)))
+        points.append(("coupler", data.coupler_mass, _CouplerPoint(*placed, data.coupler_centre)))
     return tuple(
-        Mass(name, mass, on.place, on.per_lift, on.rates, on.per_coordinate)
-        for name, mass, on in found
+        Mass(name, mass, point.place, point.per_lift, point.rates, point.per_coordinate)
+        for name, mass, point in points
         if mass
     )
 
 
 @dataclass(frozen=True, slots=True)
-class _OnGuide:
+class _GuidedPoint:
     """The roller centre of a translating follower, or the foot of the cam axis on its face."""
 
     subject: Subject
@@ -225,7 +225,7 @@ class _OnGuide:
 
 
 @dataclass(frozen=True, slots=True)
-class _OnRocker:
+class _RockerPoint:
     """A point of the rocker; `start` is its position at cam angle 0 relative to the pivot [mm]."""
 
     subject: Subject
@@ -251,7 +251,7 @@ class _OnRocker:
 
 
 @dataclass(frozen=True, slots=True)
-class _OnCoupler:
+class _CouplerPoint:
     """A point of the coupler: `share` is 0 at the tip of the crank, 1 at the far pin.
 
     `shaft` is the shaft of the crank relative to the cam axis [mm], `turn` the direction of the
@@ -273,8 +273,8 @@ class _OnCoupler:
 
     def rates(self, phi: FloatArray, side: Side) -> ComplexArray:
         state = self.subject.state
-        stroke, own = state.output.jet(phi, side), state.motion.jet(phi, side, 2)
-        pin, tip = self.linkage.joint_rates(stroke[0], stroke[1:3], own[1:3])
+        stroke, follower = state.output.jet(phi, side), state.motion.jet(phi, side, 2)
+        pin, tip = self.linkage.joint_rates(stroke[0], stroke[1:3], follower[1:3])
         return np.asarray(self.turn * (tip + self.share * (pin - tip)))
 
     def per_coordinate(self, phi: FloatArray, q: FloatArray) -> ComplexArray:
@@ -309,7 +309,7 @@ class Rates:
 
 
 Train = Callable[[FloatArray, Side], list[Rates]]
-"""All coordinates with an inertia, at n cam angles [rad]."""
+"""Gives all coordinates with an inertia at n cam angles [rad]."""
 
 
 def at_follower(subject: Subject, data: MassProperties) -> float:
@@ -318,17 +318,17 @@ def at_follower(subject: Subject, data: MassProperties) -> float:
     The roller counts as a point mass at its centre, without the inertia of its spin.
     """
     follower = subject.cam.follower
-    own = {"mm": data.mass, "rad": data.moment_of_inertia}[follower.lift_unit]
-    return own + data.roller_mass * follower.reach**2
+    inertia = {"mm": data.mass, "rad": data.moment_of_inertia}[follower.lift_unit]
+    return inertia + data.roller_mass * follower.reach**2
 
 
-def train_of(subject: Subject, data: MassProperties) -> DirectTrain | LinkedTrain:
+def mass_train(subject: Subject, data: MassProperties) -> DirectTrain | LinkedTrain:
     """The train of `subject` with the masses of `data`."""
-    own = at_follower(subject, data)
+    inertia = at_follower(subject, data)
     linkage = subject.drive.linkage
     if linkage is not None and data.beyond(linkage):
-        return LinkedTrain(subject.state.output, linkage, own, data)
-    return DirectTrain(subject.state.motion, own)
+        return LinkedTrain(subject.state.output, linkage, inertia, data)
+    return DirectTrain(subject.state.motion, inertia)
 
 
 @dataclass(frozen=True, slots=True)
@@ -345,6 +345,7 @@ class DirectTrain:
 
 def joints_per_lift(linkage: Linkage, position: FloatArray) -> tuple[ComplexArray, ComplexArray]:
     """dP/dq and dT/dq (n,) of the coupler's pin and tip by the follower's coordinate q."""
+    # By q the far end moves at dx/dq, and the follower at 1; second derivatives do not matter.
     way = linkage.per_follower(position)
     still = np.zeros_like(way)
     pin, tip = linkage.joint_rates(
@@ -371,49 +372,61 @@ class LinkedTrain:
         return self.rates(self.output.jet(phi, side))
 
     def rates(self, stroke: Jet) -> list[Rates]:
-        """With the far end at `stroke` (4, n), with derivatives by whatever `stroke` has them."""
+        """The coordinates with the far end at `stroke` (4, n); their derivatives are by the same
+        variable as those of `stroke`.
+        """
         linkage, data = self.linkage, self.data
-        own = linkage.transform(stroke, 2)
-        found = [
-            Rates(self.inertia, own[1], own[2], np.ones(len(own[1]))),
+        follower = linkage.transform(stroke, 2)
+        coordinates = [
+            Rates(self.inertia, follower[1], follower[2], np.ones(len(follower[1]))),
             Rates(data.far(linkage), stroke[1], stroke[2], linkage.per_follower(stroke[0])),
         ]
         pin, tip = linkage.joints(stroke[0])
         rod, share = pin - tip, data.coupler_centre
-        pins, tips = linkage.joint_rates(stroke[0], stroke[1:3], own[1:3])
+        pins, tips = linkage.joint_rates(stroke[0], stroke[1:3], follower[1:3])
         rods = pins - tips
         centres = tips + share * rods
         pin_per_lift, tip_per_lift = joints_per_lift(linkage, stroke[0])
         rod_per_lift = pin_per_lift - tip_per_lift
         per_lift = tip_per_lift + share * rod_per_lift
         mass = data.coupler_mass
-        found.append(Rates(mass, centres[0].real, centres[1].real, per_lift.real))
-        found.append(Rates(mass, centres[0].imag, centres[1].imag, per_lift.imag))
+        # The centre of mass moves in the plane: x and y are two coordinates.
+        coordinates.append(Rates(mass, centres[0].real, centres[1].real, per_lift.real))
+        coordinates.append(Rates(mass, centres[0].imag, centres[1].imag, per_lift.imag))
+        # D'/D has the imaginary part v', D''/D has v''.
         turns = (rods / rod).imag
         moment = data.turning(linkage)
-        found.append(Rates(moment, turns[0], turns[1], (rod_per_lift / rod).imag))
-        return [each for each in found if each.inertia]
+        coordinates.append(Rates(moment, turns[0], turns[1], (rod_per_lift / rod).imag))
+        return [coordinate for coordinate in coordinates if coordinate.inertia]
 
 
 def reduced(train: Train, phi: FloatArray, side: Side) -> FloatArray:
     """M (n,), see `Inertia.to_follower`."""
-    out = np.zeros(len(phi))
-    for each in train(phi, side):
-        out += each.inertia * each.per_lift * each.per_lift
-    return out
+    mass = np.zeros(len(phi))
+    for coordinate in train(phi, side):
+        mass += coordinate.inertia * coordinate.per_lift * coordinate.per_lift
+    return mass
 
 
-def reduced_at(
+def reduced_mass_terms(
     train: DirectTrain | LinkedTrain, far: FarEnd | None, phi: FloatArray, q: FloatArray
 ) -> FloatArray:
-    """(2, n) M and dM/dq / 2, see `Inertia.at`: the sums of m (dx/dq)^2 and m dx/dq d^2x/dq^2."""
-    out = np.zeros((2, len(q)))
+    """(2, n) M and dM/dq / 2, see `Inertia.mass_terms`: the sums of m (dx/dq)^2 and m dx/dq
+    d^2x/dq^2.
+    """
+    terms = np.zeros((2, len(q)))
     if far is None or isinstance(train, DirectTrain):
-        out[0] = train.inertia
-        return out
-    for each in train.rates(far.jet(phi, q)):
-        out += each.inertia * each.per_lift * np.stack((each.first, each.second))
-    return out
+        # M is constant, and its derivative 0.
+        terms[0] = train.inertia
+        return terms
+    # The jet has derivatives by q here: `first` is dx/dq, `second` is d^2x/dq^2.
+    for coordinate in train.rates(far.jet(phi, q)):
+        terms += (
+            coordinate.inertia
+            * coordinate.per_lift
+            * np.stack((coordinate.first, coordinate.second))
+        )
+    return terms
 
 
 def inertia_force(train: Train, phi: FloatArray, side: Side) -> FloatArray:
@@ -422,12 +435,12 @@ def inertia_force(train: Train, phi: FloatArray, side: Side) -> FloatArray:
     d^2 x/dt^2 = x'' omega^2 + x' alpha (VDI 2143-1, eq. 2). By Lagrange's equation it is
     -(M d^2 q/dt^2 + dM/dq (dq/dt)^2 / 2), of the reduced inertia M(q).
     """
-    out = np.zeros((4, len(phi)))
-    for each in train(phi, side):
-        of_lift = -each.inertia * each.per_lift
-        out[2] += of_lift * each.second
-        out[3] += of_lift * each.first
-    return out
+    coefficients = np.zeros((4, len(phi)))
+    for coordinate in train(phi, side):
+        of_lift = -coordinate.inertia * coordinate.per_lift
+        coefficients[2] += of_lift * coordinate.second
+        coefficients[3] += of_lift * coordinate.first
+    return coefficients
 
 
 def at_cam(train: Train, phi: FloatArray, side: Side) -> FloatArray:
@@ -435,8 +448,8 @@ def at_cam(train: Train, phi: FloatArray, side: Side) -> FloatArray:
 
     J is the sum of m x'^2, which is M q'^2; its derivative that of 2 m x' x''.
     """
-    out = np.zeros((2, len(phi)))
-    for each in train(phi, side):
-        out[0] += each.inertia * each.first * each.first
-        out[1] += 2.0 * each.inertia * each.first * each.second
-    return out
+    inertia = np.zeros((2, len(phi)))
+    for coordinate in train(phi, side):
+        inertia[0] += coordinate.inertia * coordinate.first * coordinate.first
+        inertia[1] += 2.0 * coordinate.inertia * coordinate.first * coordinate.second
+    return inertia

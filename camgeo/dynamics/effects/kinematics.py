@@ -89,8 +89,8 @@ def compute(request: Request[object]) -> Result:
     time = Finding("turn-time", "ok", f"a turn takes {turn:.6g} s", turn, unit="s")
 
     columns = [Column("time", "s", lambda phi, _side: course.time(phi))]
-    for each in moving:
-        columns += each.columns(course)
+    for motion in moving:
+        columns += motion.columns(course)
     if subject.disc is not None and not subject.cam.follower.rolls:
         from camgeo.dynamics.effects.contact import sliding
 
@@ -98,7 +98,7 @@ def compute(request: Request[object]) -> Result:
             return np.asarray(sliding(subject, phi, side) * course.rates(phi)[0])
 
         columns.append(Column("sliding velocity", "mm/s", rubbing))
-    findings = (time, *(found for each in moving for found in each.findings()))
+    findings = (time, *(finding for motion in moving for finding in motion.findings()))
     return Result(findings=findings, columns=tuple(columns))
 
 
@@ -106,11 +106,11 @@ def _motions(subject: Subject, course: TimeCourse) -> list[_Moving]:
     """The motion of the output and, with a linkage, that of the follower."""
     state, unit = subject.state, subject.drive.unit
     order, extremes = state.order, state.output_extremes(course)
-    found = [_Moving("", state.output, unit, order, extremes)]
+    motions = [_Moving("", state.output, unit, order, extremes)]
     if subject.drive.linkage is not None:
         # A linkage that closes is smooth: it passes shocks and jerks on and adds none.
-        own = subject.lift_unit
-        prefix = "rocker " if own == "rad" else "follower "
-        of_follower = time_extremes(state.motion, course, own)
-        found.append(_Moving(prefix, state.motion, own, order, of_follower))
-    return found
+        follower_unit = subject.lift_unit
+        prefix = "rocker " if follower_unit == "rad" else "follower "
+        of_follower = time_extremes(state.motion, course, follower_unit)
+        motions.append(_Moving(prefix, state.motion, follower_unit, order, of_follower))
+    return motions

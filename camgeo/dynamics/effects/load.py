@@ -14,7 +14,7 @@ from typing import Final
 import numpy as np
 
 from camgeo.dynamics.effects.effect import Column, Request
-from camgeo.dynamics.effects.forces import Force, refuse_locked, unmoved, way_of
+from camgeo.dynamics.effects.forces import Force, output_per_follower, refuse_locked, unmoved
 from camgeo.dynamics.effects.results import Acting
 from camgeo.dynamics.effects.tables import LoadProfile
 from camgeo.dynamics.effects.wording import extreme_findings
@@ -24,7 +24,7 @@ from camgeo.numeric.arrays import FloatArray, Side, frozen, merged
 from camgeo.numeric.extremes import piecewise_extremes
 
 N_MM: Final = 1e3
-"""From N m to N mm."""
+"""Factor from N m to N mm."""
 
 
 def compute(request: Request[LoadProfile | Sequence[float]]) -> Acting:
@@ -33,7 +33,7 @@ def compute(request: Request[LoadProfile | Sequence[float]]) -> Acting:
     Raises
     ------
     GeometryError
-        With the key, see `profile_of`.
+        With the key, see `load_profile`.
     EffectError
         If the follower cannot move the far end of its linkage, on which the load acts, at some cam
         angle.
@@ -41,7 +41,7 @@ def compute(request: Request[LoadProfile | Sequence[float]]) -> Acting:
     subject = request.subject
     is_torque = subject.drive.unit == "rad"
     unit = "N m" if is_torque else "N"
-    course = profile_of(request.data, subject.drive.plan, unit)
+    course = load_profile(request.data, subject.drive.plan, unit)
     scale = N_MM if is_torque else 1.0
     refuse_locked(subject, " against its load")
 
@@ -49,11 +49,11 @@ def compute(request: Request[LoadProfile | Sequence[float]]) -> Acting:
         return np.asarray(-scale * course.values(phi, side))
 
     def on_follower(phi: FloatArray, side: Side) -> FloatArray:
-        return on_member(phi, side) * way_of(subject, phi, side)
+        return on_member(phi, side) * output_per_follower(subject, phi, side)
 
     far = subject.drive.far_end
 
-    def off(phi: FloatArray, q: FloatArray, _rate: FloatArray) -> FloatArray:
+    def free_force(phi: FloatArray, q: FloatArray, _rate: FloatArray) -> FloatArray:
         load = -scale * course.values(phi, "right")
         return load if far is None else load * far.jet(phi, q)[1]
 
@@ -64,7 +64,7 @@ def compute(request: Request[LoadProfile | Sequence[float]]) -> Acting:
             "load",
             unmoved(on_follower),
             course.borders,
-            off,
+            free_force,
             None if subject.drive.linkage is None else unmoved(on_member),
         ),
         findings=tuple(
@@ -74,7 +74,7 @@ def compute(request: Request[LoadProfile | Sequence[float]]) -> Acting:
     )
 
 
-def profile_of(data: LoadProfile | Sequence[float], plan: MotionPlan, unit: str) -> LoadProfile:
+def load_profile(data: LoadProfile | Sequence[float], plan: MotionPlan, unit: str) -> LoadProfile:
     """The load of the scene over the cam angle, in `unit`.
 
     Raises

@@ -32,7 +32,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camgeo.dynamics.effects.effect import Results, Subject
-from camgeo.dynamics.effects.forces import Force, at_rates, rates_of, refuse_locked, shaft_and_turn
+from camgeo.dynamics.effects.forces import Force, at_rates, cam_rates, refuse_locked, shaft_and_turn
 from camgeo.dynamics.effects.results import (
     GRAVITY,
     INERTIA,
@@ -88,16 +88,16 @@ class Loads:
         return 0j if self.gravity is None else self.gravity.pull
 
     def weight(self, phi: FloatArray) -> ComplexArray:
-        """(n,) of the follower's own masses."""
-        return np.full(len(phi), self.pull * sum(each.mass for each in self.own()))
+        """(n,) weight of the follower's own masses."""
+        return np.full(len(phi), self.pull * sum(mass.mass for mass in self.follower_masses()))
 
-    def own(self) -> list[Mass]:
+    def follower_masses(self) -> list[Mass]:
         """The masses of the follower itself."""
         masses = () if self.inertia is None else self.inertia.masses
-        return [each for each in masses if each.name not in BEYOND]
+        return [mass for mass in masses if mass.name not in BEYOND]
 
     def of_spring(self, phi: FloatArray, side: Side) -> ComplexArray:
-        """(n,) on the follower; 0 if it is a torque."""
+        """(n,) force of the spring on the follower; 0 if it acts as a torque."""
         spring = self.spring
         if spring is None or spring.line is None:
             return np.zeros(len(phi), dtype=np.complex128)
@@ -114,11 +114,12 @@ class Loads:
 
     def on_pivot(self, phi: FloatArray, side: Side) -> ComplexArray:
         """(4, n) coefficients of R + F_c."""
-        found = -self.of_coupler(phi, side)
-        found[0] -= self.of_spring(phi, side) + self.weight(phi)
-        for each in self.own():
-            found += each.mass * acceleration(each.rates(phi, side))
-        return found
+        coefficients = -self.of_coupler(phi, side)
+        # Springs and weights do not depend on the speed.
+        coefficients[0] -= self.of_spring(phi, side) + self.weight(phi)
+        for mass in self.follower_masses():
+            coefficients += mass.mass * acceleration(mass.rates(phi, side))
+        return coefficients
 
     def on_guide(self, phi: FloatArray, side: Side) -> FloatArray:
         """(4, n) coefficients of S without that of F_c."""
@@ -127,7 +128,7 @@ class Loads:
         return self.across(force)
 
     def across(self, force: ComplexArray) -> FloatArray:
-        """(..., n) of a `force`, across the guide to the right looking outwards."""
+        """(..., n) component of a `force` across the guide, to the right looking outwards."""
         follower = self.subject.cam.follower
         right = -1j * math.copysign(1.0, follower.reach) * follower.way
         return np.asarray(np.real(np.conj(right) * force))
@@ -138,7 +139,7 @@ class Loads:
         """
         if self.subject.cam.follower.pivot is not None:
             return self.on_pivot(phi, side)[:, np.newaxis]
-        return self._on_ends(friction, self.on_guide(phi, side), phi, side).swapaxes(0, 1)
+        return self._end_forces(friction, self.on_guide(phi, side), phi, side).swapaxes(0, 1)
 
     def per_far(self, friction: Friction, phi: FloatArray, side: Side) -> ComplexArray:
         """(k, n) the loads of `on_bearings` by one unit more of force on the far member of the
@@ -148,9 +149,9 @@ class Loads:
         force = zero if self.coupler is None else self.coupler.per_far(phi, side)
         if self.subject.cam.follower.pivot is not None:
             return -force[np.newaxis]
-        return self._on_ends(friction, self.across(force), phi, side)
+        return self._end_forces(friction, self.across(force), phi, side)
 
-    def _on_ends(
+    def _end_forces(
         self, friction: Friction, force: FloatArray, phi: FloatArray, side: Side
     ) -> ComplexArray:
         """(k, ..., n) the forces of near and far end for the side `force`, or of the guide."""
@@ -159,9 +160,11 @@ class Loads:
         return ends if friction.guide_length is not None else ends[:1]
 
 
-def loads_of(subject: Subject, results: Results, forces: tuple[Force, ...], *, idle: bool) -> Loads:
-    """What acts on the follower besides the contact, of all `forces`; the coupler of a linkage on
-    which nothing acts only if `idle`.
+def follower_loads(
+    subject: Subject, results: Results, forces: tuple[Force, ...], *, idle: bool
+) -> Loads:
+    """The loads on the follower besides the contact, with all `forces`. A coupler on which nothing
+    acts is included only if `idle`.
 
     Raises
     ------
@@ -172,9 +175,9 @@ def loads_of(subject: Subject, results: Results, forces: tuple[Force, ...], *, i
     inertia, gravity = results.get(INERTIA), results.get(GRAVITY)
     linkage, coupler = subject.drive.linkage, None
     beyond = inertia is not None and (
-        inertia.moved > 0.0 or any(each.name in BEYOND for each in inertia.masses)
+        inertia.moved > 0.0 or any(mass.name in BEYOND for mass in inertia.masses)
     )
-    beyond = beyond or any(each.far is not None for each in forces)
+    beyond = beyond or any(force.far is not None for force in forces)
     if linkage is not None and (idle or beyond):
         refuse_locked(subject, "")
         coupler = Coupler(subject, linkage, forces, inertia, gravity)
@@ -251,30 +254,33 @@ class Coupler:
         """Coefficients (4, n) c0 to c3 of the forces, see `camgeo.dynamics.effects.forces`."""
         linkage, inertia = self.linkage, self.inertia
         stroke = self.subject.state.output.jet(phi, side)
-        own = self.subject.state.motion.jet(phi, side, 2)
+        follower = self.subject.state.motion.jet(phi, side, 2)
         near, rod, way = self._pose(stroke[0])
         along = rod / np.abs(rod)
 
         demand, moment = np.zeros((2, 4, len(phi)))
-        for each in self.forces:
-            if each.far is not None:
-                demand -= each.far(phi, side)
+        for force in self.forces:
+            if force.far is not None:
+                demand -= force.far(phi, side)
         left = np.zeros((4, len(phi)), dtype=np.complex128)
         pull = 0j if self.gravity is None else self.gravity.pull
         weight = np.zeros_like(left)
         if inertia is not None:
             demand += inertia.moved * acceleration(stroke[1:3])
-            first, last = self._ends(linkage.joint_rates(stroke[0], stroke[1:3], own[1:3]))
+            first, last = self._ends(linkage.joint_rates(stroke[0], stroke[1:3], follower[1:3]))
             turning = (last - first) / rod
             moment -= inertia.coupler_moment * acceleration(turning.imag)
             for mass in inertia.masses:
                 if mass.name == "coupler":
                     left -= mass.mass * acceleration(mass.rates(phi, side))
                     left[0] += mass.mass * pull
+                    # dot(i r, F) is the moment of F about A, with r from A.
                     moment += dot(1j * (mass.place(phi, side) - near), left)
                 elif mass.name in BEYOND:  # a slider
                     weight[0] = mass.mass * pull
         demand -= dot(way, weight)
+        # Across the coupler F_B follows from moments about A, along it from the work on the far
+        # member.
         across = moment / np.abs(rod)
         pressed = (demand - across * dot(way, 1j * along)) / dot(way, along)
         on_far = (pressed + 1j * across) * along
@@ -285,8 +291,8 @@ class Coupler:
 
     def at_speed(self, phi: FloatArray, side: Side) -> Joints:
         """The forces (n,) at the speed of the scene."""
-        rates, found = rates_of(self.subject, phi, side), self.joints(phi, side)
-        return Joints(*(at_rates(each, rates) for each in (found.near, found.far, found.held)))
+        rates, joints = cam_rates(self.subject, phi, side), self.joints(phi, side)
+        return Joints(*(at_rates(force, rates) for force in (joints.near, joints.far, joints.held)))
 
     def per_far(self, phi: FloatArray, side: Side) -> ComplexArray:
         """(n,) F_A for one unit more of Q."""
@@ -303,9 +309,9 @@ class Coupler:
         return shaft + near, far - near, way
 
     def _ends(self, both: tuple[ComplexArray, ComplexArray]) -> tuple[ComplexArray, ComplexArray]:
-        """Of A and of B what is of P and of T in `both`, turned into the drawing: a rocker has the
-        tip T, a carriage the pin P.
+        """A and B, or their derivatives, from those of P and T in `both`, turned into the drawing:
+        a rocker has the tip T, a carriage the pin P.
         """
         _, turn = shaft_and_turn(self.subject, self.linkage)
-        pin, tip = (turn * each for each in both)
+        pin, tip = (turn * point for point in both)
         return (pin, tip) if self.subject.cam.follower.pivot is None else (tip, pin)

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from camgeo.check.finding import Finding
-from camgeo.dynamics.effects.contact import on_carrier
+from camgeo.dynamics.effects.contact import select_carrier
 from camgeo.dynamics.effects.effect import (
     Bound,
     Column,
@@ -30,7 +30,7 @@ from camgeo.dynamics.effects.effect import (
     Subject,
     driving_slider,
 )
-from camgeo.dynamics.effects.forces import Force, at_rates, rates_of
+from camgeo.dynamics.effects.forces import Force, at_rates, cam_rates
 from camgeo.dynamics.effects.results import (
     CONTACT_FORCE,
     DRIVE_TORQUE,
@@ -38,7 +38,7 @@ from camgeo.dynamics.effects.results import (
     ContactForce,
     Friction,
 )
-from camgeo.dynamics.effects.wording import N_M, extreme_findings, missed
+from camgeo.dynamics.effects.wording import N_M, extreme_findings, tolerance_error
 from camgeo.numeric.arrays import FloatArray, Side, resolved
 from camgeo.numeric.extremes import piecewise_extremes
 from camgeo.numeric.quadrature import Integral, piecewise_integral
@@ -46,7 +46,7 @@ from camgeo.units import TURN
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Taker:
+class PowerSink:
     """What takes power from the camshaft.
 
     Attributes
@@ -73,7 +73,7 @@ def compute(request: Request[object]) -> Result:
     """
     contact, drive = request.results[CONTACT_FORCE], request.results[DRIVE_TORQUE]
     course, edges = request.course, contact.edges
-    takers = takers_of(request.subject, contact)
+    sinks = power_sinks(request.subject, contact)
 
     def power(torque: Quantity) -> Quantity:
         return lambda phi, side: N_M * torque(phi, side) * course.rates(phi, side)[0]
@@ -82,13 +82,16 @@ def compute(request: Request[object]) -> Result:
         inside = edges[(edges > 0.0) & (edges < TURN)]
         return Column(name, "W", power(torque), borders=inside)
 
-    given = _work(drive.torque, edges, request.tolerance)
-    works = {each.name: _work(each.torque, edges, request.tolerance) for each in takers}
-    scale = max(given.magnitude, *(each.magnitude for each in works.values()))
-    worst = max(given.error, *(each.error for each in works.values()))
+    drive_work = _work(drive.torque, edges, request.tolerance)
+    works = {sink.name: _work(sink.torque, edges, request.tolerance) for sink in sinks}
+    # Works that nearly cancel, as of inertia, have no scale of their own.
+    scale = max(drive_work.magnitude, *(work.magnitude for work in works.values()))
+    worst = max(drive_work.error, *(work.error for work in works.values()))
     if worst > request.tolerance * scale:
-        raise missed("a work of the balance", worst / scale, "the largest", request.tolerance)
-    shared, efficiency = _efficiency(given, works.get(_work_into(LOAD)))
+        raise tolerance_error(
+            "a work of the balance", worst / scale, "the largest", request.tolerance
+        )
+    shared, efficiency = _efficiency(drive_work, works.get(_work_into(LOAD)))
     return Result(
         findings=(
             *extreme_findings(
@@ -97,38 +100,40 @@ def compute(request: Request[object]) -> Result:
                 piecewise_extremes(power(drive.torque), edges),
                 "W",
             ),
-            *(_taken(each, works[each.name]) for each in takers),
+            *(_work_finding(sink, works[sink.name]) for sink in sinks),
             *shared,
         ),
         columns=(
             column("drive power", drive.torque),
-            *(column(each.column, each.torque) for each in takers),
+            *(column(sink.column, sink.torque) for sink in sinks),
         ),
         errors={
-            **{name: Bound(N_M * each.error, N_M * scale) for name, each in works.items()},
+            **{name: Bound(N_M * work.error, N_M * scale) for name, work in works.items()},
             **efficiency,
         },
     )
 
 
-def takers_of(subject: Subject, contact: ContactForce) -> tuple[Taker, ...]:
+def power_sinks(subject: Subject, contact: ContactForce) -> tuple[PowerSink, ...]:
     """All that takes power: the forces of `contact`, and friction under the loads that it makes."""
-    found = [
-        Taker(
-            _work_into(each.name),
-            f"power into {each.name}",
-            _words_of(subject, contact, each),
-            _of_force(subject, contact, each),
+    sinks = [
+        PowerSink(
+            _work_into(force.name),
+            f"power into {force.name}",
+            _force_words(subject, contact, force),
+            _force_torque(subject, contact, force),
         )
-        for each in contact.forces
+        for force in contact.forces
     ]
     if contact.friction is not None:
-        found += _of_friction(subject, contact, contact.friction)
-    return tuple(found)
+        sinks += _friction_sinks(subject, contact, contact.friction)
+    return tuple(sinks)
 
 
-def _words_of(subject: Subject, contact: ContactForce, force: Force) -> str:
-    """Friction that is a force does not depend on that of the contact."""
+def _force_words(subject: Subject, contact: ContactForce, force: Force) -> str:
+    """The `force` in words: friction among the forces is the part that does not depend on the
+    contact force.
+    """
     if contact.friction is None or force is not contact.friction.force:
         return force.name
     return "viscous friction" + (" and that of the slider" if driving_slider(subject) else "")
@@ -139,31 +144,35 @@ def _velocity(subject: Subject, phi: FloatArray, side: Side) -> FloatArray:
     return np.asarray(subject.state.motion.jet(phi, side, 1)[1])
 
 
-def _of_force(subject: Subject, contact: ContactForce, force: Force) -> Quantity:
-    """Of a load on an elastic train what it takes at the output; the train takes the less."""
+def _force_torque(subject: Subject, contact: ContactForce, force: Force) -> Quantity:
+    """The torque that a `force` takes. A load on an elastic train takes what it receives at the
+    output, and the train takes as much less.
+    """
     behind, sense = contact.behind, float(force.name == LOAD) - float(force.present)
 
     def torque(phi: FloatArray, side: Side) -> FloatArray:
-        rates = rates_of(subject, phi, side)
+        rates = cam_rates(subject, phi, side)
         pull = at_rates(force.coefficients(phi, side), rates)
-        found = -pull * _velocity(subject, phi, side)
+        values = -pull * _velocity(subject, phi, side)
         if behind is not None and sense:
-            found += sense * behind.given(phi, side) / rates[0]
-        return np.asarray(found)
+            values += sense * behind.excess_load_power(phi, side) / rates[0]
+        return np.asarray(values)
 
     return torque
 
 
-def _of_friction(subject: Subject, contact: ContactForce, friction: Friction) -> Iterator[Taker]:
+def _friction_sinks(
+    subject: Subject, contact: ContactForce, friction: Friction
+) -> Iterator[PowerSink]:
     """Friction at the contact, and in pivot or guide."""
     follower, rubbing = subject.cam.follower, friction.rubbing
 
     def at_contact(phi: FloatArray, side: Side) -> FloatArray:
         normal = contact.normal(phi, side)
-        lost = on_carrier(normal, lambda sense: friction.at_contact(phi, side, sense))
+        lost = select_carrier(normal, lambda sense: friction.at_contact(phi, side, sense))
         return np.abs(normal) * lost
 
-    yield Taker(
+    yield PowerSink(
         "work-contact-friction",
         f"power lost at the {follower.touching}",
         f"friction of the {follower.touching}",
@@ -174,20 +183,21 @@ def _of_friction(subject: Subject, contact: ContactForce, friction: Friction) ->
         return
 
     def in_bearings(phi: FloatArray, side: Side) -> FloatArray:
-        own = at_rates(bearings.own(phi, side), rates_of(subject, phi, side))
+        noncontact = at_rates(bearings.noncontact_loads(phi, side), cam_rates(subject, phi, side))
         normal = contact.normal(phi, side)
-        per = on_carrier(normal, lambda sense: rubbing.per_normal(phi, side, sense))
-        loads = own + per * np.abs(normal)
+        per = select_carrier(normal, lambda sense: rubbing.per_normal(phi, side, sense))
+        # Only the part by the contact grows with |N|.
+        loads = noncontact + per * np.abs(normal)
         lost = rubbing.lever * np.sum(np.abs(loads), axis=0)
         return np.asarray(lost * np.abs(_velocity(subject, phi, side)))
 
     place = "guide" if follower.pivot is None else "pivot"
     words = f"friction in the {place}"
-    yield Taker(f"work-{place}-friction", f"power lost in the {place}", words, in_bearings)
+    yield PowerSink(f"work-{place}-friction", f"power lost in the {place}", words, in_bearings)
 
 
 def _work(torque: Quantity, edges: FloatArray, tolerance: float) -> Integral:
-    """Of a turn [N mm]."""
+    """The integral of `torque` over a turn [N mm]."""
     return piecewise_integral(lambda phi: torque(phi, "right"), edges, tolerance)
 
 
@@ -196,24 +206,26 @@ def _work_into(force: str) -> str:
     return f"work-{force.removeprefix('the ').replace(' ', '-')}"
 
 
-def _taken(taker: Taker, work: Integral) -> Finding:
+def _work_finding(taker: PowerSink, work: Integral) -> Finding:
     value = N_M * resolved(work.value, work.magnitude)
-    sentence = f"{taker.words} takes {value:.6g} J a turn"
+    sentence = f"{taker.words} takes {value:.6g} J per turn"
     return Finding(taker.name, "ok", sentence, value, unit="J")
 
 
 def _efficiency(
-    given: Integral, load: Integral | None
+    drive_work: Integral, load: Integral | None
 ) -> tuple[tuple[Finding, ...], dict[str, Bound]]:
     """The share of the work of the drive that goes into the load; none where one of both is 0."""
     name = "efficiency"
     if load is None:
         return (), {}
-    taken, whole = (resolved(each.value, each.magnitude) for each in (load, given))
-    if not min(taken, whole) > 0.0:
+    load_work, whole = (
+        resolved(integral.value, integral.magnitude) for integral in (load, drive_work)
+    )
+    if not min(load_work, whole) > 0.0:
         return (), {}
-    value = taken / whole
+    value = load_work / whole
     sentence = f"of the work of the drive over a turn, {100.0 * value:.4g} % goes into the load"
-    error = (load.error + value * given.error) / whole
-    found = Finding(name, "ok", sentence, value)
-    return (found,), {name: Bound(error, max(load.magnitude, given.magnitude) / whole)}
+    error = (load.error + value * drive_work.error) / whole
+    finding = Finding(name, "ok", sentence, value)
+    return (finding,), {name: Bound(error, max(load.magnitude, drive_work.magnitude) / whole)}

@@ -12,16 +12,16 @@ from camgeo.check.finding import Finding
 from camgeo.dynamics.effects.contact import (
     INNER,
     OUTER,
-    bearing_of,
+    bearing_on_carrier,
     carrier,
-    part_of,
+    require_part,
     unbalance_force,
 )
 from camgeo.dynamics.effects.effect import Bound, Column, Quantity, Request, Result, Subject, scaled
-from camgeo.dynamics.effects.forces import at_rates, rates_of
-from camgeo.dynamics.effects.loads import Coupler, Loads, guide_ends, loads_of
+from camgeo.dynamics.effects.forces import at_rates, cam_rates
+from camgeo.dynamics.effects.loads import Coupler, Loads, follower_loads, guide_ends
 from camgeo.dynamics.effects.results import CONTACT_FORCE, ContactForce
-from camgeo.dynamics.effects.wording import N_M, extreme_finding, missed
+from camgeo.dynamics.effects.wording import N_M, extreme_finding, tolerance_error
 from camgeo.geometry.outline.path import Moments
 from camgeo.numeric.arrays import ComplexArray, FloatArray, Side, resolved
 from camgeo.numeric.extremes import Extreme, piecewise_highest
@@ -47,37 +47,42 @@ def compute(request: Request[tuple[float, float] | None]) -> Reactions:
     """The reactions at the speed of the scene; EffectError if a figure misses the tolerance."""
     contact = request.results[CONTACT_FORCE]
     subject, edges = request.subject, contact.edges
-    loads = loads_of(subject, request.results, contact.forces, idle=True)
+    loads = follower_loads(subject, request.results, contact.forces, idle=True)
     bodies = Bodies(subject, contact, loads)
-    shaft = Shaft(bodies, disc_of(subject, request.tolerance), request.data)
+    shaft = CamshaftLoad(bodies, single_disc_moments(subject, request.tolerance), request.data)
     reported = [
-        *(_of_guide(bodies) if subject.cam.follower.pivot is None else _of_pivot(bodies)),
-        *([] if loads.coupler is None else _of_joints(loads.coupler)),
+        *(
+            _guide_reactions(bodies)
+            if subject.cam.follower.pivot is None
+            else _pivot_reactions(bodies)
+        ),
+        *([] if loads.coupler is None else _joint_reactions(loads.coupler)),
         *shaft.loads(),
     ]
     inside = edges[(edges > 0.0) & (edges < TURN)]
     work, errors = _friction_work(request, bodies, edges)
-    found = tuple(each.largest(edges, contact.extremes.magnitude) for each in reported)
-    errors |= shaft.errors(found, edges, request.tolerance)
+    findings = tuple(reaction.largest(edges, contact.extremes.magnitude) for reaction in reported)
+    errors |= shaft.errors(findings, edges, request.tolerance)
     return Reactions(
-        findings=(*found, *work),
+        findings=(*findings, *work),
         columns=tuple(
-            Column(each.name, each.unit, each.values, borders=inside) for each in reported
+            Column(reaction.name, reaction.unit, reaction.values, borders=inside)
+            for reaction in reported
         ),
         errors=errors,
         bodies=bodies,
     )
 
 
-def _of_pivot(bodies: Bodies) -> list[Load]:
+def _pivot_reactions(bodies: Bodies) -> list[Reaction]:
     def force(phi: FloatArray, side: Side) -> FloatArray:
         return np.abs(bodies.of_pivot(phi, side))
 
-    return [Load("pivot force", "force in the pivot", force)]
+    return [Reaction("pivot force", "force in the pivot", force)]
 
 
-def _of_guide(bodies: Bodies) -> list[Load]:
-    """Of both ends, or of the guide as a whole; forces to the right count positive."""
+def _guide_reactions(bodies: Bodies) -> list[Reaction]:
+    """The forces at both ends of the guide, or on the guide as a whole; positive to the right."""
     friction = bodies.contact.friction
 
     def end(row: int) -> Quantity:
@@ -85,39 +90,39 @@ def _of_guide(bodies: Bodies) -> list[Load]:
 
     if friction is not None and friction.guide_length is not None:
         return [
-            Load(f"{name} end force", f"force at the {name} end of the guide", end(row))
+            Reaction(f"{name} end force", f"force at the {name} end of the guide", end(row))
             for row, name in enumerate(("near", "far"))
         ]
-    found = [Load("guide force", "force across the guide", end(0))]
+    reactions = [Reaction("guide force", "force across the guide", end(0))]
     if not bodies.subject.cam.follower.rolls:
         moment = scaled(bodies.tilting, N_M)
-        found.append(Load("guide moment", "moment that tilts the face", moment, "N m"))
-    return found
+        reactions.append(Reaction("guide moment", "moment that tilts the face", moment, "N m"))
+    return reactions
 
 
-def _of_joints(coupler: Coupler) -> list[Load]:
-    """In the joints of a linkage, and across the guide of a slider."""
+def _joint_reactions(coupler: Coupler) -> list[Reaction]:
+    """The forces in the joints of a linkage, and across the guide of a slider."""
     linkage, follower = coupler.linkage, coupler.subject.cam.follower.mover
 
     def size(joint: Literal["near", "far", "held"]) -> Quantity:
         return lambda phi, side: np.abs(getattr(coupler.at_speed(phi, side), joint))
 
     words = f"force between coupler and {linkage.member}"
-    found = [
-        Load("near pin force", f"force between {follower} and coupler", size("near")),
-        Load("far pin force", words, size("far")),
+    reactions = [
+        Reaction("near pin force", f"force between {follower} and coupler", size("near")),
+        Reaction("far pin force", words, size("far")),
     ]
     if linkage.unit == "mm":
-        found.append(
-            Load("slider guide force", "force across the guide of the slider", size("held"))
+        reactions.append(
+            Reaction("slider guide force", "force across the guide of the slider", size("held"))
         )
-    return found
+    return reactions
 
 
 def _friction_work(
     request: Request[tuple[float, float] | None], bodies: Bodies, edges: FloatArray
 ) -> tuple[list[Finding], dict[str, Bound]]:
-    """What friction in the pivot takes a turn."""
+    """The work of friction in the pivot over a turn, with its error."""
     bearings, tolerance = bodies.contact.bearings, request.tolerance
     if bearings is None or request.subject.cam.follower.pivot is None:
         return [], {}
@@ -129,11 +134,12 @@ def _friction_work(
 
     work = piecewise_integral(power, edges, 0.1 * tolerance)
     if work.error > tolerance * work.value:
-        raise missed("the work of friction in the pivot", work.error / work.value, "itself",
-                     tolerance)  # fmt: skip
-    sentence = f"friction in the pivot takes {N_M * work.value:.6g} J a turn"
-    found = Finding(WORK, "ok", sentence, N_M * work.value, unit="J")
-    return [found], {WORK: Bound(work.error, work.value).times(N_M)}
+        raise tolerance_error(
+            "the work of friction in the pivot", work.error / work.value, "itself", tolerance
+        )
+    sentence = f"friction in the pivot takes {N_M * work.value:.6g} J per turn"
+    finding = Finding(WORK, "ok", sentence, N_M * work.value, unit="J")
+    return [finding], {WORK: Bound(work.error, work.value).times(N_M)}
 
 
 # -- bodies ---------------------------------------------------------------------------------------
@@ -166,8 +172,8 @@ class Bodies:
     def of_cam(self, phi: FloatArray, side: Side) -> ComplexArray:
         """(n,) F_c, of the disc that carries."""
         normal = self.contact.normal(phi, side)
-        sliding = np.abs(normal) * bearing_of(self.contact, phi, side).tangential
-        found = np.zeros(len(phi), dtype=np.complex128)
+        sliding = np.abs(normal) * bearing_on_carrier(self.contact, phi, side).tangential
+        force = np.zeros(len(phi), dtype=np.complex128)
         for sense, here in ((INNER, normal >= 0.0), (OUTER, normal < 0.0)):
             if not np.any(here):
                 continue
@@ -176,12 +182,12 @@ class Bodies:
             ahead = relative.along[1] + 1j * relative.across[1]
             tangent = ahead / np.abs(ahead) * np.exp(1j * relative.axis)
             across = 1j * disc.cam.rotation * flank * np.abs(normal[here])
-            found[here] = (across + sliding[here]) * tangent
-        return found
+            force[here] = (across + sliding[here]) * tangent
+        return force
 
     def of_pivot(self, phi: FloatArray, side: Side) -> ComplexArray:
         """(n,) R on a rocker."""
-        loads = at_rates(self.loads.on_pivot(phi, side), rates_of(self.subject, phi, side))
+        loads = at_rates(self.loads.on_pivot(phi, side), cam_rates(self.subject, phi, side))
         return np.asarray(loads - self.of_cam(phi, side))
 
     def of_guide(self, phi: FloatArray, side: Side) -> FloatArray:
@@ -190,11 +196,16 @@ class Bodies:
         length, overhang = None, np.zeros(len(phi))
         if friction is not None:
             length, overhang = friction.guide_length, friction.bearing(phi, side, INNER).overhang
-        own = at_rates(loads.on_guide(phi, side), rates_of(self.subject, phi, side))
-        force, bearing = loads.across(self.of_cam(phi, side)), bearing_of(self.contact, phi, side)
+        noncontact = at_rates(loads.on_guide(phi, side), cam_rates(self.subject, phi, side))
+        force, bearing = (
+            loads.across(self.of_cam(phi, side)),
+            bearing_on_carrier(self.contact, phi, side),
+        )
         moment = np.abs(self.contact.normal(phi, side)) * bearing.tilt
+        # The contact acts at the overhang of the side that carries, all else at that of the main
+        # follower.
         pressed = guide_ends(force, moment, bearing.overhang, length)
-        return guide_ends(own, 0.0, overhang, length) + pressed
+        return guide_ends(noncontact, 0.0, overhang, length) + pressed
 
     def tilting(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) M [N mm] of a flat face whose guide has no stated length, about the cam axis's foot
@@ -209,7 +220,7 @@ class Bodies:
 
 
 @dataclass(frozen=True, slots=True)
-class Load:
+class Reaction:
     """A reaction as it is reported.
 
     Attributes
@@ -235,6 +246,7 @@ class Load:
         """
         end = piecewise_highest(lambda phi, side: np.abs(self.values(phi, side)), edges)
         if self.unit == "N":
+            # A reaction is a difference of forces: what is rounding of these is 0.
             end = Extreme(resolved(end.value, force), end.place)
         return extreme_finding(self.finding, f"largest {self.words}", end, self.unit)
 
@@ -248,12 +260,12 @@ class Load:
 # vanish.
 
 
-TAKEN: Final = 0.1
+QUADRATURE_SHARE: Final = 0.1
 """Share of the tolerance for the integrals over the outlines of the disc, whose errors add up."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Shaft:
+class CamshaftLoad:
     """The camshaft.
 
     Attributes
@@ -269,34 +281,36 @@ class Shaft:
 
     def load(self, phi: FloatArray, side: Side) -> ComplexArray:
         """(n,) [N] on the shaft."""
-        found = -self.bodies.of_cam(phi, side)
+        total = -self.bodies.of_cam(phi, side)
         if self.disc is not None:
             sigma, rates = (
                 self.bodies.subject.cam.rotation,
-                rates_of(self.bodies.subject, phi, side),
+                cam_rates(self.bodies.subject, phi, side),
             )
-            found += self.disc.area * self.bodies.loads.pull
-            found += unbalance_force(self.disc.first, sigma, phi, rates)
-        return found
+            total += self.disc.area * self.bodies.loads.pull
+            total += unbalance_force(self.disc.first, sigma, phi, rates)
+        return total
 
-    def loads(self) -> list[Load]:
-        """On the shaft first, and on each bearing if they are stated."""
+    def loads(self) -> list[Reaction]:
+        """The load on the shaft, and that on each bearing if they are stated."""
 
         def share(part: float) -> Quantity:
             return lambda phi, side: abs(part) * np.abs(self.load(phi, side))
 
-        found = [Load("camshaft load", "load on the camshaft", share(1.0))]
+        reactions = [Reaction("camshaft load", "load on the camshaft", share(1.0))]
         if self.bearings is not None:
             first, second = self.bearings
             for name, part in (("first", second), ("second", -first)):
                 words = f"load on the {name} bearing of the camshaft"
-                found.append(Load(f"{name} bearing load", words, share(part / (second - first))))
-        return found
+                reactions.append(
+                    Reaction(f"{name} bearing load", words, share(part / (second - first)))
+                )
+        return reactions
 
     def errors(
-        self, found: Iterable[Finding], edges: FloatArray, tolerance: float
+        self, findings: Iterable[Finding], edges: FloatArray, tolerance: float
     ) -> dict[str, Bound]:
-        """Of the loads, and of their findings among those `found`.
+        """Of the loads, and of their findings among the `findings`.
 
         Raises
         ------
@@ -307,24 +321,26 @@ class Shaft:
             return {}
 
         def per_unbalance(phi: FloatArray, side: Side) -> FloatArray:
-            rates = rates_of(self.bodies.subject, phi, side)
+            rates = cam_rates(self.bodies.subject, phi, side)
             return np.abs(unbalance_force(1.0, 1, phi, rates))
 
         error = self.disc.first_error * piecewise_highest(per_unbalance, edges).value
         error += self.disc.area_error * abs(self.bodies.loads.pull)
-        largest = {each.name: each.value or 0.0 for each in found}
+        largest = {finding.name: finding.value or 0.0 for finding in findings}
         loads = self.loads()
         whole = largest[loads[0].finding]
         if error > tolerance * whole:
-            raise missed("the load on the camshaft", error / whole, "the largest", tolerance)
-        out: dict[str, Bound] = {}
-        for each in loads:
-            bound = Bound(error, whole).times(largest[each.finding] / whole if whole else 0.0)
-            out |= {each.name: bound, each.finding: bound}
-        return out
+            raise tolerance_error(
+                "the load on the camshaft", error / whole, "the largest", tolerance
+            )
+        bounds: dict[str, Bound] = {}
+        for reaction in loads:
+            bound = Bound(error, whole).times(largest[reaction.finding] / whole if whole else 0.0)
+            bounds |= {reaction.name: bound, reaction.finding: bound}
+        return bounds
 
 
-def disc_of(subject: Subject, tolerance: float) -> Moments | None:
+def single_disc_moments(subject: Subject, tolerance: float) -> Moments | None:
     """Mass and first moment of the single disc; None if its thickness or density is not stated.
 
     Raises
@@ -337,4 +353,4 @@ def disc_of(subject: Subject, tolerance: float) -> Moments | None:
         return None
     from camgeo.part.mass import disc_moments  # few scenes state what the disc is made of
 
-    return disc_moments(part_of(subject, "weigh"), spec.density, TAKEN * tolerance)
+    return disc_moments(require_part(subject, "weigh"), spec.density, QUADRATURE_SHARE * tolerance)

@@ -77,7 +77,7 @@ DRIVING_SLIDER: Final = Kind(
 STRAIGHT: Final = Kind(
     "straight",
     (False,),
-    DRIVING_SLIDER.refusal,
+    DRIVING_SLIDER.message,
     "Translating followers, or sliders that drive rockers, only.",
 )
 GUIDED: Final = Kind(
@@ -132,19 +132,19 @@ def tilts(machine: Machine, table: Table) -> Iterator[tuple[str, str]]:
 
 
 ELASTIC: Final = Refinement("vibration", "a rigid follower", followed=True)
-GIVEN_SPEED: Final = Refinement("speed-fluctuation", "the speed that the scene gives")
+STATED_SPEED: Final = Refinement("speed-fluctuation", "the speed that the scene gives")
 STIFF_SHAFT: Final = Refinement("camshaft-windup", "a camshaft that does not twist")
 
-AT_SPEED: Final = (GIVEN_SPEED, STIFF_SHAFT)
+AT_SPEED: Final = (STATED_SPEED, STIFF_SHAFT)
 """Effects that find how the cam turns."""
 
-OF_ROLLER: Final = ("roller_pin", "roller_pin_diameter", "rolling")
+ROLLER_KEYS: Final = ("roller_pin", "roller_pin_diameter", "rolling")
 """Keys of the friction of a roller."""
 
 
-def _beside(name: str, module: str = "") -> dict[str, Any]:
-    """What follows from the `name` of an effect of camgeo: its code is in the module of that name,
-    or another one, its schema beside it.
+def _module_fields(name: str, module: str = "") -> dict[str, Any]:
+    """The fields of a declaration that follow from the `name` of an effect of camgeo: its code is
+    in the module of that name, or in `module`, and its schema beside it.
     """
     stem = name.replace("-", "_")
     return {
@@ -155,10 +155,10 @@ def _beside(name: str, module: str = "") -> dict[str, Any]:
 
 
 DECLARED: Final = {
-    each.name: each
-    for each in (
+    effect.name: effect
+    for effect in (
         Effect(
-            **_beside("kinematics"),
+            **_module_fields("kinematics"),
             title="motion in time",
             keys=(SPEED,),
             of_drive=True,
@@ -167,7 +167,7 @@ DECLARED: Final = {
             refined_by=AT_SPEED,
         ),
         Effect(
-            **_beside(INERTIA),
+            **_module_fields(INERTIA),
             title="inertia force",
             parse=tables.parse_inertia,
             rules=(
@@ -184,7 +184,7 @@ DECLARED: Final = {
             refined_by=(Refinement("vibration", "a rigid follower"), *AT_SPEED),
         ),
         Effect(
-            **_beside(GRAVITY),
+            **_module_fields(GRAVITY),
             title="weights",
             needs=(INERTIA,),
             keys=((f"effects.{INERTIA}",),),
@@ -192,21 +192,21 @@ DECLARED: Final = {
             regardless=("weight",),
         ),
         Effect(
-            **_beside(LOAD),
+            **_module_fields(LOAD),
             title="process load",
             parse=tables.parse_load,
             tabled=True,
             premise="motion",
         ),
         Effect(
-            **_beside(SPRING),
+            **_module_fields(SPRING),
             title="force of the spring that closes the contact",
             parse=tables.parse_spring,
             tabled=True,
             premise="motion",
         ),
         Effect(
-            **_beside("spring-surge"),
+            **_module_fields("spring-surge"),
             title="surge of the helical spring",
             needs=(SPRING,),
             keys=(SPEED, ("effects.spring",)),
@@ -215,15 +215,15 @@ DECLARED: Final = {
             refined_by=AT_SPEED,
         ),
         Effect(
-            **_beside(FRICTION),
+            **_module_fields(FRICTION),
             title="friction in guide, pivot, slider, roller and face",
             parse=tables.parse_friction,
             rules=(
                 Only(ONE_ROLLER, "guide_length", "guide_overhang"),
                 Only(GUIDED, "guide", "guide_length", "guide_overhang", "guide_offset"),
                 Only(ROCKING, "pivot", "pivot_diameter", "pivot_viscous"),
-                Only(ROLLERS, *OF_ROLLER),
-                Only(ROUND, *OF_ROLLER),
+                Only(ROLLERS, *ROLLER_KEYS),
+                Only(ROUND, *ROLLER_KEYS),
                 Only(FLATS, "face", "guide_offset"),
                 tilts,
                 Only(DRIVING_SLIDER, "slider"),
@@ -232,14 +232,14 @@ DECLARED: Final = {
             tabled=True,
         ),
         Effect(
-            **_beside(CONTACT_FORCE),
+            **_module_fields(CONTACT_FORCE),
             title="force between cam and follower along their common normal",
             uses=(*ACTING, FRICTION, VIBRATION),
             keys=(tuple(f"effects.{name}" for name in ACTING),),
             refined_by=(ELASTIC, *AT_SPEED),
         ),
         Effect(
-            **_beside("reactions"),
+            **_module_fields("reactions"),
             title="forces in guide, pivot, pins and camshaft bearings",
             parse=tables.parse_reactions,
             rules=(Only(ONE_DISC, "bearings"),),
@@ -249,7 +249,7 @@ DECLARED: Final = {
             refined_by=(ELASTIC, *AT_SPEED),
         ),
         Effect(
-            **_beside("roller-spin"),
+            **_module_fields("roller-spin"),
             title="spin of the roller, and where it skids",
             rules=(Only(ONE_ROLLER), Only(ROLLERS), Only(ROUND)),
             needs=(CONTACT_FORCE,),
@@ -258,7 +258,7 @@ DECLARED: Final = {
             refined_by=(ELASTIC, *AT_SPEED),
         ),
         Effect(
-            **_beside(LIFT_OFF, "lift_off.result"),
+            **_module_fields(LIFT_OFF, "lift_off.result"),
             title="where the follower leaves its flank, from which speed, and what prevents it",
             rules=(Only(PLAYED, "backlash"), Only(ROLLERS, "backlash")),
             needs=(CONTACT_FORCE,),
@@ -271,14 +271,14 @@ DECLARED: Final = {
             ),
         ),
         Effect(
-            **_beside(DRIVE_TORQUE),
+            **_module_fields(DRIVE_TORQUE),
             title="torque on the camshaft",
             needs=(CONTACT_FORCE,),
             numerical=True,
             refined_by=(ELASTIC, *AT_SPEED),
         ),
         Effect(
-            **_beside("power-balance"),
+            **_module_fields("power-balance"),
             title="power of the camshaft, what takes it, and the efficiency",
             needs=(CONTACT_FORCE, DRIVE_TORQUE),
             keys=(SPEED,),
@@ -286,7 +286,7 @@ DECLARED: Final = {
             refined_by=(ELASTIC, *AT_SPEED),
         ),
         Effect(
-            **_beside(SPEED_FLUCTUATION),
+            **_module_fields(SPEED_FLUCTUATION),
             title="speed of the motor-driven cam",
             parse=tables.parse_speed_fluctuation,
             needs=(DRIVE_TORQUE,),
@@ -295,7 +295,7 @@ DECLARED: Final = {
             refined_by=(ELASTIC,),
         ),
         Effect(
-            **_beside(CAMSHAFT_WINDUP),
+            **_module_fields(CAMSHAFT_WINDUP),
             title="torsion of the camshaft",
             parse=tables.parse_camshaft_windup,
             needs=(DRIVE_TORQUE,),
@@ -305,7 +305,7 @@ DECLARED: Final = {
             refined_by=(ELASTIC,),
         ),
         Effect(
-            **_beside("contact-pressure"),
+            **_module_fields("contact-pressure"),
             title="pressure between cam and follower",
             parse=tables.parse_contact_pressure,
             rules=(Only(ROLLERS, *tables.OF_ROLLER), Only(FLATS, *tables.OF_FACE)),
@@ -314,7 +314,7 @@ DECLARED: Final = {
             refined_by=(ELASTIC, *AT_SPEED),
         ),
         Effect(
-            **_beside(VIBRATION),
+            **_module_fields(VIBRATION),
             title="vibration of the follower train",
             parse=tables.parse_vibration,
             rules=(
@@ -329,7 +329,7 @@ DECLARED: Final = {
             refined_by=AT_SPEED,
         ),
         Effect(
-            **_beside("shock-spectrum"),
+            **_module_fields("shock-spectrum"),
             title="shock spectrum of the moves",
             of_plan=True,
             refined_by=(
@@ -338,7 +338,7 @@ DECLARED: Final = {
             ),
         ),
         Effect(
-            **_beside("balance"),
+            **_module_fields("balance"),
             title="balance of the disc",
             parse=tables.parse_balance,
             rules=(Only(ONE_DISC),),
@@ -386,7 +386,7 @@ def effect_names() -> tuple[str, ...]:
 def _foreign() -> dict[str, EntryPoint]:
     from importlib.metadata import entry_points  # few scenes name a foreign effect
 
-    return {each.name: each for each in entry_points(group=GROUP) if each.name not in EFFECTS}
+    return {entry.name: entry for entry in entry_points(group=GROUP) if entry.name not in EFFECTS}
 
 
 # -- catalogue ------------------------------------------------------------------------------------
@@ -412,13 +412,13 @@ class Catalogue:
         self._known: dict[str, Effect] = {}
 
     def with_table(self, name: str, table: Mapping[str, Any]) -> Catalogue:
-        """The same with another table of the effect `name`."""
+        """The catalogue with another table of the effect `name`."""
         return Catalogue({**self.tables, name: table}, self._find, self._output)
 
     @property
     def finder(self) -> Key[Turning] | None:
         """The effect of the scene that finds how the cam turns; None if it names none."""
-        return next((each for each in FINDERS if each in self.tables), None)
+        return next((key for key in FINDERS if key in self.tables), None)
 
     def rigid(self) -> Catalogue:
         """The same, with effects that take the train as rigid."""
@@ -438,27 +438,31 @@ class Catalogue:
         CycleError
             If an effect needs itself, with the path of the cycle.
         """
-        self.behind(name)
+        self.dependencies(name)
         return self.received(name)
 
     def received(self, name: str) -> tuple[str, ...]:
-        """As `inputs`, for effects of which it is known that none needs itself."""
+        """The `inputs` of the effect `name`, where it is known that no effect needs itself."""
         effect = self.effect(name)
-        used = [each for each in effect.uses if each in self.tables]
+        used = [other for other in effect.uses if other in self.tables]
         if self._output == "rigid":
             better = self._better(effect)
-            used = [each for each in used if each not in better]
-        return (*effect.needs, *(each for each in used if each not in effect.needs))
+            used = [other for other in used if other not in better]
+        return (*effect.needs, *(other for other in used if other not in effect.needs))
 
-    def followed(self, name: str) -> bool:
+    def follows_train(self, name: str) -> bool:
         """Whether the effect `name` takes an elastic train of the scene into account."""
         return self._output == "elastic" and bool(self._better(self.effect(name)))
 
     def _better(self, effect: Effect) -> set[str]:
         """The effects of the scene that `effect` follows unless its state is a simpler one."""
-        return {each.by for each in effect.refined_by if each.followed and each.by in self.tables}
+        return {
+            refinement.effect
+            for refinement in effect.refined_by
+            if refinement.followed and refinement.effect in self.tables
+        }
 
-    def behind(self, name: str, way: tuple[str, ...] = ()) -> set[str]:
+    def dependencies(self, name: str, way: tuple[str, ...] = ()) -> set[str]:
         """The effects that the effect `name` is computed from, directly or not; `way` leads to it.
 
         CycleError if an effect needs itself, with the path of the cycle.
@@ -466,19 +470,19 @@ class Catalogue:
         if name in way:
             raise CycleError((*way[way.index(name) :], name))
         inputs = self.received(name)
-        return set(inputs).union(*(self.behind(each, (*way, name)) for each in inputs))
+        return set(inputs).union(*(self.dependencies(other, (*way, name)) for other in inputs))
 
-    def of_given_speed(self, name: str) -> bool:
+    def declares_speed(self, name: str) -> bool:
         """Whether the effect `name` declares that its figures depend on the speed of the cam."""
-        return any(each.by in FINDERS for each in self.effect(name).refined_by)
+        return any(refinement.effect in FINDERS for refinement in self.effect(name).refined_by)
 
-    def moved(self, name: str) -> bool:
+    def depends_on_speed(self, name: str) -> bool:
         """Whether the effect `name` depends on the speed of the cam: all do, but the effect that
         finds it and, of what this is found from, those that declare no such thing.
         """
         if name == self.finder:
             return False
-        behind = set() if self.finder is None else self.behind(self.finder)
-        if self.of_given_speed(name) or name not in behind:
+        behind = set() if self.finder is None else self.dependencies(self.finder)
+        if self.declares_speed(name) or name not in behind:
             return True
-        return any(self.moved(each) for each in self.inputs(name))
+        return any(self.depends_on_speed(other) for other in self.inputs(name))

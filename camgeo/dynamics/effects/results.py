@@ -74,15 +74,16 @@ class Inertia(Acting):
         (dq/dt)^2 / 2. The sum of m (dx/dq)^2 over all coordinates, by equal kinetic energy (Volmer,
         "Getriebetechnik", on reduced masses; Norton, "Cam Design and Manufacturing Handbook", on
         effective masses in dynamic models of cam systems).
-    at : (2, n) M and half its derivative by q at n cam angles with the follower at any coordinate q
-        (n,): the equation of free motion is M q'' + (dM/dq / 2) q'^2 = sum Q (Lagrange).
+    mass_terms : (2, n) M and half its derivative by q at n cam angles with the follower at any
+        coordinate q (n,): the equation of free motion is M q'' + (dM/dq / 2) q'^2 = sum Q
+        (Lagrange).
     """
 
     masses: tuple[Mass, ...]
     moved: float
     coupler_moment: float
     to_follower: Quantity
-    at: Callable[[FloatArray, FloatArray], FloatArray]
+    mass_terms: Callable[[FloatArray, FloatArray], FloatArray]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -219,46 +220,46 @@ class Turning(Touching):
     feedback: Feedback | None = None
 
     @property
-    def sought(self) -> tuple[Sought, ...]:
+    def unknowns(self) -> tuple[Unknown, ...]:
         """The d quantities that it is solved for, the speed of the cam [rad/s] first."""
         raise NotImplementedError
 
     def fed_back(
-        self, feedback: Feedback, told: Finding, beside: Sequence[float], rough: Self
+        self, feedback: Feedback, finding: Finding, added_errors: Sequence[float], rough: Self
     ) -> Self:
-        """The same as the last of rounds with `feedback`, which the finding `told` reports.
+        """The result as that of the last round with `feedback`, which `finding` reports.
 
         Parameters
         ----------
-        beside : errors of `sought` besides those of their bounds.
+        added_errors : errors of the `unknowns` besides those of their bounds.
         rough : of another round, farther from the fixed point than this is.
         """
-        own = self.off_by(beside, rough)
+        updated = self.with_added_errors(added_errors, rough)
         return replace(
-            own,
+            updated,
             rough_course=rough.rough_course,
             feedback=feedback,
-            findings=(*self.findings, told),
-            errors={**own.errors, told.name: own.errors["cam speed"]},
+            findings=(*self.findings, finding),
+            errors={**updated.errors, finding.name: updated.errors["cam speed"]},
         )
 
-    def off_by(self, beside: Sequence[float], rough: Self) -> Self:
-        """The same with the errors `beside` added to those of its figures, see `fed_back`."""
+    def with_added_errors(self, added_errors: Sequence[float], rough: Self) -> Self:
+        """The result with the `added_errors` in those of its figures, see `fed_back`."""
         raise NotImplementedError
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
-class Leaving(Result):
+class Flying(Result):
     """A result that includes where the follower flies.
 
     Attributes
     ----------
-    flown : ranges [rad] over which it is off its only flank, or in its clearance, at the speed of
-        the scene, the start in [0, 2 pi), the end beyond it; empty if there are none, or if that is
-        not known.
+    flight_ranges : ranges [rad] over which it is off its only flank, or in its clearance, at the
+        speed of the scene, the start in [0, 2 pi), the end beyond it; empty if there are none, or
+        if that is not known.
     """
 
-    flown: tuple[tuple[float, float], ...] = ()
+    flight_ranges: tuple[tuple[float, float], ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -278,8 +279,8 @@ class ContactForce(Touching):
         rigid train.
     demand : (n,) R [N or N mm] at the speed of the scene, with the train of its state.
     normal : (n,) N at the speed of the scene, or at rest if it gives none.
-    normal_at : (n,) N at n cam angles and at rates (2, n): omega [rad/s] and alpha [rad/s^2], with
-        a rigid train.
+    normal_at_rates : (n,) N at n cam angles and at rates (2, n): omega [rad/s] and alpha [rad/s^2],
+        with a rigid train.
     bracket : (n,) [1 or mm/rad] R per unit of |N| at n cam angles, on the side `sense`, of a |N| so
         large that all else that loads the bearings is nothing to it.
     bearings : friction under the loads of pivot or guide, with a rigid train; None without any.
@@ -289,7 +290,7 @@ class ContactForce(Touching):
     struck : (n,) inertia [t or t mm^2] reduced to the follower that a jump of its velocity strikes:
         all that is not behind an elastic train; None without masses.
     behind : the elastic train that `forces` include; None if it is rigid.
-    beside : the same with another force on a rigid train, known at all speeds.
+    with_force : the same with another force on a rigid train, known at all speeds.
     """
 
     forces: tuple[Force, ...]
@@ -298,12 +299,12 @@ class ContactForce(Touching):
     extremes: Extremes
     required: Quantity
     normal: Quantity
-    normal_at: Callable[[FloatArray, Side, FloatArray], FloatArray]
+    normal_at_rates: Callable[[FloatArray, Side, FloatArray], FloatArray]
     bracket: Callable[[FloatArray, Side, int], FloatArray]
     demand: Quantity
     bearings: BearingFriction | None
     released: Callable[[FloatArray, Side, FloatArray], FloatArray]
-    beside: Callable[[Force], ContactForce]
+    with_force: Callable[[Force], ContactForce]
     struck: Quantity | None = None
     behind: ElasticTrain | None = None
 
@@ -315,11 +316,11 @@ class ContactForce(Touching):
     @property
     def loaded(self) -> BearingFriction | None:
         """`bearings` with the train of its state."""
-        found = self.bearings
+        bearings = self.bearings
         for force in self.forces:
-            if force.present and found is not None:
-                found = found.beside(force)
-        return found
+            if force.present and bearings is not None:
+                bearings = bearings.with_force(force)
+        return bearings
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -332,7 +333,8 @@ class DriveTorque(Result):
     law : (6, n) c0 to c3 of R, then torque per unit of R [N mm] for R > 0 and for R < 0; with
         friction in the bearings the rows of `camgeo.dynamics.effects.bearing_friction.RubbingLaw`,
         whose `linear_law` gives these six at given rates.
-    at : (n,) [N mm] at n cam angles, with the cam turning at omega [rad/s] and alpha [rad/s^2].
+    torque_at_rates : (n,) [N mm] at n cam angles, with the cam turning at omega [rad/s] and alpha
+        [rad/s^2].
     torque : (n,) [N mm] at the speed of the scene; the static part if it gives none.
     static : (n,) [N mm] at very low speed: without inertia and viscous friction.
     edges : (k,) cam angles [rad] from 0 to 2 pi, ascending, between which the torque is smooth.
@@ -340,7 +342,9 @@ class DriveTorque(Result):
 
     contact: ContactForce
     law: Quantity
-    at: Callable[[FloatArray, Side, FloatArray | float, FloatArray | float], FloatArray]
+    torque_at_rates: Callable[
+        [FloatArray, Side, FloatArray | float, FloatArray | float], FloatArray
+    ]
     torque: Quantity
     static: Quantity
     edges: FloatArray
@@ -352,7 +356,7 @@ LOAD: Final = Key[Acting]("load")
 SPRING: Final = Key[Spring]("spring")
 FRICTION: Final = Key[Friction]("friction")
 VIBRATION: Final = Key[Elastic]("vibration")
-LIFT_OFF: Final = Key[Leaving]("lift-off")
+LIFT_OFF: Final = Key[Flying]("lift-off")
 CONTACT_FORCE: Final = Key[ContactForce]("contact-force")
 DRIVE_TORQUE: Final = Key[DriveTorque]("drive-torque")
 SPEED_FLUCTUATION: Final = Key[Turning]("speed-fluctuation")
@@ -463,7 +467,7 @@ class HelicalSpring:
         return math.pi * math.sqrt(self.stiffness / mass)
 
 
-# -- sought ---------------------------------------------------------------------------------------
+# -- unknowns -------------------------------------------------------------------------------------
 # What is solved for to find how the cam turns, and how an elastic train acts back on it.
 
 
@@ -486,7 +490,7 @@ class Feedback:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Sought:
+class Unknown:
     """A quantity over the cam angle that an equation of motion is solved for.
 
     Attributes
@@ -506,7 +510,7 @@ class Sought:
 
 
 @dataclass(frozen=True, slots=True)
-class Range:
+class LowRange:
     """A range of the turn, and the smallest value in it.
 
     Attributes
@@ -531,7 +535,7 @@ class LostContact:
     leaps : cam angles [rad] at which the velocity of a mass jumps away from the flank.
     """
 
-    ranges: tuple[Range, ...] = ()
+    ranges: tuple[LowRange, ...] = ()
     leaps: tuple[float, ...] = ()
 
     def __bool__(self) -> bool:
@@ -540,4 +544,6 @@ class LostContact:
     @property
     def lowest(self) -> Extreme | None:
         """The lowest force [N] of all ranges; None if there are only leaps."""
-        return min((each.lowest for each in self.ranges), key=lambda low: low.value, default=None)
+        return min(
+            (low_range.lowest for low_range in self.ranges), key=lambda low: low.value, default=None
+        )

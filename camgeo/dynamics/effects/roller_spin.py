@@ -31,16 +31,16 @@ from camgeo.check.finding import Finding
 from camgeo.dynamics.effects.contact import (
     INNER,
     OUTER,
-    bearing_of,
+    bearing_on_carrier,
     holds_both_ways,
     ranges_below,
     runs,
     with_other_side,
 )
-from camgeo.dynamics.effects.effect import Column, Request, Result, Subject, data_of
+from camgeo.dynamics.effects.effect import Column, Request, Result, Subject, build_data
 from camgeo.dynamics.effects.results import CONTACT_FORCE, ContactForce
-from camgeo.dynamics.effects.wording import N_M, angles, extreme_findings, over, placed
-from camgeo.dynamics.oscillator.steady import DEGREE, Pieces, interpolated
+from camgeo.dynamics.effects.wording import N_M, at_angles, extreme_findings, over_ranges, placed
+from camgeo.dynamics.oscillator.steady import DEGREE, PiecewiseSeries, interpolated
 from camgeo.kinematics.time_course import TimeCourse, period
 from camgeo.numeric.arrays import SHARE, FloatArray, IntArray, Side, merged
 from camgeo.numeric.extremes import (
@@ -88,17 +88,18 @@ class RollerSpin(Result):
 
 def compute(request: Request[Mapping[str, Any]]) -> RollerSpin:
     """The spin at the speed of the scene, of both rollers of a yoke."""
-    main, *others = (_spin_of(each) for each in Rolling.each(request))
+    main, *others = (_roller_result(rolling) for rolling in Rolling.from_request(request))
     if not others:
         return main
     (other,) = others
     return replace(with_other_side(request.subject, main, other), opposite=other)
 
 
-def _spin_of(rolling: Rolling) -> RollerSpin:
+def _roller_result(rolling: Rolling) -> RollerSpin:
     """The spin of one roller."""
     edges = rolling.contact.edges
     lowest = piecewise_lowest(rolling.reserve, edges)
+    # No traction reverses the spin of a roller at once.
     skids = bool(lowest.value < 0.0 or len(rolling.reversals))
     skid = steady(rolling) if skids else None
 
@@ -119,10 +120,10 @@ def _spin_of(rolling: Rolling) -> RollerSpin:
                 "rev/min",
                 ", positive counter-clockwise",
             ),
-            _of_reserve(rolling, edges, lowest),
-            *_of_drag(rolling),
-            *_of_reversals(rolling.reversals),
-            *(_of_undriven() if skids and skid is None else _of_skid(skid)),
+            _reserve_finding(rolling, edges, lowest),
+            *_drag_findings(rolling),
+            *_reversal_findings(rolling.reversals),
+            *(_undriven_findings() if skids and skid is None else _skid_findings(skid)),
         ),
         columns=(
             Column("roller spin", "rev/min", on_pin, borders=turning),
@@ -135,15 +136,15 @@ def _spin_of(rolling: Rolling) -> RollerSpin:
     )
 
 
-def _of_reserve(rolling: Rolling, edges: FloatArray, lowest: Extreme) -> Finding:
+def _reserve_finding(rolling: Rolling, edges: FloatArray, lowest: Extreme) -> Finding:
     sentence = (
         f"smallest reserve of traction {lowest.value:.6g} N"
-        f" {angles([lowest.place])}, with a coefficient of {rolling.data.traction:g}"
+        f" {at_angles([lowest.place])}, with a coefficient of {rolling.data.traction:g}"
     )
     if lowest.value >= 0.0:
         return placed("traction-reserve", f"{sentence}: the roller rolls", lowest, "N", 0.0)
-    found = ranges_below(rolling.reserve, edges, 0.0, lowest)
-    where = over([(each.start, each.end) for each in found])
+    ranges = ranges_below(rolling.reserve, edges, 0.0, lowest)
+    where = over_ranges([(stretch.start, stretch.end) for stretch in ranges])
     return placed(
         "traction-reserve",
         f"{sentence}: too little for the roller to roll {where}",
@@ -154,8 +155,8 @@ def _of_reserve(rolling: Rolling, edges: FloatArray, lowest: Extreme) -> Finding
     )
 
 
-def _of_drag(rolling: Rolling) -> Iterator[Finding]:
-    """Where friction of bearing and rolling is more than the traction, even at constant speed."""
+def _drag_findings(rolling: Rolling) -> Iterator[Finding]:
+    """A warning if friction of bearing and rolling exceeds the traction even at constant speed."""
     drag = float(np.sum(rolling.levers[1:])) / rolling.subject.cam.follower.roller_radius
     if drag <= rolling.data.traction:
         return
@@ -169,13 +170,13 @@ def _of_drag(rolling: Rolling) -> Iterator[Finding]:
     )
 
 
-def _of_reversals(places: FloatArray) -> Iterator[Finding]:
+def _reversal_findings(places: FloatArray) -> Iterator[Finding]:
     if not len(places):
         return
     yield Finding(
         "roller-reversal",
         "warning",
-        f"the roller changes flanks {angles(places.tolist())}, where it has to reverse its spin"
+        f"the roller changes flanks {at_angles(places.tolist())}, where it has to reverse its spin"
         " and skids",
         float(len(places)),
         0.0,
@@ -183,32 +184,30 @@ def _of_reversals(places: FloatArray) -> Iterator[Finding]:
     )
 
 
-def _of_skid(skid: Skid | None) -> Iterator[Finding]:
-    """How far the roller skids; all 0 if it rolls all round."""
+def _skid_findings(skid: Skid | None) -> Iterator[Finding]:
+    """The findings on how far the roller skids; all values are 0 if it rolls all round."""
     if skid is None:
         yield Finding("largest-slip", "ok", "the roller does not slip", 0.0, unit="mm/s")
-        yield Finding("slip-distance", "ok", "path of the slip 0 mm a turn", 0.0, unit="mm")
-        yield Finding("slip-work", "ok", "work of the slip 0 J a turn", 0.0, unit="J")
+        yield Finding("slip-distance", "ok", "slip distance 0 mm per turn", 0.0, unit="mm")
+        yield Finding("slip-work", "ok", "work of the slip 0 J per turn", 0.0, unit="J")
         return
     fastest = piecewise_highest(lambda phi, side: np.abs(skid.slip(phi, side)), skid.edges)
     text = f"the roller slips on its flank at up to {fastest.value:.6g} mm/s"
-    yield placed("largest-slip", f"{text} {angles([fastest.place])}", fastest, "mm/s")
+    yield placed("largest-slip", f"{text} {at_angles([fastest.place])}", fastest, "mm/s")
     distance, work, ranges = skid.distance, N_M * skid.work, skid.ranges
-    where = f", {over(ranges)}" if ranges else ""
-    text = f"path of the slip {distance:.6g} mm a turn{where}"
+    where = f", {over_ranges(ranges)}" if ranges else ""
+    text = f"slip distance {distance:.6g} mm per turn{where}"
     yield Finding("slip-distance", "ok", text, distance, unit="mm")
-    text = (
-        f"work of the slip {work:.6g} J a turn; the roller of other effects rolls, and takes none"
-    )
+    text = f"work of the slip {work:.6g} J per turn; other effects assume that the roller rolls"
     yield Finding("slip-work", "ok", text, work, unit="J")
 
 
-def _of_undriven() -> Iterator[Finding]:
+def _undriven_findings() -> Iterator[Finding]:
     yield Finding(
         "roller-undriven",
         "warning",
-        "nothing turns the roller, neither traction nor friction, so it is not known how it turns;"
-        " the speed on its pin is that of one that rolls",
+        "neither traction nor friction turns the roller, so its speed is not determined; the speed"
+        " on its pin is that of a roller that rolls",
     )
 
 
@@ -289,7 +288,7 @@ def rule() -> tuple[FloatArray, FloatArray]:
 
 
 @dataclass(frozen=True, eq=False)
-class Cells:
+class SpinCells:
     """A turn in cells, in each of which a v_i either holds a roller that reaches it or is passed.
 
     Attributes
@@ -298,18 +297,18 @@ class Cells:
     rate : |N| / omega [N s/rad] as series over the cells.
     levers : (3,) c_i [mm].
     inertia : J [t mm^2]; 0 if the roller follows at once.
-    before, after : (3, m) v_i where the cells start and end [rad/s].
+    start_speeds, end_speeds : (3, m) v_i where the cells start and end [rad/s].
     reserve : (3, m) c_i |N| - |U_i| [N mm] in the middle; v_i holds where it is not negative.
     unmet : (3, m) sign of U_i.
     fastest : magnitude of v_i [rad/s].
     """
 
     rolling: Rolling
-    rate: Pieces
+    rate: PiecewiseSeries
     levers: FloatArray
     inertia: float
-    before: FloatArray
-    after: FloatArray
+    start_speeds: FloatArray
+    end_speeds: FloatArray
     reserve: FloatArray
     unmet: FloatArray
     fastest: float
@@ -325,8 +324,8 @@ class Cells:
         # from -1 to 1 over the cell, by differences that are exact near its start
         first, share = 2.0 * (low - starts) / (ends - starts), span / (ends - starts)
         x = (first - 1.0)[:, np.newaxis] + share[:, np.newaxis] * (places + 1.0)
-        found: FloatArray = self.rate.within(cell[:, np.newaxis], x) @ weights
-        return 0.5 * span * found
+        means: FloatArray = self.rate.evaluate(cell[:, np.newaxis], x) @ weights
+        return 0.5 * span * means
 
     @cached_property
     def whole(self) -> FloatArray:
@@ -336,20 +335,21 @@ class Cells:
 
     def turn(self, w: float) -> list[Stretch]:
         """The stretches of a turn that starts with `w` [rad/s] at cam angle 0."""
-        found: list[Stretch] = []
-        for cell in range(self.before.shape[1]):
-            found += self._through(cell, found[-1].end if found else w)
-        return found
+        stretches: list[Stretch] = []
+        for cell in range(self.start_speeds.shape[1]):
+            stretches += self._through(cell, stretches[-1].end if stretches else w)
+        return stretches
 
     def _through(self, cell: int, w: float) -> Iterator[Stretch]:
-        low, high = (float(each) for each in self.rate.edges[cell : cell + 2])
+        low, high = (float(edge) for edge in self.rate.edges[cell : cell + 2])
         signs, ahead = self._signs(cell, w), float(self.whole[cell])
         while low < high:
             if 0.0 in signs:
                 holder = int(np.flatnonzero(signs == 0.0)[0])
-                end = float(self.after[holder, cell])
+                end = float(self.end_speeds[holder, cell])
                 yield Stretch(low, high, cell, holder, w, end, end - w, 0.0)
                 return
+            # Nothing holds it: all three rub, each against its own motion.
             pull = -float(self.levers @ signs) / self.inertia
             place, met = self._next(cell, low, w, pull, signs, w + pull * ahead)
             gain = pull * (ahead if met is None else self._impulse(cell, low, place - low))
@@ -357,17 +357,19 @@ class Cells:
                 yield Stretch(low, place, cell, FREE, w, w + gain, gain, pull)
             low, w = place, w + gain
             if met is not None:
+                # It is held from here on, or passes the speed and is pulled on.
                 signs[met] = 0.0 if self.reserve[met, cell] >= 0.0 else self.unmet[met, cell]
                 ahead = self._impulse(cell, low, high - low)
 
     def _impulse(self, cell: int, low: float, span: float) -> float:
-        return float(self.impulse(*(np.array([each]) for each in (cell, low, span)))[0])
+        return float(self.impulse(*(np.array([value]) for value in (cell, low, span)))[0])
 
     def _signs(self, cell: int, w: float) -> FloatArray:
         """(3,) sgn(w - v_i) from the start of `cell` on; 0 for what holds the roller."""
-        gaps, reserve = w - self.before[:, cell], self.reserve[:, cell]
+        gaps, reserve = w - self.start_speeds[:, cell], self.reserve[:, cell]
         near = np.abs(gaps) <= SHARE * self.fastest
         signs = np.where(near, self.unmet[:, cell], np.sign(gaps))
+        # Without inertia it takes the speed of what holds it best at once.
         if self.inertia == 0.0:
             signs[np.argmax(reserve)] = 0.0
         else:
@@ -377,12 +379,13 @@ class Cells:
     def _next(
         self, cell: int, low: float, w: float, pull: float, signs: FloatArray, end: float
     ) -> tuple[float, int | None]:
-        """Where w, which is free at `low` [rad] and would be `end` at the end of the cell, reaches
-        a v_i, and which; the end of the cell and None if it reaches none.
+        """The angle at which w, which is free at `low` [rad] and would be `end` at the end of the
+        cell, reaches a v_i, and which one; the end of the cell and None if it reaches none.
         """
         high = float(self.rate.edges[cell + 1])
-        last = end - self.after[:, cell]
+        last = end - self.end_speeds[:, cell]
         met = np.sign(last) == -signs
+        # A v_i counts if it holds the roller, or if the moment that is unmet pulls it through.
         met &= (self.reserve[:, cell] >= 0.0) | (self.unmet[:, cell] == -signs)
         which = np.flatnonzero(met)
         if not len(which):
@@ -403,17 +406,18 @@ class Cells:
         return float(places[soonest]), int(which[soonest])
 
 
-def cells_of(rolling: Rolling) -> Cells:
+def spin_cells(rolling: Rolling) -> SpinCells:
     """The cells of a turn."""
     edges, levers = rolling.contact.edges, rolling.levers
     ends = [rolling.rubbed(edges[:-1], "right")[0], rolling.rubbed(edges[1:], "left")[0]]
     fastest = float(np.max(np.abs(ends)))
     impulse = rolling.contact.extremes.magnitude * period(rolling.course)
     inertia = rolling.data.moment_of_inertia
+    # So light a roller follows at once, as if without inertia.
     if inertia * fastest <= AT_ONCE * impulse * float(np.sum(levers)):
         inertia = 0.0
 
-    def apart(phi: FloatArray) -> FloatArray:
+    def speed_differences(phi: FloatArray) -> FloatArray:
         v = rolling.rubbed(phi, "right")[0]
         return np.stack([v[one] - v[other] for one, other in PAIRS])
 
@@ -421,8 +425,9 @@ def cells_of(rolling: Rolling) -> Cells:
         """U_i and c_i |N| [N mm], (3, n) each."""
         pressing = rolling.pressing(phi, "right")
         v, rates = rolling.rubbed(phi, "right")
-        drawn = np.einsum("j,ijn->in", levers, np.sign(v[:, np.newaxis] - v))
-        return -inertia * rates - pressing * drawn, levers[:, np.newaxis] * pressing
+        # Sum over the others j of c_j sgn(v_i - v_j), at each of n angles.
+        friction = np.einsum("j,ijn->in", levers, np.sign(v[:, np.newaxis] - v))
+        return -inertia * rates - pressing * friction, levers[:, np.newaxis] * pressing
 
     def limits(phi: FloatArray) -> FloatArray:
         unmet, there = moments(phi)
@@ -431,18 +436,18 @@ def cells_of(rolling: Rolling) -> Cells:
     def rate(phi: FloatArray) -> FloatArray:
         return np.asarray(rolling.pressing(phi, "right") / rolling.course.rates(phi)[0])
 
-    for crossing in (apart, limits):
+    for crossing in (speed_differences, limits):
         edges = with_roots(crossing, edges)
     series = interpolated(rate, edges, EXACT)
     low, high = series.edges[:-1], series.edges[1:]
     unmet, there = moments(0.5 * (low + high))
-    return Cells(
+    return SpinCells(
         rolling=rolling,
         rate=series,
         levers=levers,
         inertia=inertia,
-        before=rolling.rubbed(low, "right")[0],
-        after=rolling.rubbed(high, "left")[0],
+        start_speeds=rolling.rubbed(low, "right")[0],
+        end_speeds=rolling.rubbed(high, "left")[0],
         reserve=there - np.abs(unmet),
         unmet=np.sign(unmet),
         fastest=fastest,
@@ -461,7 +466,7 @@ class Skid:
     start, pull : (m,) [rad/s] and [rad/(N s^2)], likewise.
     """
 
-    cells: Cells
+    cells: SpinCells
     edges: FloatArray
     cell: IntArray
     holder: IntArray
@@ -469,24 +474,24 @@ class Skid:
     pull: FloatArray
 
     @classmethod
-    def of(cls, cells: Cells, w: float) -> Self:
+    def from_start(cls, cells: SpinCells, w: float) -> Self:
         """The turn that starts with `w` [rad/s] at cam angle 0."""
-        found = cells.turn(w)
+        stretches = cells.turn(w)
         return cls(
             cells=cells,
-            edges=np.array([*(each.low for each in found), TURN]),
-            cell=np.array([each.cell for each in found]),
-            holder=np.array([each.holder for each in found]),
-            start=np.array([each.start for each in found]),
-            pull=np.array([each.pull for each in found]),
+            edges=np.array([*(stretch.low for stretch in stretches), TURN]),
+            cell=np.array([stretch.cell for stretch in stretches]),
+            holder=np.array([stretch.holder for stretch in stretches]),
+            start=np.array([stretch.start for stretch in stretches]),
+            pull=np.array([stretch.pull for stretch in stretches]),
         )
 
     @property
     def ranges(self) -> tuple[tuple[float, float], ...]:
-        """Where the roller does not roll [rad]."""
-        found = runs(self.holder != FLANK)
+        """The ranges [rad] over which the roller does not roll."""
+        groups = runs(self.holder != FLANK)
         return tuple(
-            (float(self.edges[each[0]]), float(self.edges[each[-1] + 1])) for each in found
+            (float(self.edges[group[0]]), float(self.edges[group[-1] + 1])) for group in groups
         )
 
     @property
@@ -531,7 +536,7 @@ class Skid:
 
         def impulse(cell: IntArray, phi: FloatArray) -> FloatArray:
             low, high = rate.edges[cell], rate.edges[cell + 1]
-            return rate.within(cell, (2.0 * phi - low - high) / (high - low))
+            return rate.evaluate(cell, (2.0 * phi - low - high) / (high - low))
 
         return self.cells.rolling.data.traction * self._slipped(impulse)
 
@@ -546,6 +551,7 @@ class Skid:
         spans = np.diff(self.edges)[slips]
 
         def stretched(x: FloatArray) -> FloatArray:
+            # Stretch k is mapped to the interval from k to k + 1.
             number = np.floor(x).astype(np.intp)
             which, span = slips[number], (x - number) * spans[number]
             slip = self._radius * np.abs(self._spin(which, span, "right")[0])
@@ -561,24 +567,25 @@ def steady(rolling: Rolling) -> Skid | None:
     The motions that begin slower and faster than any steady one enclose it; mostly something holds
     both alike before long, and they are one from there on.
     """
-    cells = cells_of(rolling)
+    cells = spin_cells(rolling)
+    # Slower and faster than all that rubs on it: any steady motion is between these.
     low, high = -2.0 * cells.fastest, 2.0 * cells.fastest
-    if all(each.gain == 0.0 for each in cells.turn(low)):
+    if all(stretch.gain == 0.0 for stretch in cells.turn(low)):
         return None
     for _ in range(SHARED_TURNS):
-        low, high = (cells.turn(each)[-1].end for each in (low, high))
+        low, high = (cells.turn(start)[-1].end for start in (low, high))
         if low == high:
-            return Skid.of(cells, low)
+            return Skid.from_start(cells, low)
 
     def gained(starts: FloatArray) -> FloatArray:
         return np.array(
-            [math.fsum(each.gain for each in cells.turn(float(start))) for start in starts]
+            [math.fsum(stretch.gain for stretch in cells.turn(float(start))) for start in starts]
         )
 
     first, last = gained(np.array([low, high]))  # of equal sign where either is 0 but for rounding
     ends = np.array([[max(first, 0.0)], [min(last, 0.0)]])
-    found = bracketed_roots(gained, np.array([low]), np.array([high]), ends=ends)
-    return Skid.of(cells, float(found[0]))
+    root = bracketed_roots(gained, np.array([low]), np.array([high]), ends=ends)
+    return Skid.from_start(cells, float(root[0]))
 
 
 # -- rolling --------------------------------------------------------------------------------------
@@ -606,7 +613,7 @@ class Rolling:
     contact : force at the contact.
     data : of the roller.
     senses : (k,) s, the flank that carries, or the only one, between the edges of `contact`.
-    alone : side of a yoke, see `camgeo.dynamics.effects.contact`, that presses this roller; 0
+    yoke_side : side of a yoke, see `camgeo.dynamics.effects.contact`, that presses this roller; 0
     without one.
     """
 
@@ -615,13 +622,13 @@ class Rolling:
     contact: ContactForce
     data: RollerData
     senses: FloatArray
-    alone: int = 0
+    yoke_side: int = 0
 
     @classmethod
-    def each(cls, request: Request[Mapping[str, Any]]) -> tuple[Self, ...]:
+    def from_request(cls, request: Request[Mapping[str, Any]]) -> tuple[Self, ...]:
         """The roller of a scene, or both of a yoke, each on the inner flank as it touches it."""
         subject, contact = request.subject, request.results[CONTACT_FORCE]
-        data, pieces = data_of(RollerData, request.data), len(contact.edges) - 1
+        data, pieces = build_data(RollerData, request.data), len(contact.edges) - 1
         if subject.returning is not None:
             senses = np.full(pieces, float(INNER))
             return tuple(
@@ -650,8 +657,8 @@ class Rolling:
         carries.
         """
         normal = self.contact.normal(phi, side)
-        if self.alone:
-            return np.maximum(self.alone * normal, 0.0)
+        if self.yoke_side:
+            return np.maximum(self.yoke_side * normal, 0.0)
         if holds_both_ways(self.subject):
             return np.abs(normal)
         return np.maximum(self.subject.cam.contact.push * normal, 0.0)
@@ -683,9 +690,9 @@ class Rolling:
     def _shared(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) f_t, see `camgeo.dynamics.effects.friction`."""
         friction = self.contact.friction
-        if not self.alone or friction is None:
-            return bearing_of(self.contact, phi, side).tangential
-        return friction.bearing(phi, side, self.alone).tangential
+        if not self.yoke_side or friction is None:
+            return bearing_on_carrier(self.contact, phi, side).tangential
+        return friction.bearing(phi, side, self.yoke_side).tangential
 
     def reserve(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) mu_T |N| - |T| [N]."""

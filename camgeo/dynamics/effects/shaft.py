@@ -12,7 +12,7 @@ import numpy as np
 from camgeo.dynamics.effects.bearing_friction import LINEAR, RubbingLaw, StuckError
 from camgeo.dynamics.effects.effect import Quantity, Subject
 from camgeo.dynamics.effects.forces import torque_shocks
-from camgeo.dynamics.effects.wording import at
+from camgeo.dynamics.effects.wording import at_angle
 from camgeo.errors import EffectError
 from camgeo.numeric.arrays import (
     BoolArray,
@@ -95,6 +95,7 @@ class SteadyCourse:
         x, weights = np.polynomial.legendre.leggauss(TIMES)
         p = legendre(x, TIMES - 1)
         z = self._series[0] @ p[:, : self._series[0].shape[1]].T
+        # dt = dphi / omega.
         slowness = 1.0 / np.sqrt(2.0 * (self.turn.state.base + z))
         to_series = (np.arange(TIMES) + 0.5)[:, np.newaxis] * p.T * weights
         half = 0.5 * self.turn.mesh.spans[:, np.newaxis]
@@ -110,6 +111,7 @@ class SteadyCourse:
         low = self.turn.mesh.low
         inside = np.mod(phi, TURN)
         if side == "left":
+            # From the left, cam angle 0 is the end of the turn.
             inside = np.where(inside == 0.0, TURN, inside)
         cell = np.searchsorted(low, inside, side) - 1
         return np.clip(cell, 0, len(low) - 1), inside
@@ -120,34 +122,37 @@ class SteadyCourse:
         """(n,) each of the `series` of the cells at `phi` (n,) [rad] in them."""
         mesh = self.turn.mesh
         x = 2.0 * (phi - mesh.low[cell]) / mesh.spans[cell] - 1.0
-        p = legendre(x, max(each.shape[1] for each in series) - 1)
-        return tuple(np.sum(p[:, : each.shape[1]] * each[cell], axis=1) for each in series)
+        p = legendre(x, max(coefficients.shape[1] for coefficients in series) - 1)
+        return tuple(
+            np.sum(p[:, : coefficients.shape[1]] * coefficients[cell], axis=1)
+            for coefficients in series
+        )
 
     def rates(self, phi: FloatArray, side: Side = "right") -> FloatArray:
         """See `TimeCourse`. Read-only, and kept for the latest requests."""
         phi = np.asarray(phi, dtype=np.float64)
 
-        def made() -> FloatArray:
+        def compute_rates() -> FloatArray:
             z, alpha, rate = self._values(*self._placed(phi, side), *self._series)
             omega = np.sqrt(2.0 * (self.turn.state.base + z))
             return read_only(np.stack((omega, alpha, omega * rate)))
 
-        return self._answers.recall(made, side, phi)
+        return self._answers.recall(compute_rates, side, phi)
 
     def time(self, phi: FloatArray) -> FloatArray:
         """See `TimeCourse`; 0 at cam angle 0. Read-only, and kept as the rates are."""
         phi = np.asarray(phi, dtype=np.float64)
 
-        def made() -> FloatArray:
+        def compute_time() -> FloatArray:
             turns = np.floor(phi / TURN)
             cell, inside = self._placed(phi - TURN * turns, "right")
             (since,) = self._values(cell, inside, self._times)
             return read_only(turns * self._starts[-1] + self._starts[cell] + since)
 
-        return self._answers.recall(made, "time", phi)
+        return self._answers.recall(compute_time, "time", phi)
 
 
-def course_of(turn: SteadyTurn, alpha: Quantity, edges: FloatArray) -> SteadyCourse:
+def steady_course(turn: SteadyTurn, alpha: Quantity, edges: FloatArray) -> SteadyCourse:
     """The course of `turn`, with the acceleration `alpha` smooth between `edges` (k,) [rad]."""
     borders = np.unique(np.mod(edges, TURN))
     right, left = (alpha(borders, side) for side in ("right", "left"))
@@ -198,10 +203,12 @@ def collocation() -> Collocation:
     slope = np.polynomial.legendre.legder(series)
     for _ in range(2):  # Newton steps to full precision
         x = x - np.polynomial.legendre.legval(x, series) / np.polynomial.legendre.legval(x, slope)
+    # The last node is the end of the cell exactly.
     x[-1] = 1.0
     from_rates = np.linalg.inv(legendre(x, NODES - 1))
     integral = np.asarray(0.5 * _antiderivatives(x) @ from_rates, dtype=np.float64)
     fit = np.asarray(np.linalg.inv(legendre(np.append(-1.0, x), NODES)), dtype=np.float64)
+    # The nodes of both halves, in the coordinate of the whole cell.
     halves = np.stack([legendre(0.5 * (x + shift), NODES) @ fit for shift in (-1.0, 1.0)])
     return Collocation(0.5 * (x + 1.0), integral[-1], integral, fit, halves)
 
@@ -214,10 +221,11 @@ def legendre(x: FloatArray, order: int) -> FloatArray:
 def _antiderivatives(x: FloatArray) -> FloatArray:
     """(n, NODES) their integrals from -1 to `x` (n,)."""
     p = legendre(x, NODES)
-    out = np.empty((len(x), NODES))
-    out[:, 0] = x + 1.0
-    out[:, 1:] = (p[:, 2:] - p[:, :-2]) / (2 * np.arange(1, NODES) + 1)
-    return out
+    integrals = np.empty((len(x), NODES))
+    integrals[:, 0] = x + 1.0
+    # (2 k + 1) P_k is the derivative of P_(k + 1) - P_(k - 1).
+    integrals[:, 1:] = (p[:, 2:] - p[:, :-2]) / (2 * np.arange(1, NODES) + 1)
+    return integrals
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -237,7 +245,7 @@ class Mesh:
     @classmethod
     def with_law(cls, law: Quantity, low: FloatArray, high: FloatArray) -> Mesh:
         """The cells [low, high] with the torque law at their nodes, at their ends from inside."""
-        nodes = nodes_of(low, high)
+        nodes = cell_nodes(low, high)
         return cls(low, high, law(nodes.ravel(), "left").reshape(-1, *nodes.shape))
 
     @property
@@ -248,7 +256,7 @@ class Mesh:
     @property
     def nodes(self) -> FloatArray:
         """(m, n) cam angles of the nodes [rad]."""
-        return nodes_of(self.low, self.high)
+        return cell_nodes(self.low, self.high)
 
     def placed(self, phi: FloatArray) -> tuple[IntArray, FloatArray]:
         """(n,) cells at `phi` (n,) [rad], in any turn, and the places in them, -1 to 1."""
@@ -258,7 +266,7 @@ class Mesh:
         return cell, 2.0 * (inside - self.low[cell]) / self.spans[cell] - 1.0
 
     def halved(self, law: Quantity) -> Mesh:
-        """All cells halved, in order."""
+        """The mesh of the halves of all cells, in order."""
         middle = 0.5 * (self.low + self.high)
         low = np.stack((self.low, middle), axis=1).ravel()
         high = np.stack((middle, self.high), axis=1).ravel()
@@ -317,13 +325,16 @@ class State:
 
 def interleaved(split: BoolArray, own: FloatArray, halves: FloatArray) -> FloatArray:
     """The rows `own` (m, ...), with two rows of `halves` in place of each one to `split`."""
+    # Sorted by these numbers, row k of `own` is at 2 k and the halves that replace it at 2 k and 2
+    # k + 1.
     places = np.concatenate((2 * np.flatnonzero(~split), np.flatnonzero(np.repeat(split, 2))))
     return np.asarray(np.concatenate((own[~split], halves))[np.argsort(places)])
 
 
-def nodes_of(low: FloatArray, high: FloatArray) -> FloatArray:
+def cell_nodes(low: FloatArray, high: FloatArray) -> FloatArray:
     """(m, n) nodes of the cells [low, high]."""
     nodes: FloatArray = low[:, np.newaxis] + (high - low)[:, np.newaxis] * collocation().nodes
+    # Exactly, so that the end of a cell is the start of the next one.
     nodes[:, -1] = high
     return nodes
 
@@ -360,11 +371,11 @@ FINEST: Final = 256.0 * EPS
 KEEP: Final = 0.2
 """Smallest share of y that a Newton step leaves."""
 
-BETWEEN: Final = 4.0
+INTERIOR_FACTOR: Final = 4.0
 """Factor from the change at the nodes to the error between them: where the torque jumps, a stiff
 motor changes the speed within a fraction of a cell, partly before its first node."""
 
-BETWEEN_NODES: Final = 16.0 * EPS
+INTERPOLATION_ERROR: Final = 16.0 * EPS
 """Relative error of a value between the nodes: of the sum of nine polynomials, and of a root."""
 
 ROUNDINGS: Final = 8.0
@@ -395,22 +406,25 @@ def refuse_shocks(subject: Subject, law: Quantity) -> None:
     if len(places):
         first = float(places[0])
         raise EffectError(
-            f"the velocity of the follower jumps {at(first)}: the torque is infinite there, and"
-            " the equation of motion does not give the speed after it",
+            f"the velocity of the follower jumps {at_angle(first)}: the torque is infinite there,"
+            " and the equation of motion does not give the speed after it",
             finding="shock",
             cam_angle=first,
         )
 
 
 def jamming(inertia: float, mesh: Mesh) -> EffectError:
-    """That with the moment of inertia [t mm^2] of the camshaft the follower jams."""
+    """The error that the follower jams with the moment of inertia `inertia` [t mm^2] of the
+    camshaft.
+    """
     if len(mesh.laws) == LINEAR:
         moments = inertia + mesh.laws[3] * mesh.laws[4:]
+        # J + g c3 has to be above 0 on either flank.
         bad = ~np.all(moments > 0.0, axis=0)
     else:
-        bad = np.any(RubbingLaw.of(mesh.laws).jams, axis=0)
+        bad = np.any(RubbingLaw.from_rows(mesh.laws).jams, axis=0)
     place = float(mesh.nodes[bad][0]) if np.any(bad) else None
-    where = "" if place is None else f" {at(place)}"
+    where = "" if place is None else f" {at_angle(place)}"
     return EffectError(
         "with friction no acceleration of the cam satisfies its equation of motion: the"
         f" follower jams{where}",
@@ -472,20 +486,20 @@ class Shaft(Generic[Driven]):
         c0, c1, c2, c3 = law[:4]
         omega = np.sqrt(2.0 * y)
         if len(law) != LINEAR:
-            return self.inertia * RubbingLaw.of(law).released(*self._free(y)[:2])
-        found: FloatArray = self.inertia * (c0 + omega * (c1 + omega * c2))
-        found += c3 * self.motor.torque(omega)[0]
-        return found
+            return self.inertia * RubbingLaw.from_rows(law).released(*self._free(y)[:2])
+        torque: FloatArray = self.inertia * (c0 + omega * (c1 + omega * c2))
+        torque += c3 * self.motor.torque(omega)[0]
+        return torque
 
     def linear(self, law: FloatArray, y: FloatArray) -> FloatArray:
         """(6, ...) the linear law at y, see `RubbingLaw`; parameters as for `rate`."""
         if len(law) == LINEAR:
             return law
-        return RubbingLaw.of(law).linear(*self._free(y))
+        return RubbingLaw.from_rows(law).linear(*self._free(y))
 
     def loads(self, law: FloatArray, y: FloatArray) -> ComplexArray:
         """(k, ...) the loads of pivot or guide at y, of the rows (9 + 12 k, ...)."""
-        return RubbingLaw.of(law).loads(*self._free(y))
+        return RubbingLaw.from_rows(law).loads(*self._free(y))
 
     def _free(self, y: FloatArray) -> tuple[FloatArray, FloatArray, float]:
         """omega, the acceleration without a contact, and what a torque takes from it."""
@@ -511,11 +525,13 @@ class Shaft(Generic[Driven]):
         drive, slope = self.motor.torque(omega)
         rest = c0 + omega * (c1 + omega * c2)
         gain = np.where(self.push(linear, y) >= 0.0, ahead, behind)
+        # Nothing is demanded of the contact: a gain of nan must not spread.
         gain = np.where((rest == 0.0) & (c3 == 0.0), 0.0, gain)
         moment = self.inertia + gain * c3
         if not np.all(moment > 0.0):
             raise StuckError
         alpha = (drive - gain * rest) / moment
+        # By y: the derivative by omega, divided by omega.
         growth = (slope - gain * (c1 + 2.0 * omega * c2)) / (omega * moment)
         return alpha, growth, 1.0 / moment
 
@@ -554,12 +570,12 @@ def switches(
         return shaft.push(law(phi, "right"), y)
 
     grid = sample_grid(merged(np.concatenate((edges, dips(push, sample_grid(edges))))))
-    found = roots_on_grid(push, grid)
-    if linear or not RubbingLaw.of(laws).collinear:
-        return found
+    angles = roots_on_grid(push, grid)
+    if linear or not RubbingLaw.from_rows(laws).collinear:
+        return angles
 
     def loads(phi: FloatArray) -> FloatArray:
         shaft, y = turned(phi)
         return shaft.loads(law(phi, "right"), y).real
 
-    return with_roots(loads, merged(np.concatenate((edges, found))))
+    return with_roots(loads, merged(np.concatenate((edges, angles))))

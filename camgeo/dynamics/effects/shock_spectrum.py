@@ -17,7 +17,7 @@ from typing import Any, Final
 import numpy as np
 
 from camgeo.check.finding import Finding
-from camgeo.dynamics.effects.effect import Request, Result, Subject, data_of
+from camgeo.dynamics.effects.effect import Request, Result, Subject, build_data
 from camgeo.dynamics.oscillator.steady import QUIET, ROUNDINGS, Shock, shock
 from camgeo.dynamics.oscillator.train import EPS
 from camgeo.kinematics.laws.law import Law
@@ -107,9 +107,9 @@ def compute(request: Request[Mapping[str, Any]]) -> ShockSpectrum:
     Without a speed the cam is assumed to turn at constant speed; its value does not matter. A plan
     without a move from rest to rest has no spectrum, which is a warning.
     """
-    data, subject = data_of(SpectrumRange, request.data), request.subject
+    data, subject = build_data(SpectrumRange, request.data), request.subject
     course = subject.state.course or ConstantSpeed(1.0)
-    moves = moves_of(subject, course)
+    moves = rest_to_rest_moves(subject, course)
     if not moves:
         sentence = (
             "no move is from rest to rest, with velocity and acceleration 0 at both ends, so there"
@@ -118,7 +118,9 @@ def compute(request: Request[Mapping[str, Any]]) -> ShockSpectrum:
         none = Finding("shock-spectrum", "warning", sentence)
         return ShockSpectrum((), data.highest_ratio, findings=(none,))
     spectra = tuple(_spectra(moves, data))
-    findings = [each for found in spectra for each in _findings(found, data.highest_ratio)]
+    findings = [
+        finding for spectrum in spectra for finding in _findings(spectrum, data.highest_ratio)
+    ]
     return ShockSpectrum(spectra, data.highest_ratio, findings=tuple(findings))
 
 
@@ -128,41 +130,40 @@ def _spectra(moves: list[RestToRest], data: SpectrumRange) -> Iterator[Spectrum]
     def kind(move: RestToRest) -> int:
         return id(move if move.law is None else move.law)
 
-    longest = {kind(move): move for move in sorted(moves, key=lambda each: each.span)}
+    longest = {kind(move): move for move in sorted(moves, key=lambda move: move.span)}
     known = {
-        each: measured(move.shock, data.damping, data.highest_ratio)
-        for each, move in longest.items()
+        key: measured(move.shock, data.damping, data.highest_ratio) for key, move in longest.items()
     }
     for move in moves:
         yield Spectrum(move, data.damping, *known[kind(move)])
 
 
-def _findings(found: Spectrum, highest: float) -> Iterator[Finding]:
-    start = found.move.start
-    ends = math.degrees(start), math.degrees(start + found.move.span)
+def _findings(spectrum: Spectrum, highest: float) -> Iterator[Finding]:
+    start = spectrum.move.start
+    ends = math.degrees(start), math.degrees(start + spectrum.move.span)
     move = f"the move from cam angle {ends[0]:.6g} to {ends[1]:.6g} deg"
     yield Finding(
         name="largest-residual",
         severity="ok",
         sentence=(
-            f"after {move} at most {100.0 * found.worst.value:.4g} % of the stroke remains as"
-            f" vibration, with {_periods(f'{found.worst.place:.4g}')} per move; range searched"
+            f"after {move} at most {100.0 * spectrum.worst.value:.4g} % of the stroke remains as"
+            f" vibration, with {_periods(f'{spectrum.worst.place:.4g}')} per move; range searched"
             f" {'1' if highest > 1.0 else '0'} to {highest:g}"
         ),
-        value=found.worst.value,
+        value=spectrum.worst.value,
         cam_angle=start,
     )
     small = f"{100.0 * QUIET:g} % of the stroke"
     below = (
         f"does not stay below {small} up to {_periods(f'{highest:g}')} per move"
-        if found.quiet is None
-        else f"stays below {small} above {_periods(f'{found.quiet:.4g}')} per move"
+        if spectrum.quiet is None
+        else f"stays below {small} above {_periods(f'{spectrum.quiet:.4g}')} per move"
     )
     yield Finding(
         name="residual-small-from",
         severity="ok",
         sentence=f"the vibration after {move} {below}",
-        value=found.quiet,
+        value=spectrum.quiet,
         cam_angle=start,
     )
 
@@ -188,10 +189,11 @@ def measured(move: Shock, damping: float, end: float) -> tuple[Extreme, float | 
 
     high = min(end, FIRST_SPAN)
     worst = piecewise_highest(sided, _unit_edges(low, high))
+    # The search ends where the bound excludes a larger residual farther on.
     while high < end and move.bound(high, damping) > worst.value:
         low, high = high, min(end, 2.0 * high)
         further = piecewise_highest(sided, _unit_edges(low, high))
-        worst = max(worst, further, key=lambda each: each.value)
+        worst = max(worst, further, key=lambda extreme: extreme.value)
     # Beyond this ratio the bound proves it; `end` may be a zero with more residual behind it.
     reach = FIRST_SPAN
     while move.bound(reach, damping) > QUIET:
@@ -251,11 +253,12 @@ class RestToRest:
     law: Law | None = None
 
 
-def moves_of(subject: Subject, course: TimeCourse) -> list[RestToRest]:
+def rest_to_rest_moves(subject: Subject, course: TimeCourse) -> list[RestToRest]:
     """All moves from rest to rest, in the order of the cam angle."""
-    found = []
+    moves = []
     rests = _rests(subject, course)
     edges = merged(np.concatenate((subject.drive.plan.borders, course.borders, [0.0, TURN])))
+    # A move may pass cam angle 0.
     two_turns = np.concatenate((edges[:-1], edges + TURN))
     joints = np.radians([float(degrees) for degrees in subject.drive.plan.joints_deg])
     next_turn = [(start + TURN, end + TURN) for start, end in rests[:1]]
@@ -268,10 +271,10 @@ def moves_of(subject: Subject, course: TimeCourse) -> list[RestToRest]:
         moving = moving - TURN * turns
         move = _move(subject, course, moving)
         if move is not None:
-            even = isinstance(course, ConstantSpeed)
-            law = _law(subject.drive.plan, joints, moving) if even else None
-            found.append(replace(move, law=law))
-    return sorted(found, key=lambda each: each.start)
+            is_constant = isinstance(course, ConstantSpeed)
+            law = _law(subject.drive.plan, joints, moving) if is_constant else None
+            moves.append(replace(move, law=law))
+    return sorted(moves, key=lambda move: move.start)
 
 
 def _law(plan: MotionPlan, joints: FloatArray, edges: FloatArray) -> Law | None:
@@ -337,10 +340,10 @@ def _move(subject: Subject, course: TimeCourse, edges: FloatArray) -> RestToRest
         timed = in_time(plan.jet(phi), course, phi)
         return np.asarray(timed[2] * (duration**2 / stroke))
 
-    after = in_time(plan.jet(edges, "right"), course, edges)[1]
-    before = in_time(plan.jet(edges, "left"), course, edges)[1]
-    after[-1] = before[0] = 0.0  # the rests
-    jumps = (after - before) * (duration / stroke)
+    right = in_time(plan.jet(edges, "right"), course, edges)[1]
+    left = in_time(plan.jet(edges, "left"), course, edges)[1]
+    right[-1] = left[0] = 0.0  # the rests
+    jumps = (right - left) * (duration / stroke)
     share = (times - times[0]) / duration
     share[-1] = 1.0
     end = float(way(edges[-1:])[0]) / stroke

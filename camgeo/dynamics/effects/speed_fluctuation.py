@@ -20,16 +20,21 @@ from typing import Final, Self
 import numpy as np
 
 from camgeo.check.finding import Finding, limit_finding
-from camgeo.dynamics.effects.bearing_friction import LINEAR, StuckError, linear_at, linear_law
+from camgeo.dynamics.effects.bearing_friction import (
+    LINEAR,
+    StuckError,
+    linear_law,
+    scalar_linear_law,
+)
 from camgeo.dynamics.effects.contact import lost_contact
 from camgeo.dynamics.effects.effect import Bound, Column, Quantity, Request
 from camgeo.dynamics.effects.forces import all_borders, smooth_edges
-from camgeo.dynamics.effects.results import DRIVE_TORQUE, Sought, Turning
+from camgeo.dynamics.effects.results import DRIVE_TORQUE, Turning, Unknown
 from camgeo.dynamics.effects.shaft import (
-    BETWEEN,
-    BETWEEN_NODES,
     EPS,
     FINEST,
+    INTERIOR_FACTOR,
+    INTERPOLATION_ERROR,
     KEEP,
     LONGEST,
     NODES,
@@ -40,18 +45,26 @@ from camgeo.dynamics.effects.shaft import (
     NoConvergenceError,
     Shaft,
     State,
+    cell_nodes,
     collocation,
-    course_of,
     double_mesh,
     interleaved,
     jamming,
     legendre,
-    nodes_of,
     refuse_shocks,
+    steady_course,
     switches,
 )
 from camgeo.dynamics.effects.tables import Motor, MotorDrive
-from camgeo.dynamics.effects.wording import N_M, Label, at, left_over, missed, placed, resolved_ends
+from camgeo.dynamics.effects.wording import (
+    N_M,
+    Label,
+    at_angle,
+    placed,
+    remaining_share,
+    resolved_ends,
+    tolerance_error,
+)
 from camgeo.errors import EffectError
 from camgeo.numeric.arrays import SHARE, FloatArray, Side, frozen, merged, resolved
 from camgeo.numeric.extremes import Extreme, Extremes, bracketed_roots, piecewise_extremes
@@ -60,7 +73,7 @@ from camgeo.units import RPM, TURN, cam_angle
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SpeedFluctuation(Turning):
-    """The steady state.
+    """The steady state of a motor-driven cam.
 
     Attributes
     ----------
@@ -78,14 +91,14 @@ class SpeedFluctuation(Turning):
     fluctuation: float
 
     @property
-    def sought(self) -> tuple[Sought, ...]:
+    def unknowns(self) -> tuple[Unknown, ...]:
         """See `Turning`."""
-        return (Sought(Label("speed", "rev/min", 1.0 / RPM), self.turn.omega, self.steady.speed),)
+        return (Unknown(Label("speed", "rev/min", 1.0 / RPM), self.turn.omega, self.steady.speed),)
 
-    def off_by(self, beside: Sequence[float], rough: Self) -> Self:
+    def with_added_errors(self, added_errors: Sequence[float], rough: Self) -> Self:
         """See `Turning`."""
         del rough
-        steady = replace(self.steady, beside=beside[0])
+        steady = replace(self.steady, added_error=added_errors[0])
         return replace(self, steady=steady, errors=steady.figures())
 
 
@@ -107,8 +120,10 @@ def compute(request: Request[MotorDrive]) -> SpeedFluctuation:
     shaft = Shaft(data.moment_of_inertia, data.motor)
     near = None if request.near is None else request.near.turn
     steady = accurate(shaft, law, edges, request.tolerance, near)
-    found = np.setdiff1d(steady.edges, edges)
-    kinks = np.concatenate((subject.state.smooth_angles, all_borders(contact.lasting), found))
+    switch_angles = np.setdiff1d(steady.edges, edges)
+    kinks = np.concatenate(
+        (subject.state.smooth_angles, all_borders(contact.lasting), switch_angles)
+    )
     turn, mean, work = steady.turn, steady.mean, steady.work
     assert turn.rough is not None  # only that one has none
 
@@ -123,7 +138,7 @@ def compute(request: Request[MotorDrive]) -> SpeedFluctuation:
 
     def normal(phi: FloatArray, side: Side) -> FloatArray:
         rates = np.stack((turn.omega(phi), alpha(phi, side)))
-        return contact.normal_at(phi, side, rates)
+        return contact.normal_at_rates(phi, side, rates)
 
     speeds, torques = piecewise_extremes(omega, edges), piecewise_extremes(motor, edges)
     fluctuation = resolved(speeds.highest.value - speeds.lowest.value, mean) / mean
@@ -134,7 +149,7 @@ def compute(request: Request[MotorDrive]) -> SpeedFluctuation:
             "mean-speed",
             "ok",
             f"mean speed {mean / RPM:.6g} rev/min over time; a disturbance of the speed decays to"
-            f" {left_over(turn.slope)} of its size per turn",
+            f" {remaining_share(turn.slope)} of its size per turn",
             mean / RPM,
             unit="rev/min",
         ),
@@ -144,7 +159,7 @@ def compute(request: Request[MotorDrive]) -> SpeedFluctuation:
             "motor-work",
             "ok",
             f"work of the motor over a turn {N_M * work:.5g} J, of which the cam takes"
-            f" {N_M * steady.taken:.5g} J",
+            f" {N_M * steady.cam_work:.5g} J",
             N_M * work,
             unit="J",
         ),
@@ -159,8 +174,8 @@ def compute(request: Request[MotorDrive]) -> SpeedFluctuation:
     return SpeedFluctuation(
         turn=turn,
         steady=steady,
-        course=course_of(turn, alpha, kinks),
-        rough_course=course_of(turn.rough, alpha, kinks),
+        course=steady_course(turn, alpha, kinks),
+        rough_course=steady_course(turn.rough, alpha, kinks),
         alpha=alpha,
         mean_speed=mean,
         fluctuation=fluctuation,
@@ -177,9 +192,9 @@ def compute(request: Request[MotorDrive]) -> SpeedFluctuation:
 def _extremes(name: str, words: str, ends: Extremes, factor: float, unit: str) -> Iterator[Finding]:
     ends = resolved_ends(ends)
     for which, end in (("largest", ends.highest), ("smallest", ends.lowest)):
-        found = Extreme(factor * end.value, end.place)
-        sentence = f"{which} {words} {found.value:.6g} {unit} {at(found.place)}"
-        yield placed(f"{which}-{name}", sentence, found, unit)
+        extreme = Extreme(factor * end.value, end.place)
+        sentence = f"{which} {words} {extreme.value:.6g} {unit} {at_angle(extreme.place)}"
+        yield placed(f"{which}-{name}", sentence, extreme, unit)
 
 
 # -- errors ---------------------------------------------------------------------------------------
@@ -200,27 +215,27 @@ class Steady:
     turn : the speed over the cam angle.
     edges : (k,) cam angles [rad] from 0 to 2 pi between which the acceleration is smooth.
     period : duration of the turn [s].
-    work : of the motor over a turn [N mm], of which the cam takes `taken`.
+    work : of the motor over a turn [N mm], of which the cam takes `cam_work`.
     slowest, fastest : speeds at the nodes [rad/s].
     slope : of the torque of the motor, the steepest at these speeds [N mm s].
     largest : torque of motor or cam, the larger one [N mm]; the terms of the motor's own if both
         are rounding.
     period_error, work_error : changes on cells half as long [s], [N mm].
-    beside : error of the speed that is not that of the solution for this torque law [rad/s].
+    added_error : error of the speed that is not that of the solution for this torque law [rad/s].
     """
 
     turn: SteadyTurn
     edges: FloatArray
     period: float
     work: float
-    taken: float
+    cam_work: float
     slowest: float
     fastest: float
     slope: float
     largest: float
     period_error: float
     work_error: float
-    beside: float = 0.0
+    added_error: float = 0.0
 
     @property
     def mean(self) -> float:
@@ -230,8 +245,8 @@ class Steady:
     @property
     def speed(self) -> Bound:
         """Error of the speed [rad/s]."""
-        own = (self.turn.error + BETWEEN_NODES) * self.fastest
-        return Bound(own + self.beside, self.fastest)
+        error = (self.turn.error + INTERPOLATION_ERROR) * self.fastest
+        return Bound(error + self.added_error, self.fastest)
 
     @property
     def torque(self) -> Bound:
@@ -277,12 +292,12 @@ def accurate(
     for rough in ROUGH:
         if turn is None or rough < ROUGH[0]:
             turn = solve(shaft, law, edges, max(rough, tolerance), turn)
-        found = switches(law, edges, turn.mesh.laws, turn.driven)
-        if not len(found):
+        switch_angles = switches(law, edges, turn.mesh.laws, turn.driven)
+        if not len(switch_angles):
             break
-        edges = merged(np.concatenate((edges, found)))
+        edges = merged(np.concatenate((edges, switch_angles)))
     steady = _measured(shaft, solve(shaft, law, edges, tolerance, turn), edges)
-    worst = max(each.share for each in steady.figures().values())
+    worst = max(bound.share for bound in steady.figures().values())
     if worst > tolerance:
         speed = max(0.5 * tolerance * steady.turn.error / worst, FINEST)
         with suppress(EffectError):
@@ -297,22 +312,24 @@ def _measured(shaft: Shaft[Motor], turn: SteadyTurn, edges: FloatArray) -> Stead
     torque = motor.torque(omega)[0]
     middle = 0.5 * (mesh.low + mesh.high)
     halves = [(mesh.low, middle), (middle, mesh.high)]
-    inner = [turn.omega(nodes_of(*ends).ravel()).reshape(omega.shape) for ends in halves]
+    inner = [turn.omega(cell_nodes(*ends).ravel()).reshape(omega.shape) for ends in halves]
     weights = 0.5 * mesh.spans[:, np.newaxis] * collocation().weights
-    finer = [(np.sum(weights / each), np.sum(weights * motor.torque(each)[0])) for each in inner]
+    finer = [
+        (np.sum(weights / speeds), np.sum(weights * motor.torque(speeds)[0])) for speeds in inner
+    ]
     period, work = (float(value) for value in np.sum(finer, axis=0))
     slowest, fastest = float(np.min(omega)), float(np.max(omega))
     slope = float(np.max(np.abs(_slopes(motor, slowest, fastest))))
     terms = float(np.max(np.abs(motor.torques))) + slope * (fastest + float(motor.speeds[-1]))
     cam = torque - shaft.inertia * turn.rates
     largest = max(float(np.max(np.abs(torque))), float(np.max(np.abs(cam))))
-    taken = work - shaft.inertia * TURN * turn.mean(turn.rates)
+    cam_work = work - shaft.inertia * TURN * turn.mean(turn.rates)
     return Steady(
         turn=turn,
         edges=edges,
         period=period,
         work=resolved(work, TURN * terms),
-        taken=resolved(taken, TURN * terms),
+        cam_work=resolved(cam_work, TURN * terms),
         slowest=slowest,
         fastest=fastest,
         slope=slope,
@@ -367,10 +384,10 @@ def solve(
             except NoConvergenceError as error:
                 if error.reached is not None:
                     raise
-        found = outcome(shaft, law, edges)
-        if found.y is None:
-            raise _stall(shaft, found.stall)
-        y = np.interp(mesh.coarse.nodes, found.angles, found.y)
+        single_turns = outcome(shaft, law, edges)
+        if single_turns.y is None:
+            raise _stall(shaft, single_turns.stall)
+        y = np.interp(mesh.coarse.nodes, single_turns.angles, single_turns.y)
         return steady_turn(shaft, law, mesh, np.maximum(y, 1e-6 * np.max(y)), tolerance)
     except StuckError as error:
         raise jamming(shaft.inertia, mesh.fine) from error
@@ -384,13 +401,13 @@ def _balanced(shaft: Shaft[Motor], mesh: Mesh) -> float | None:
 
     def surplus(omega: FloatArray) -> FloatArray:
         drive = shaft.motor.torque(omega)[0]
-        taken = np.empty(len(omega))
-        for k, each in enumerate(omega):
-            c0, c1, c2, _, ahead, behind = linear_law(mesh.laws, each, 0.0)
-            force = c0 + each * (c1 + each * c2)
+        cam_torque = np.empty(len(omega))
+        for k, speed in enumerate(omega):
+            c0, c1, c2, _, ahead, behind = linear_law(mesh.laws, speed, 0.0)
+            force = c0 + speed * (c1 + speed * c2)
             torque = np.where(force == 0.0, 0.0, force * np.where(force > 0.0, ahead, behind))
-            taken[k] = np.sum(weights * torque)
-        return drive - taken
+            cam_torque[k] = np.sum(weights * torque)
+        return drive - cam_torque
 
     top = shaft.motor.no_load_speed
     speeds = np.linspace(0.0, 2.0 * top, GUESSES)[1:]
@@ -400,8 +417,10 @@ def _balanced(shaft: Shaft[Motor], mesh: Mesh) -> float | None:
     falls = np.flatnonzero((values[:-1] >= 0.0) & (values[1:] < 0.0))
     if len(falls):
         k = int(falls[-1])
-        found = float(bracketed_roots(surplus, speeds[k : k + 1], speeds[k + 1 : k + 2])[0])
-        return 0.5 * found * found
+        balanced_speed = float(
+            bracketed_roots(surplus, speeds[k : k + 1], speeds[k + 1 : k + 2])[0]
+        )
+        return 0.5 * balanced_speed * balanced_speed
     return 0.5 * top * top if values[-1] >= 0.0 else None
 
 
@@ -424,7 +443,7 @@ def _missed(reached: float | None, tolerance: float) -> EffectError:
         return EffectError(
             "no steady state of the cam's speed was found, though the motor does not stall"
         )
-    return missed("the speed of the cam", reached, "the largest speed", tolerance)
+    return tolerance_error("the speed of the cam", reached, "the largest speed", tolerance)
 
 
 # -- march ----------------------------------------------------------------------------------------
@@ -439,8 +458,9 @@ STEPS: Final = 1440
 """Smallest number of steps per turn, of a quarter of a degree each."""
 
 GAMMA: Final = 1.0 - math.sqrt(0.5)
-"""Of the L-stable diagonally implicit Runge-Kutta method of two stages and order 2 (Hairer and
-Wanner, Solving Ordinary Differential Equations II, section IV.6), suitable for stiff motors."""
+"""Coefficient of the L-stable diagonally implicit Runge-Kutta method of two stages and order 2
+(Hairer and Wanner, Solving Ordinary Differential Equations II, section IV.6), suitable for stiff
+motors."""
 
 MOST_STEPS: Final = 50
 """Largest number of Newton steps in a stage."""
@@ -519,11 +539,12 @@ class _March:
         course = [y]
         steps = np.diff(self.angles).tolist()
         for step, (inside, end) in zip(steps, self.laws, strict=True):
-            own = GAMMA * step
-            first = self._stage(inside, y, own, y)
+            # Both stages are implicit with the same coefficient: the second one ends the step.
+            stage_step = GAMMA * step
+            first = self._stage(inside, y, stage_step, y)
             if first is not None:
-                slope = (first - y) / own
-                second = self._stage(end, y + (step - own) * slope, own, first)
+                slope = (first - y) / stage_step
+                second = self._stage(end, y + (step - stage_step) * slope, stage_step, first)
             if first is None or second is None:
                 return [*course, 0.0]
             y = second
@@ -538,6 +559,7 @@ class _March:
         for _ in range(MOST_STEPS):
             alpha, growth = self._rate(law, y)
             new = y - (y - known - step * alpha) / max(1.0 - step * growth, 0.1)
+            # y stays above 0, where alpha is defined.
             new = max(new, 0.1 * y)
             if abs(new - y) <= CLOSE * new:
                 return new
@@ -545,11 +567,11 @@ class _March:
         return y
 
     def _rate(self, law: list[float], y: float) -> tuple[float, float]:
-        """As `Shaft.rate`, for one number; the slope is 0 at rest."""
+        """`Shaft.rate` for one number; the slope is 0 at rest."""
         omega = math.sqrt(2.0 * y)
         drive, slope = self.torque(omega)
         if len(law) != LINEAR:
-            law = linear_at(law, omega, drive / self.inertia, 1.0 / self.inertia)
+            law = scalar_linear_law(law, omega, drive / self.inertia, 1.0 / self.inertia)
         c0, c1, c2, c3, ahead, behind = law
         rest = c0 + omega * (c1 + omega * c2)
         gain = ahead if self.inertia * rest + c3 * drive >= 0.0 else behind
@@ -623,26 +645,32 @@ class Step:
 
 def newton_step(shaft: Shaft[Motor], mesh: Mesh, state: State) -> Step:
     """The Newton step from `state`, on all cells of the turn together."""
-    at = collocation()
+    rule = collocation()
     spans = mesh.spans
     alpha, growth = shaft.rate(mesh.laws, state.base + state.nodes)
-    inner = spans[:, np.newaxis, np.newaxis] * at.integral
+    inner = spans[:, np.newaxis, np.newaxis] * rule.integral
     residual = (
-        state.starts[:-1, np.newaxis] + spans[:, np.newaxis] * (alpha @ at.integral.T) - state.nodes
+        state.starts[:-1, np.newaxis]
+        + spans[:, np.newaxis] * (alpha @ rule.integral.T)
+        - state.nodes
     )
-    matrix = np.eye(len(at.nodes)) - inner * growth[:, np.newaxis, :]
+    matrix = np.eye(len(rule.nodes)) - inner * growth[:, np.newaxis, :]
+    # Column 0: the response to a unit change at the start of the cell; column 1: that to the
+    # residual.
     sides = np.stack((np.ones_like(residual), residual), axis=2)
     solved = np.linalg.solve(matrix, sides)
-    weight = spans[:, np.newaxis] * at.weights * growth
+    weight = spans[:, np.newaxis] * rule.weights * growth
     factors = 1.0 + np.sum(weight * solved[:, :, 0], axis=1)
-    gaps = state.starts[:-1] + spans * (alpha @ at.weights) - state.starts[1:]
+    gaps = state.starts[:-1] + spans * (alpha @ rule.weights) - state.starts[1:]
     offsets = np.sum(weight * solved[:, :, 1], axis=1) + gaps
+    # The affine maps of the cells one after the other: the Poincare map, to first order.
     slope, shift = 1.0, 0.0
     slopes, shifts = np.empty(len(spans) + 1), np.empty(len(spans) + 1)
     slopes[0], shifts[0] = slope, shift
     for k, (factor, offset) in enumerate(zip(factors.tolist(), offsets.tolist(), strict=True)):
         slope, shift = factor * slope, factor * shift + offset
         slopes[k + 1], shifts[k + 1] = slope, shift
+    # The solution is not isolated, and the step undetermined.
     if slope == 1.0:
         raise NoConvergenceError(None)
     # Periodicity: z at the end of the turn is z at its start.
@@ -704,9 +732,9 @@ class SteadyTurn:
         y = self.y(phi)
         omega = np.sqrt(2.0 * y)
         alpha, growth = self.shaft.rate(rows, y)
-        off = (self.shaft.rate(other, y)[0] - alpha) / omega
+        differences = (self.shaft.rate(other, y)[0] - alpha) / omega
         slopes = growth - alpha / omega**2
-        return slopes[:, np.newaxis, np.newaxis], off[:, np.newaxis]
+        return slopes[:, np.newaxis, np.newaxis], differences[:, np.newaxis]
 
     def mean(self, values: FloatArray) -> float:
         """Mean over the cam angle of `values` (m, n) at the nodes."""
@@ -734,29 +762,35 @@ def steady_turn(
         If friction leaves no acceleration.
     """
     guess = np.broadcast_to(np.asarray(y, dtype=np.float64), mesh.coarse.laws.shape[1:])
+    # Close to the solution, z = y - base is small and keeps its digits.
     base = float(np.mean(guess))
     start = guess[:, 0] - base
     state = State(base, np.append(start, start[0]), guess - base)
     reached = np.inf
     for _ in range(MOST_PASSES):
         state, left = _solved(shaft, mesh.coarse, state, tolerance)
-        fine_state = _on_halves(state)
+        fine_state = _interpolate_halves(state)
         step = newton_step(shaft, mesh.fine, fine_state)
         y_fine = fine_state.base + fine_state.nodes
         largest = float(np.max(y_fine))
         # d omega / omega_max = dy / (omega omega_max)
         share = np.max(np.abs(step.nodes) / np.sqrt(y_fine * largest)) * 0.5
-        off = max(abs(1.0 - step.slope), EPS)
-        rounding = ROUNDINGS * EPS * (1.0 + float(np.max(np.abs(fine_state.nodes))) / largest / off)
-        reached = BETWEEN * float(share) + left + rounding
+        distance = max(abs(1.0 - step.slope), EPS)
+        rounding = (
+            ROUNDINGS * EPS * (1.0 + float(np.max(np.abs(fine_state.nodes))) / largest / distance)
+        )
+        reached = INTERIOR_FACTOR * float(share) + left + rounding
         if reached <= tolerance:
             fine_state, last = _solved(shaft, mesh.fine, fine_state, tolerance)
             solved = (mesh.coarse, state), (mesh.fine, fine_state)
-            rates = [shaft.rate(each.laws, own.base + own.nodes)[0] for each, own in solved]
+            rates = [
+                shaft.rate(grid.laws, values.base + values.nodes)[0] for grid, values in solved
+            ]
             error = reached + last
             rough = SteadyTurn(shaft, mesh.coarse, state, rates[0], step.slope, error, None)
             return SteadyTurn(shaft, mesh.fine, fine_state, rates[1], step.slope, error, rough)
         worst = np.max(step.defects.reshape(-1, 2), axis=1)
+        # Halving the worst cells alone keeps the mesh small where the solution is smooth.
         split = worst >= 0.1 * np.max(worst)
         cells = len(split) + int(np.count_nonzero(split))
         if not np.max(worst) > EPS * EPS * largest or cells > MOST_CELLS:
@@ -778,11 +812,13 @@ def _solved(shaft: Shaft[Motor], mesh: Mesh, state: State, tolerance: float) -> 
         y = state.base + state.nodes
         down = float(np.max(-step.nodes / y))
         ends = float(np.max(-step.starts / (state.base + state.starts)))
+        # A step must leave the share KEEP of y, which is above 0.
         share = min(1.0, (1.0 - KEEP) / max(down, ends, 1e-300))
         if count >= FULL_STEPS:
             share *= 0.5
         shift = share * float(step.starts[0])
         base = state.base + (state.starts[0] + shift)
+        # The base follows the solution; z is what is left of y.
         moved = base - state.base
         state = State(
             base,
@@ -800,7 +836,7 @@ def _solved(shaft: Shaft[Motor], mesh: Mesh, state: State, tolerance: float) -> 
     raise NoConvergenceError(best if best < NEAR else None)
 
 
-def _on_halves(state: State) -> State:
+def _interpolate_halves(state: State) -> State:
     """The polynomials through the nodes of all cells, at the nodes of their halves.
 
     Integrals of alpha would give the same except for rounding, which a stiff motor magnifies.

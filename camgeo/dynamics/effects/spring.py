@@ -22,7 +22,7 @@ from camgeo.dynamics.effects.effect import (
 from camgeo.dynamics.effects.forces import Force, unmoved
 from camgeo.dynamics.effects.results import HelicalSpring, Spring
 from camgeo.dynamics.effects.tables import SpringData
-from camgeo.dynamics.effects.wording import at, between, degrees, placed
+from camgeo.dynamics.effects.wording import at_angle, degrees, over_range, placed
 from camgeo.errors import GeometryError
 from camgeo.kinematics.mechanism.linkage import first_locked_place
 from camgeo.kinematics.mechanism.linkages import SliderCrank
@@ -51,7 +51,7 @@ def compute(request: Request[SpringData]) -> Spring:
         cannot close the contact over the whole turn by a slider.
     """
     subject, data = request.subject, request.data
-    way = travel_of(subject, data)
+    way = spring_travel(subject, data)
     torsion = data.kind == "torsion"
     preload, stiffness = data.preload, data.stiffness
 
@@ -65,8 +65,8 @@ def compute(request: Request[SpringData]) -> Spring:
 
     far = subject.drive.far_end
 
-    def off(phi: FloatArray, q: FloatArray, _rate: FloatArray) -> FloatArray:
-        x, rate = way.at(far.place(phi, q) if far is not None and way.per_stroke else q)
+    def free_force(phi: FloatArray, q: FloatArray, _rate: FloatArray) -> FloatArray:
+        x, rate = way.evaluate(far.place(phi, q) if far is not None and way.per_stroke else q)
         return (preload - stiffness * x) * rate
 
     def on_slider(phi: FloatArray, side: Side) -> FloatArray:
@@ -74,22 +74,22 @@ def compute(request: Request[SpringData]) -> Spring:
 
     unit, scale = ("N m", NEWTON_METRE) if torsion else ("N", 1.0)
 
-    def shown(phi: FloatArray, side: Side) -> FloatArray:
+    def displayed_force(phi: FloatArray, side: Side) -> FloatArray:
         return magnitude(phi, side) / scale
 
-    found = piecewise_extremes(shown, subject.state.smooth_angles)
+    extremes = piecewise_extremes(displayed_force, subject.state.smooth_angles)
     findings = [
-        *force_findings(shown, found, subject, unit),
+        *force_findings(displayed_force, extremes, subject, unit),
         deflection(way, subject, torsion=torsion),
         *opening(way, subject),
     ]
-    columns = [Column("spring torque" if torsion else "spring force", unit, shown)]
+    columns = [Column("spring torque" if torsion else "spring force", unit, displayed_force)]
     helical = data.helical
     if helical is not None:
         findings += [
             *_wire(helical),
-            *_stresses(helical, found),
-            *_closure(helical, found.highest),
+            *_stresses(helical, extremes),
+            *_closure(helical, extremes.highest),
             _buckling(helical),
         ]
         stress = scaled(magnitude, helical.stress_per_force)
@@ -100,7 +100,7 @@ def compute(request: Request[SpringData]) -> Spring:
         force=Force(
             "spring",
             unmoved(on_follower),
-            off=off,
+            free_force=free_force,
             far=unmoved(on_slider) if way.per_stroke else None,
         ),
         way=way,
@@ -114,7 +114,7 @@ def compute(request: Request[SpringData]) -> Spring:
     )
 
 
-def travel_of(subject: Subject, data: SpringData) -> Travel:
+def spring_travel(subject: Subject, data: SpringData) -> Travel:
     """The travel of the spring in `data`; raises GeometryError as `compute` does."""
     pivot = subject.cam.follower.pivot
     if pivot is None:
@@ -129,43 +129,46 @@ def travel_of(subject: Subject, data: SpringData) -> Travel:
                 "is for rockers: the spring of a translating follower acts along its guide",
                 key="effects.spring.anchor",
             )
-        return along_guide(subject)
+        return guide_spring(subject)
     if data.kind == "torsion":
-        return about_pivot(subject)
+        return torsion_spring(subject)
     if data.anchor is not None and data.attachment is not None:
+        # x is how far the spring relaxes: one that is compressed relaxes as it gets longer.
         sense = 1.0 if data.kind == "compression" else -1.0
-        return between_points(subject, pivot, data.anchor, data.attachment, sense)
+        return point_spring(subject, pivot, data.anchor, data.attachment, sense)
     linkage = driving_slider(subject)
     if linkage is None:
         raise GeometryError(
             "is missing: a spring on a rocker needs anchor and attachment, or kind torsion",
             key="effects.spring.anchor",
         )
-    return along_slider(subject, linkage)
+    return slider_spring(subject, linkage)
 
 
-def force_findings(force: Quantity, found: Extremes, subject: Subject, unit: str) -> list[Finding]:
-    """Largest and smallest force [`unit`], `found`, and where it is below 0."""
+def force_findings(
+    force: Quantity, extremes: Extremes, subject: Subject, unit: str
+) -> list[Finding]:
+    """Largest and smallest force [`unit`], the `extremes`, and where it is below 0."""
     name = "torque" if unit == "N m" else "force"
     findings = [
         placed(
             f"{size}-spring-{name}",
-            f"{size} spring {name} {extreme.value:.6g} {unit} {at(extreme.place)}",
+            f"{size} spring {name} {extreme.value:.6g} {unit} {at_angle(extreme.place)}",
             extreme,
             unit,
         )
-        for size, extreme in (("largest", found.highest), ("smallest", found.lowest))
+        for size, extreme in (("largest", extremes.highest), ("smallest", extremes.lowest))
     ]
-    lowest = found.lowest
-    if lowest.value < -SHARE * found.magnitude:
+    lowest = extremes.lowest
+    if lowest.value < -SHARE * extremes.magnitude:
         slack = _below(force, subject.state.smooth_angles, lowest.place)
         findings.append(
             Finding(
                 name="slack-spring",
                 severity="warning",
                 sentence=(
-                    f"the spring {name} is below 0 {between(slack)}, {lowest.value:.6g} {unit}"
-                    f" {at(lowest.place)}: a real spring would be slack there, but the values"
+                    f"the spring {name} is below 0 {over_range(slack)}, {lowest.value:.6g} {unit}"
+                    f" {at_angle(lowest.place)}: a real spring would be slack there, but the values"
                     " follow the formula"
                 ),
                 value=lowest.value,
@@ -180,13 +183,15 @@ def force_findings(force: Quantity, found: Extremes, subject: Subject, unit: str
 
 def deflection(way: Travel, subject: Subject, *, torsion: bool) -> Finding:
     """Largest change of length, or of angle, since cam angle 0."""
-    found = piecewise_extremes(lambda phi, side: way(phi, side)[0], subject.state.smooth_angles)
-    farthest = max(found.highest, found.lowest, key=lambda extreme: abs(extreme.value))
+    extremes = piecewise_extremes(lambda phi, side: way(phi, side)[0], subject.state.smooth_angles)
+    farthest = max(extremes.highest, extremes.lowest, key=lambda extreme: abs(extreme.value))
     value = abs(math.degrees(farthest.value) if torsion else farthest.value)
     unit = "deg" if torsion else "mm"
     kind = "relaxed" if farthest.value > 0.0 else "tightened"
     place = farthest.place
-    sentence = f"largest spring deflection {value:.6g} {unit} {at(place)}, {kind} since cam angle 0"
+    sentence = (
+        f"largest spring deflection {value:.6g} {unit} {at_angle(place)}, {kind} since cam angle 0"
+    )
     return placed("largest-spring-deflection", sentence, Extreme(value, place), unit)
 
 
@@ -199,19 +204,19 @@ def opening(way: Travel, subject: Subject) -> list[Finding]:
         towards = closing_sense(subject) * outward(subject, phi, side)
         return np.asarray(towards * way(phi, side)[1])
 
-    found = piecewise_extremes(closing, edges)
-    if found.lowest.value >= -SHARE * found.magnitude:
+    extremes = piecewise_extremes(closing, edges)
+    if extremes.lowest.value >= -SHARE * extremes.magnitude:
         return []
-    away = _below(closing, edges, found.lowest.place)
+    away = _below(closing, edges, extremes.lowest.place)
     return [
         Finding(
             name="spring-opens-contact",
             severity="warning",
             sentence=(
                 f"the spring presses the {subject.cam.follower.touching} away from its flank"
-                f" {between(away)}"
+                f" {over_range(away)}"
             ),
-            cam_angle=found.lowest.place,
+            cam_angle=extremes.lowest.place,
             cam_range=away,
         )
     ]
@@ -219,8 +224,9 @@ def opening(way: Travel, subject: Subject) -> list[Finding]:
 
 def _below(function: Quantity, edges: FloatArray, place: float) -> tuple[float, float]:
     """The range (from, to) [rad] around `place` in which `function` is below 0."""
-    found = stretch_below(lambda phi: function(phi, "right"), edges, place)
-    return found or (place % TURN, place % TURN)
+    stretch = stretch_below(lambda phi: function(phi, "right"), edges, place)
+    # Too short a range is its place alone.
+    return stretch or (place % TURN, place % TURN)
 
 
 # -- travel ---------------------------------------------------------------------------------------
@@ -260,7 +266,7 @@ def outward(subject: Subject, phi: FloatArray, side: Side) -> FloatArray:
 
 
 @dataclass(frozen=True, slots=True)
-class Along:
+class LineSpring:
     """A spring along the guide of a follower or slider, or a torsion spring about a pivot.
 
     Attributes
@@ -291,16 +297,16 @@ class Along:
         return 0.0 if self.linkage is None else self.sense
 
     def __call__(self, phi: FloatArray, side: Side) -> tuple[FloatArray, FloatArray]:
-        return self.at(self.motion.jet(phi, side, 1)[0])
+        return self.evaluate(self.motion.jet(phi, side, 1)[0])
 
-    def at(self, place: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def evaluate(self, place: FloatArray) -> tuple[FloatArray, FloatArray]:
         """x (n,) and dx/dq (n,) at the value `place` (n,) of the motion."""
         rate = np.ones(len(place)) if self.linkage is None else self.linkage.per_follower(place)
         return self.sense * (place - self.start), self.sense * rate
 
 
 @dataclass(frozen=True, slots=True)
-class BetweenPoints:
+class PointSpring:
     """A spring between a fixed point and one on the rocker.
 
     With the fixed point a and the point r on the rocker, both relative to the pivot, the spring has
@@ -329,19 +335,19 @@ class BetweenPoints:
     per_stroke: float = 0.0
 
     def __call__(self, phi: FloatArray, side: Side) -> tuple[FloatArray, FloatArray]:
-        return self.at(self.motion.jet(phi, side, 1)[0])
+        return self.evaluate(self.motion.jet(phi, side, 1)[0])
 
-    def at(self, place: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def evaluate(self, place: FloatArray) -> tuple[FloatArray, FloatArray]:
         """x (n,) and dx/dq (n,) with the rocker at q = `place` (n,) [rad]."""
         half = self._half(place)
         lever = self.anchor.conjugate() * self.attachment
         turned = lever * np.exp(2j * half)
         # r - r_0 = r_0 exp(i half) 2 i sin(half)
         gain = 4.0 * np.sin(half) * (lever * np.exp(1j * half)).imag
-        before = abs(self.attachment - self.anchor)
-        after = np.abs(self._ahead(half))
-        rate = self.swing_sense * turned.imag / after
-        return self.sense * gain / (after + before), self.sense * rate
+        start_length = abs(self.attachment - self.anchor)
+        length = np.abs(self._ahead(half))
+        rate = self.swing_sense * turned.imag / length
+        return self.sense * gain / (length + start_length), self.sense * rate
 
     def length(self, phi: FloatArray, side: Side) -> FloatArray:
         """L (n,) [mm]."""
@@ -362,34 +368,34 @@ class BetweenPoints:
         return np.asarray(self.attachment * np.exp(2j * half) - self.anchor)
 
 
-Travel = Along | BetweenPoints
+Travel = LineSpring | PointSpring
 """x (n,) [mm or rad] and dx/dq (n,) at n cam angles, see the module. Each has
 
-at : the same with the member that moves the spring at a place (n,) [mm or rad].
+evaluate : the same with the member that moves the spring at a place (n,) [mm or rad].
 line : (n,) unit vectors in the drawing along which a force above 0 acts on the follower; None if it
     is a torque, or acts on a slider.
 per_stroke : dx/ds, s the stroke of the slider that it acts on; 0 if it acts on the follower.
 """
 
 
-def along_guide(subject: Subject) -> Along:
+def guide_spring(subject: Subject) -> LineSpring:
     """Along the guide of a translating follower; it relaxes towards the flank in use."""
     sense = closing_sense(subject) * subject.cam.follower.reach
     way = subject.cam.follower.way
-    return Along(subject.state.motion, _start(subject.drive.motion), sense, way=way)
+    return LineSpring(subject.state.motion, _start(subject.drive.motion), sense, way=way)
 
 
-def about_pivot(subject: Subject) -> Along:
+def torsion_spring(subject: Subject) -> LineSpring:
     """About the pivot of a rocker; it relaxes as the follower turns towards the flank in use.
 
     The direction is that at cam angle 0, which changes only if the arm passes the line of centres.
     """
     lever = float(outward(subject, np.zeros(1), "right")[0])
     sense = closing_sense(subject) * float(np.sign(lever))
-    return Along(subject.state.motion, _start(subject.drive.motion), sense)
+    return LineSpring(subject.state.motion, _start(subject.drive.motion), sense)
 
 
-def along_slider(subject: Subject, linkage: SliderCrank) -> Along:
+def slider_spring(subject: Subject, linkage: SliderCrank) -> LineSpring:
     """Along the slider's guide; it relaxes as the follower moves towards the flank in use.
 
     Raises
@@ -403,33 +409,36 @@ def along_slider(subject: Subject, linkage: SliderCrank) -> Along:
     locked = first_locked_place(linkage, stroke)
     if locked is not None:
         raise GeometryError(
-            f"the slider cannot close the contact over the whole turn: {at(locked[0])} the coupler"
-            " is square to the guide",
+            f"the slider cannot close the contact over the whole turn: {at_angle(locked[0])} the"
+            " coupler is square to the guide",
             key="effects.spring",
         )
     # It has the sign of dn/ds: ds/dpsi may vanish at a dead centre, but never changes sign.
-    found = piecewise_extremes(partial(outward, subject), subject.state.smooth_angles)
-    if found.lowest.value < 0.0 < found.highest.value:
+    extremes = piecewise_extremes(partial(outward, subject), subject.state.smooth_angles)
+    if extremes.lowest.value < 0.0 < extremes.highest.value:
         raise GeometryError(
-            f"the slider closes the contact by moving one way {at(found.lowest.place)} and the"
-            f" other way at {degrees(found.highest.place)}: the arm passes the line of centres",
+            f"the slider closes the contact by moving one way {at_angle(extremes.lowest.place)} and"
+            " the"
+            f" other way at {degrees(extremes.highest.place)}: the arm passes the line of centres",
             key="effects.spring",
         )
-    outwards = 1.0 if found.highest.value > 0.0 else -1.0
+    outwards = 1.0 if extremes.highest.value > 0.0 else -1.0
     low = np.concatenate((np.zeros(1), subject.state.smooth_angles))
     slopes = linkage.per_follower(stroke.jet(low, "right", 1)[0])
+    # All slopes have one sign, as the slider is not locked; the largest is the farthest from
+    # rounding.
     slope = float(slopes[np.argmax(np.abs(slopes))])
     sense = closing_sense(subject) * outwards * float(np.sign(slope))
-    return Along(stroke, _start(subject.drive.plan), sense, linkage)
+    return LineSpring(stroke, _start(subject.drive.plan), sense, linkage)
 
 
-def between_points(
+def point_spring(
     subject: Subject,
     pivot: complex,
     anchor: complex,
     attachment: complex,
     sense: float,
-) -> BetweenPoints:
+) -> PointSpring:
     """Between `anchor` and `attachment` at cam angle 0, both relative to the cam axis.
 
     Raises
@@ -446,12 +455,12 @@ def between_points(
         )
     start = _start(subject.drive.motion)
     swing = subject.cam.follower.swing_sense
-    way = BetweenPoints(subject.state.motion, start, swing, lever, fixed, sense)
+    way = PointSpring(subject.state.motion, start, swing, lever, fixed, sense)
     shortest = piecewise_lowest(way.length, subject.state.smooth_angles)
     if shortest.value <= SHORTEST * (abs(lever) + abs(fixed)):
         raise GeometryError(
-            f"is {shortest.value:.3g} mm from the attachment {at(shortest.place)}: the spring has"
-            " no direction there",
+            f"is {shortest.value:.3g} mm from the attachment {at_angle(shortest.place)}: the spring"
+            " has no direction there",
             key="effects.spring.anchor",
         )
     return way
@@ -473,7 +482,7 @@ OVERRUN: Final = 0.15
 
 
 def _wire(helical: HelicalSpring) -> tuple[Finding, Finding]:
-    """Its stiffness and its index."""
+    """The findings on the stiffness and the index of the spring."""
     stiffness, index = helical.stiffness, helical.index
     least, most = INDICES
     inside = least <= index <= most
@@ -496,7 +505,7 @@ def _wire(helical: HelicalSpring) -> tuple[Finding, Finding]:
     )
 
 
-def _stresses(helical: HelicalSpring, found: Extremes) -> tuple[Finding, ...]:
+def _stresses(helical: HelicalSpring, forces: Extremes) -> tuple[Finding, ...]:
     """Largest, smallest and solid stress, against the strength."""
     per_force, strength = helical.stress_per_force, helical.strength
 
@@ -508,7 +517,7 @@ def _stresses(helical: HelicalSpring, found: Extremes) -> tuple[Finding, ...]:
         return f", at most {strength:g} MPa", "ok"
 
     largest, smallest = (
-        Extreme(per_force * end.value, end.place) for end in (found.highest, found.lowest)
+        Extreme(per_force * end.value, end.place) for end in (forces.highest, forces.lowest)
     )
     solid = per_force * helical.solid_force
     words, severity = verdict(largest.value, "broken")
@@ -516,7 +525,7 @@ def _stresses(helical: HelicalSpring, found: Extremes) -> tuple[Finding, ...]:
     return (
         placed(
             "largest-spring-stress",
-            f"largest shear stress of the spring {largest.value:.6g} MPa {at(largest.place)}"
+            f"largest shear stress of the spring {largest.value:.6g} MPa {at_angle(largest.place)}"
             f"{words}",
             largest,
             "MPa",
@@ -525,7 +534,8 @@ def _stresses(helical: HelicalSpring, found: Extremes) -> tuple[Finding, ...]:
         ),
         placed(
             "smallest-spring-stress",
-            f"smallest shear stress of the spring {smallest.value:.6g} MPa {at(smallest.place)}",
+            f"smallest shear stress of the spring {smallest.value:.6g} MPa"
+            f" {at_angle(smallest.place)}",
             smallest,
             "MPa",
         ),
@@ -542,13 +552,16 @@ def _stresses(helical: HelicalSpring, found: Extremes) -> tuple[Finding, ...]:
 
 
 def _closure(helical: HelicalSpring, highest: Extreme) -> tuple[Finding, ...]:
-    """How much farther than to its largest force it can be compressed; none if never compressed."""
+    """The finding on how much farther than to its largest force the spring can be compressed; none
+    if it is never compressed.
+    """
     if not highest.value > 0.0:
         return ()
     solid = helical.solid_length
     shortest = helical.free_length - highest.value / helical.stiffness
+    # Deflections from the free length are proportional to forces.
     overrun = helical.solid_force / highest.value - 1.0
-    length = f"shortest length of the spring {shortest:.6g} mm {at(highest.place)}"
+    length = f"shortest length of the spring {shortest:.6g} mm {at_angle(highest.place)}"
     severity: Severity = "ok"
     if overrun < 0.0:
         sentence, severity = f"{length}: its coils touch at {solid:.6g} mm", "broken"

@@ -23,7 +23,7 @@ import numpy as np
 from camgeo.check.finding import Finding
 from camgeo.dynamics.effects.effect import Bound, Request, Result
 from camgeo.dynamics.effects.results import SPRING, Spring
-from camgeo.dynamics.effects.wording import missed
+from camgeo.dynamics.effects.wording import tolerance_error
 from camgeo.errors import GeometryError
 from camgeo.kinematics.time_course import period
 from camgeo.numeric.arrays import SHARE, FloatArray, Side
@@ -97,8 +97,8 @@ def compute(request: Request[Mapping[str, Any]]) -> Surge:
         errors["surge-harmonic"] = Bound(nearest.error, nearest.travel)
     return Surge(
         findings=(
-            _of_frequency(frequency, ratio),
-            *_of_harmonic(nearest, frequency, ratio, spring),
+            _frequency_finding(frequency, ratio),
+            *_harmonic_findings(nearest, frequency, ratio, spring),
         ),
         errors=errors,
         frequency=frequency,
@@ -135,12 +135,16 @@ def _harmonic(request: Request[Mapping[str, Any]], spring: Spring, order: int) -
     share = 1.0 / (math.pi * order)
     error = share * math.hypot(*(part.error for part in parts))
     if error > request.tolerance * half:
-        raise missed(f"harmonic {order} of the spring's travel", error / half, "the travel",
-                     request.tolerance)  # fmt: skip
+        raise tolerance_error(
+            f"harmonic {order} of the spring's travel",
+            error / half,
+            "the travel",
+            request.tolerance,
+        )
     return Harmonic(order, share * math.hypot(*(part.value for part in parts)), error, half)
 
 
-def _of_frequency(frequency: float, ratio: float) -> Finding:
+def _frequency_finding(frequency: float, ratio: float) -> Finding:
     hertz = frequency / TURN
     near = ratio < CLEAR
     return Finding(
@@ -154,10 +158,12 @@ def _of_frequency(frequency: float, ratio: float) -> Finding:
     )
 
 
-def _of_harmonic(
+def _harmonic_findings(
     nearest: Harmonic | None, frequency: float, ratio: float, spring: Spring
 ) -> Iterator[Finding]:
-    """Its amplitude, and the speed at which it resonates."""
+    """The finding on the amplitude of the nearest harmonic, and on the speed at which it
+    resonates.
+    """
     if nearest is None:
         return
     order, amplitude = nearest.order, nearest.amplitude

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 
 import numpy as np
 
-from camgeo.dynamics.effects.effect import DataFile, Quantity, data_of
+from camgeo.dynamics.effects.effect import DataFile, Quantity, build_data
 from camgeo.dynamics.effects.results import HelicalSpring
 from camgeo.errors import GeometryError
 from camgeo.kinematics.plan import in_turn
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from camgeo.kinematics.mechanism.linkage import Linkage
 
 Values = Mapping[str, Any]
-"""By key, in the units of `camgeo.dynamics.effects.effect`."""
+"""Values by key, in the units of `camgeo.dynamics.effects.effect`."""
 
 
 def _require(table: Values, key: str, what: str) -> None:
@@ -42,8 +42,8 @@ def _require_positive(table: Values, key: str, message: str) -> None:
         raise GeometryError(message, key=key, value=f"{table[key]:g}")
 
 
-def _require_with(table: Values, key: str, other: str, message: str) -> None:
-    """That the key `other` is there if `key` is."""
+def _require_partner(table: Values, key: str, other: str, message: str) -> None:
+    """Raise GeometryError if the table has `key` without `other`."""
     if key in table and other not in table:
         raise GeometryError(message, key=key)
 
@@ -86,7 +86,8 @@ class MassProperties:
         return {"mm": self.mass, "rad": self.output_moment}[linkage.unit]
 
     def turning(self, linkage: Linkage) -> float:
-        """Of the coupler about its centre of mass [t mm^2]; by default m l^2/12, a slender rod.
+        """Moment of inertia of the coupler about its centre of mass [t mm^2]; by default m l^2/12,
+        that of a slender rod.
 
         (Tables of mass properties, e.g. in the appendix of Norton, "Design of Machinery".)
         """
@@ -107,7 +108,7 @@ def parse_inertia(table: Values) -> MassProperties:
         ("coupler_centre", "coupler_mass"),
         ("coupler_moment", "coupler_mass"),
     ):
-        _require_with(table, key, mass, f"needs {mass}, which is missing")
+        _require_partner(table, key, mass, f"needs {mass}, which is missing")
     if "rocker_centre" in table:
         table = {**table, "rocker_centre": complex(*table["rocker_centre"])}
     return MassProperties(**table)
@@ -148,12 +149,12 @@ def parse_load(table: Values) -> LoadProfile | Sequence[float]:
     Exactly one of the keys must be given, and a file must have the format in the schema, with
     angles that ascend from 0 to 360 degrees.
     """
-    given = [key for key in LOADS if key in table]
-    if len(given) != 1:
-        found = " and ".join(given) if given else "none"
+    stated = [key for key in LOADS if key in table]
+    if len(stated) != 1:
+        words = " and ".join(stated) if stated else "none"
         raise GeometryError(
-            f"exactly one of {', '.join(LOADS)} is needed, and the scene gives {found}",
-            key=given[1] if given else "",
+            f"exactly one of {', '.join(LOADS)} is needed, and the scene gives {words}",
+            key=stated[1] if stated else "",
         )
     if "segments" in table:
         segments: Sequence[float] = table["segments"]
@@ -209,7 +210,7 @@ INACTIVE: Final = 2.0
 """Coils at squared ends that do not deflect, one at each."""
 
 STEEL: Final = {"shear_modulus": 79300.0, "density": 7.85e-9}
-"""Of spring steel [MPa] and [t/mm^3]."""
+"""Shear modulus [MPa] and density [t/mm^3] of spring steel."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -242,65 +243,67 @@ def parse_spring(table: Values) -> SpringData:
     article = f"{'an' if kind == 'extension' else 'a'} {kind} spring"
     helical = None
     if WIRE in table:
-        helical = _wound(kind, table)
+        helical = _helical_spring(kind, table)
         table = {**table, "stiffness": helical.stiffness}
-    own, foreign = (TORSIONAL, (*LINEAR, *ENDS)) if kind == "torsion" else (LINEAR, TORSIONAL)
-    for key in own:
-        _require(table, key, f"{article} needs {' and '.join(own)}")
+    needed, foreign = (TORSIONAL, (*LINEAR, *ENDS)) if kind == "torsion" else (LINEAR, TORSIONAL)
+    for key in needed:
+        _require(table, key, f"{article} needs {' and '.join(needed)}")
     for key in foreign:
         if key in table:
             raise GeometryError(
-                f"does not belong to {article}, which has {' and '.join(own)}", key=key
+                f"does not belong to {article}, which has {' and '.join(needed)}", key=key
             )
-    for given, other in (ENDS, ENDS[::-1]):
-        if given in table:
-            _require(table, other, f"{given} is only one end of the spring")
+    for end, other in (ENDS, ENDS[::-1]):
+        if end in table:
+            _require(table, other, f"{end} is only one end of the spring")
     anchor, attachment = (complex(*table[key]) if key in table else None for key in ENDS)
-    return SpringData(kind, float(table[own[0]]), float(table[own[1]]), anchor, attachment, helical)
+    return SpringData(
+        kind, float(table[needed[0]]), float(table[needed[1]]), anchor, attachment, helical
+    )
 
 
-def _wound(kind: SpringKind, table: Values) -> HelicalSpring:
+def _helical_spring(kind: SpringKind, table: Values) -> HelicalSpring:
     """The spring of the table of its wire; raises GeometryError as `parse_spring` does."""
     if kind != "compression":
         raise GeometryError("is for compression springs", key=WIRE)
     if "stiffness" in table:
         raise GeometryError("follows from wire: give only one of them", key="stiffness")
-    own = table[WIRE]
-    active = own["active_coils"]
-    found = HelicalSpring(
-        wire=own["diameter"],
-        coil=own["coil_diameter"],
+    wire = table[WIRE]
+    active = wire["active_coils"]
+    spring = HelicalSpring(
+        wire=wire["diameter"],
+        coil=wire["coil_diameter"],
         active=active,
-        total=own.get("total_coils", active + INACTIVE),
-        free_length=own["free_length"],
-        shear_modulus=own.get("shear_modulus", STEEL["shear_modulus"]),
-        density=own.get("density", STEEL["density"]),
-        seats=own.get("seats", "flat"),
-        strength=own.get("strength"),
+        total=wire.get("total_coils", active + INACTIVE),
+        free_length=wire["free_length"],
+        shear_modulus=wire.get("shear_modulus", STEEL["shear_modulus"]),
+        density=wire.get("density", STEEL["density"]),
+        seats=wire.get("seats", "flat"),
+        strength=wire.get("strength"),
     )
     for key, value, fits, allowed in (
         (
             "coil_diameter",
-            found.coil,
-            found.coil > found.wire,
-            f"above {found.wire:g} mm, that of the wire",
+            spring.coil,
+            spring.coil > spring.wire,
+            f"above {spring.wire:g} mm, that of the wire",
         ),
         (
             "total_coils",
-            found.total,
-            found.total >= active,
+            spring.total,
+            spring.total >= active,
             f"at least {active:g}, the active coils",
         ),
         (
             "free_length",
-            found.free_length,
-            found.free_length > found.solid_length,
-            f"above {found.solid_length:g} mm, the length with all coils touching",
+            spring.free_length,
+            spring.free_length > spring.solid_length,
+            f"above {spring.solid_length:g} mm, the length with all coils touching",
         ),
     ):
         if not fits:
             raise GeometryError(f"must be {allowed}", key=f"{WIRE}.{key}", value=f"{value:g}")
-    return found
+    return spring
 
 
 # -- friction -------------------------------------------------------------------------------------
@@ -377,7 +380,7 @@ def parse_reactions(table: Values) -> tuple[float, float] | None:
 
 
 N_MM: Final = 1e3
-"""From N m to N mm."""
+"""Factor from N m to N mm."""
 
 SPEED_COLUMN: Final = NumberColumn(
     "speed", ("n", "speed"), ("rev/min", "rpm", "1/min", "min-1", "min^-1", "r/min")
@@ -423,11 +426,11 @@ class Motor(CheckedFields):
 
 def _motor(table: Values) -> Motor:
     """The motor of the table, a straight line or a file, but not both."""
-    given = [key for key in MOTOR_LINE if key in table]
+    stated = [key for key in MOTOR_LINE if key in table]
     if "file" in table:
-        if given:
+        if stated:
             raise GeometryError(
-                "contradicts file, which also gives the torque of the motor", key=given[0]
+                "contradicts file, which also gives the torque of the motor", key=stated[0]
             )
         return read_motor(table["file"])
     for key in MOTOR_LINE:
@@ -457,8 +460,8 @@ def read_motor(file: DataFile) -> Motor:
         rises = np.flatnonzero(np.diff(table.second) >= 0.0)
         if len(rises):
             row = int(rises[0]) + 1
-            before = float(table.second[row - 1])
-            message = f"the previous torque is {before!r}; the torque must decrease"
+            previous = float(table.second[row - 1])
+            message = f"the previous torque is {previous!r}; the torque must decrease"
             raise table.fault(row, table.second, message)
     except GeometryError as error:
         raise GeometryError(error.message, "file", error.value) from error
@@ -498,7 +501,7 @@ def parse_speed_fluctuation(table: Values) -> MotorDrive:
     return MotorDrive(table[key], _motor(table), table.get("limit"))
 
 
-# -- camshaft windup ------------------------------------------------------------------------------
+# -- wind-up of the camshaft ----------------------------------------------------------------------
 
 
 @dataclass(frozen=True, slots=True)
@@ -510,7 +513,7 @@ class ElasticShaft:
     stiffness : k [N mm/rad], above 0.
     moment_of_inertia : J of what turns with the cam [t mm^2], above 0.
     damping : D, the ratio to critical damping, in [0, 1).
-    limit : largest windup allowed [rad]; None for no limit.
+    limit : largest wind-up allowed [rad]; None for no limit.
     """
 
     stiffness: float
@@ -537,7 +540,7 @@ def parse_camshaft_windup(table: Values) -> ElasticShaft:
     ):
         _require(table, key, words)
         _require_positive(table, key, f"{words} cannot be 0; allowed: above 0")
-    return data_of(ElasticShaft, table)
+    return build_data(ElasticShaft, table)
 
 
 # -- contact pressure -----------------------------------------------------------------------------
@@ -601,21 +604,23 @@ def parse_contact_pressure(table: Values) -> PressureRequirements:
         raise GeometryError(
             "is a key of a roller, and cannot be combined with those of a face", key=both[0]
         )
-    cam, mate = (_material(each, table) for each in ("cam", who))
+    cam, mate = (_material(body, table) for body in ("cam", who))
     if table.get("rating") is not None:
         _require_positive(table, "rating", "the load rating must be above 0 N")
-    _require_with(table, "life", "rating", "needs the load rating of the roller bearing, `rating`")
+    _require_partner(
+        table, "life", "rating", "needs the load rating of the roller bearing, `rating`"
+    )
     limit = table["limit"] if "limit" in table else _common_limit(cam, mate)
-    return data_of(PressureRequirements, {**table, "cam": cam, "mate": mate, "limit": limit})
+    return build_data(PressureRequirements, {**table, "cam": cam, "mate": mate, "limit": limit})
 
 
 def _material(who: str, table: Values) -> Material:
     key = f"{who}_material"
-    found = find_material(table.get(key, HARDENED), key)
+    material = find_material(table.get(key, HARDENED), key)
     return replace(
-        found,
-        modulus=table.get(f"{who}_modulus", found.modulus),
-        poisson=table.get(f"{who}_poisson", found.poisson),
+        material,
+        modulus=table.get(f"{who}_modulus", material.modulus),
+        poisson=table.get(f"{who}_poisson", material.poisson),
     )
 
 
@@ -687,25 +692,25 @@ class TrainData:
 
 def parse_vibration(table: Values) -> TrainData:
     """The train, which exactly one key gives."""
-    given = [key for key in TRAINS if table.get(key) is not None]
-    if not given:
+    stated = [key for key in TRAINS if table.get(key) is not None]
+    if not stated:
         raise GeometryError(
             "is missing, and so are stiffness, torsional_stiffness, masses and moments: one of"
             " them is needed",
             key="natural_frequency",
         )
-    if len(given) > 1:
+    if len(stated) > 1:
         raise GeometryError(
-            f"cannot be combined with {given[0]}: give only one of them", key=given[1]
+            f"cannot be combined with {stated[0]}: give only one of them", key=stated[1]
         )
-    kind = given[0]
+    kind = stated[0]
     if kind in ("masses", "moments"):
         return _listed(table, kind)
     _require_positive(table, kind, "must be above 0, or nothing would move the follower")
     if "output" in table:
         raise GeometryError("needs masses or moments, of which it is the number", key="output")
-    second = data_of(Second, table["second"]) if "second" in table else None
-    return data_of(TrainData, {**table, "second": second})
+    second = build_data(Second, table["second"]) if "second" in table else None
+    return build_data(TrainData, {**table, "second": second})
 
 
 def _listed(table: Values, kind: str) -> TrainData:
@@ -782,7 +787,7 @@ class BalanceRequirements:
 
 def parse_balance(table: Values) -> BalanceRequirements:
     """The density of a known material, and means of balancing."""
-    _require_with(
+    _require_partner(
         table,
         "hole_diameter",
         "hole_radius",
@@ -792,4 +797,4 @@ def parse_balance(table: Values) -> BalanceRequirements:
     if "hole_radius" in table:
         radius = table["hole_radius"]
         values["holes"] = radius, table.get("hole_diameter", LARGEST_HOLE * radius)
-    return data_of(BalanceRequirements, values)
+    return build_data(BalanceRequirements, values)

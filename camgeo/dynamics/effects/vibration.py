@@ -18,16 +18,16 @@ import numpy as np
 
 from camgeo.check.finding import Finding
 from camgeo.dynamics.effects.effect import Bound, Column, Request, Subject, scaled
-from camgeo.dynamics.effects.forces import ElasticTrain, Force, search_edges, way_of
+from camgeo.dynamics.effects.forces import ElasticTrain, Force, output_per_follower, search_edges
 from camgeo.dynamics.effects.results import INERTIA, LOAD, Elastic
 from camgeo.dynamics.effects.tables import TrainData
-from camgeo.dynamics.effects.wording import FORCES, MASSES, Label, at, left_over
+from camgeo.dynamics.effects.wording import FORCES, MASSES, Label, at_angle, remaining_share
 from camgeo.dynamics.oscillator.steady import (
     Base,
     Forcing,
     ResonanceError,
     Response,
-    load_of,
+    load_forcing,
     steady_state,
 )
 from camgeo.dynamics.oscillator.train import SeparationError, Stage, Train, chain
@@ -93,16 +93,16 @@ def compute(request: Request[TrainData]) -> Vibration:
     subject, data = request.subject, request.data
     turns = subject.drive.unit == "rad"
     limit = data.limit_angle if turns else data.limit
-    shown = Label("angle", "deg", math.degrees(1.0)) if turns else Label("length", "mm", 1.0)
+    label = Label("angle", "deg", math.degrees(1.0)) if turns else Label("length", "mm", 1.0)
     force = FORCES[subject.drive.unit]
-    stages = stages_of(request)
-    train = train_of(data, stages) if stages else None
+    stages = train_stages(request)
+    train = build_train(data, stages) if stages else None
     links = len(stages) if data.natural_frequency is None else 0
-    clock = clock_of(subject, request.course)
+    clock = motion_clock(subject, request.course)
     period = float(clock.time(clock.edges[-1:])[0])
-    moved = _moved(request)
+    moved = _moved_mass(request)
     passed = bool(data.stages) or moved > 0.0
-    load, borders = _load_on(request), np.empty(0)
+    load, borders = _output_load(request), np.empty(0)
     findings: list[Finding] = []
     if load is not None and (train is None or not passed):
         findings.append(unexcited())
@@ -117,34 +117,34 @@ def compute(request: Request[TrainData]) -> Vibration:
         share = 0.0 if passed else FORCING * request.tolerance
         response, bounds = _response(clock, train, links, load, (share, request.tolerance))
         if passed:
-            counted = _counted(stages, moved, subject)
+            counted = _train_mass(stages, moved, subject)
             behind = _behind(subject, counted, clock, response, load)
-        errors = _errors(bounds, train, shown, force)
-        findings += of_modes(train, period)
+        errors = _errors(bounds, train, label, force)
+        findings += mode_findings(train, period)
     output = Output(clock, response)
     most = magnitude(piecewise_extremes(output.deflection, edges))
     fastest = magnitude(piecewise_extremes(output.acceleration, edges))
-    findings += [of_error(most, limit, shown), of_acceleration(fastest, clock, shown)]
+    findings += [error_finding(most, limit, label), acceleration_finding(fastest, clock, label)]
     if load is not None:
         still = magnitude(piecewise_extremes(output.lasting, edges))
-        findings.append(of_load(still, shown))
+        findings.append(load_finding(still, label))
         errors[BY_LOAD] = errors[DEFLECTIONS[0]]
         most = magnitude(piecewise_extremes(output.moving, edges))
-    findings += of_forces(output, links, edges, force)
+    findings += force_findings(output, links, edges, force)
     if response is not None:
-        findings += of_rests(clock, response, shown)
-        findings += of_resonance(response, most.value, shown)
+        findings += dwell_findings(clock, response, label)
+        findings += resonance_findings(response, most.value, label)
     return Vibration(
         output,
         links,
         behind=behind,
         findings=tuple(findings),
-        columns=_columns(output, links, shown, force, limit, borders),
+        columns=_columns(output, links, label, force, limit, borders),
         errors=errors,
     )
 
 
-def _load_on(request: Request[TrainData]) -> Force | None:
+def _output_load(request: Request[TrainData]) -> Force | None:
     """The load as a force on the demanded motion, which is that of the output; None without one."""
     load = request.results.get(LOAD)
     if load is None:
@@ -158,17 +158,17 @@ def _errors(bounds: list[Bound], train: Train, shown: Label, force: Label) -> di
 
     The acceleration of a mode is its deflection times the square of its rate.
     """
-    own = bounds[0].times(shown.scale)
-    fast = own.times(float(np.max(np.abs(train.rates))) ** 2)
-    found = dict.fromkeys(DEFLECTIONS, own)
-    found |= dict.fromkeys(("largest-output-acceleration", "output acceleration"), fast)
-    pushed = [each.times(force.scale) for each in bounds[1:]]
+    deflection = bounds[0].times(shown.scale)
+    fast = deflection.times(float(np.max(np.abs(train.rates))) ** 2)
+    errors = dict.fromkeys(DEFLECTIONS, deflection)
+    errors |= dict.fromkeys(("largest-output-acceleration", "output acceleration"), fast)
+    pushed = [bound.times(force.scale) for bound in bounds[1:]]
     if pushed:
-        found[LARGEST_FORCE] = max(pushed, key=lambda each: each.error)
-    return found | {force_column(link): each for link, each in enumerate(pushed)}
+        errors[LARGEST_FORCE] = max(pushed, key=lambda bound: bound.error)
+    return errors | {force_column(link): bound for link, bound in enumerate(pushed)}
 
 
-def _counted(stages: Sequence[Stage], moved: float, subject: Subject) -> float:
+def _train_mass(stages: Sequence[Stage], moved: float, subject: Subject) -> float:
     """The mass in the train; 0 if [effects.inertia] has none with the demanded motion.
 
     Raises
@@ -178,7 +178,7 @@ def _counted(stages: Sequence[Stage], moved: float, subject: Subject) -> float:
     """
     if moved == 0.0:
         return 0.0
-    mass = sum(each.mass for each in stages)
+    mass = sum(stage.mass for stage in stages)
     if mass > moved * (1.0 + SAME):
         label = MASSES[subject.drive.unit]
         raise GeometryError(
@@ -193,7 +193,7 @@ def _counted(stages: Sequence[Stage], moved: float, subject: Subject) -> float:
 def _behind(
     subject: Subject, mass: float, clock: Clock, response: Response, load: Force | None
 ) -> ElasticTrain:
-    """What the train passes on to the follower; the rigid forces have its `mass`."""
+    """The elastic train behind the follower; the forces of a rigid train include its `mass`."""
 
     @recalling
     def push(response: Response, phi: FloatArray, side: Side) -> FloatArray:
@@ -205,7 +205,7 @@ def _behind(
     def slip(response: Response, phi: FloatArray, side: Side) -> FloatArray:
         return np.asarray(Output(clock, response).states(phi, side)[1])
 
-    way = partial(way_of, subject)
+    way = partial(output_per_follower, subject)
     return ElasticTrain(response, mass, way, push, base, load, None if load is None else slip)
 
 
@@ -223,6 +223,7 @@ def _response(
     lift = float(np.max(np.abs(clock.motion.jet(clock.edges)[0])))
     first, tolerance = shares
     error = math.inf
+    # If a truncated series of the forcing is too coarse, one to rounding may be fine enough.
     for share in (first, 0.0):
         try:
             pressed = None if load is None else clock.load(load, share)
@@ -238,21 +239,22 @@ def _response(
             ) from None
         forces = [train.force(link) for link in range(links)]
         if pressed is not None:
+            # The deflection by the largest load, if it lasted.
             bent = abs(train.yielding(train.deflection(train.output)))
             lift = max(lift, bent * pressed.pieces.largest)
         bounds = [
             Bound(response.error, lift),
             *(
-                Bound(response.error_of(each), lift * stiffness)
-                for each, stiffness in zip(forces, train.stiffnesses.tolist(), strict=False)
+                Bound(response.reading_error(reading), lift * stiffness)
+                for reading, stiffness in zip(forces, train.stiffnesses.tolist(), strict=False)
             ),
         ]
-        error = max(each.share for each in bounds)
+        error = max(bound.share for bound in bounds)
         if error <= tolerance:
             return response, bounds
     raise EffectError(
-        f"the deflection has an error of {error:.3g} of the lift; the tolerance is {tolerance:.3g}:"
-        " an undamped train this close to resonance magnifies rounding errors",
+        f"the deflection has an error of {error:.3g} relative to the lift; the tolerance is"
+        f" {tolerance:.3g}: an undamped train this close to resonance magnifies rounding errors",
         finding="vibration-tolerance",
         value=error,
         limit=tolerance,
@@ -286,7 +288,7 @@ def _columns(
     )
 
 
-def train_of(data: TrainData, stages: Sequence[Stage]) -> Train:
+def build_train(data: TrainData, stages: Sequence[Stage]) -> Train:
     """The elastic train of the `stages`.
 
     Raises
@@ -303,7 +305,7 @@ def train_of(data: TrainData, stages: Sequence[Stage]) -> Train:
         ) from None
 
 
-def stages_of(request: Request[TrainData]) -> tuple[Stage, ...]:
+def train_stages(request: Request[TrainData]) -> tuple[Stage, ...]:
     """The masses in a row with their springs and dampers; none if the train is rigid.
 
     Without a list there are one or two. With a stiffness k, w^2 = k / m for the mass m from
@@ -318,9 +320,10 @@ def stages_of(request: Request[TrainData]) -> tuple[Stage, ...]:
     data, second = request.data, request.data.second
     if data.stages:
         return data.stages
-    moved = _moved(request)
+    moved = _moved_mass(request)
     mass, frequency = moved or 1.0, data.natural_frequency
     if second is not None:
+        # The mass of the scene is the sum of both.
         mass /= 1.0 + second.mass_ratio
     if frequency is None:
         stiffness = data.stiffness if data.stiffness is not None else data.torsional_stiffness
@@ -333,8 +336,8 @@ def stages_of(request: Request[TrainData]) -> tuple[Stage, ...]:
     if not math.isinf(frequency):
         stages.append(_tuned(mass, frequency, data.damping))
     if second is not None:
-        own = mass * second.mass_ratio
-        stages.append(_tuned(own, second.natural_frequency, second.damping))
+        second_mass = mass * second.mass_ratio
+        stages.append(_tuned(second_mass, second.natural_frequency, second.damping))
     return tuple(stages)
 
 
@@ -343,7 +346,7 @@ def _tuned(mass: float, frequency: float, damping: float) -> Stage:
     return Stage(mass, mass * frequency * frequency, 2.0 * damping * frequency * mass)
 
 
-def _moved(request: Request[TrainData]) -> float:
+def _moved_mass(request: Request[TrainData]) -> float:
     """The mass that has the demanded motion, from [effects.inertia]; 0 if it states none."""
     inertia = request.results.get(INERTIA)
     return 0.0 if inertia is None else inertia.moved
@@ -357,7 +360,7 @@ def _require(request: Request[TrainData]) -> None:
             key="effects.inertia",
         )
     linkage = request.subject.drive.linkage
-    if _moved(request) == 0.0 and linkage is not None and linkage.member != "slider":
+    if _moved_mass(request) == 0.0 and linkage is not None and linkage.member != "slider":
         raise GeometryError(
             "is missing: with a stiffness the natural frequency needs the moment of inertia at"
             " the far end of the linkage; or give natural_frequency",
@@ -393,11 +396,11 @@ of control engineering.
 
 def magnitude(both: Extremes) -> Extreme:
     """The extreme of larger magnitude, made positive; its cam angle in [0, 2 pi)."""
-    worst = max(both.lowest, both.highest, key=lambda each: abs(each.value))
+    worst = max(both.lowest, both.highest, key=lambda extreme: abs(extreme.value))
     return Extreme(abs(worst.value), worst.place % TURN)
 
 
-def of_modes(train: Train, period: float) -> Iterator[Finding]:
+def mode_findings(train: Train, period: float) -> Iterator[Finding]:
     """The natural frequencies, and the time constants of overdamped modes."""
     for rate in train.poles.tolist():
         frequency = abs(rate)
@@ -405,8 +408,7 @@ def of_modes(train: Train, period: float) -> Iterator[Finding]:
             yield Finding(
                 name="time-constant",
                 severity="ok",
-                sentence=f"a mode that does not oscillate, with the time constant"
-                f" {1e3 / frequency:.6g} ms",
+                sentence=f"time constant {1e3 / frequency:.6g} ms of an overdamped mode",
                 value=1.0 / frequency,
                 unit="s",
             )
@@ -424,40 +426,41 @@ def of_modes(train: Train, period: float) -> Iterator[Finding]:
         )
 
 
-def of_error(found: Extreme, limit: float | None, shown: Label) -> Finding:
+def error_finding(error: Extreme, limit: float | None, shown: Label) -> Finding:
     """The largest error of the motion, checked against its limit."""
-    broken = limit is not None and found.value > limit
-    against = "" if limit is None else f", {'above' if broken else 'at most'} {shown.of(limit)}"
+    broken = limit is not None and error.value > limit
+    verdict = "" if limit is None else f", {'above' if broken else 'at most'} {shown.format(limit)}"
     return Finding(
         name="largest-motion-error",
         severity="broken" if broken else "ok",
         sentence=(
-            f"largest error of the motion {shown.of(found.value)} {at(found.place)}{against}"
+            f"largest error of the motion {shown.format(error.value)}"
+            f" {at_angle(error.place)}{verdict}"
         ),
-        value=shown.scale * found.value,
+        value=shown.scale * error.value,
         limit=None if limit is None else shown.scale * limit,
         unit=shown.unit,
-        cam_angle=found.place,
+        cam_angle=error.place,
     )
 
 
-def of_load(found: Extreme, shown: Label) -> Finding:
+def load_finding(deflection: Extreme, shown: Label) -> Finding:
     """The part of this error by which the load deflects the train at rest."""
     return Finding(
         name=BY_LOAD,
         severity="ok",
         sentence=(
-            f"at rest the load deflects the output by up to {shown.of(found.value)}"
-            f" {at(found.place)}, which is a part of this error"
+            f"at rest the load deflects the output by up to {shown.format(deflection.value)}"
+            f" {at_angle(deflection.place)}, which is a part of this error"
         ),
-        value=shown.scale * found.value,
+        value=shown.scale * deflection.value,
         unit=shown.unit,
-        cam_angle=found.place,
+        cam_angle=deflection.place,
     )
 
 
 def unexcited() -> Finding:
-    """That the load cannot be taken into account."""
+    """The warning that the load cannot be taken into account."""
     return Finding(
         name="unexcited-train",
         severity="warning",
@@ -468,23 +471,27 @@ def unexcited() -> Finding:
     )
 
 
-def of_acceleration(found: Extreme, clock: Clock, shown: Label) -> Finding:
+def acceleration_finding(acceleration: Extreme, clock: Clock, shown: Label) -> Finding:
     """The largest acceleration of the output, compared with that of a rigid train."""
     rigid = Output(clock, None)
     stiff = magnitude(piecewise_extremes(rigid.acceleration, clock.edges))
-    times = f", {found.value / stiff.value:.4g} times" if stiff.value > 0.0 else ", compared with"
+    times = (
+        f", {acceleration.value / stiff.value:.4g} times"
+        if stiff.value > 0.0
+        else ", compared with"
+    )
     unit = f"{shown.unit}/s^2"
     return Finding(
         name="largest-output-acceleration",
         severity="ok",
         sentence=(
-            f"largest acceleration of the output {shown.scale * found.value:.6g} {unit}"
-            f" {at(found.place)}{times} that of a rigid train,"
-            f" {shown.scale * stiff.value:.6g} {unit} {at(stiff.place)}"
+            f"largest acceleration of the output {shown.scale * acceleration.value:.6g} {unit}"
+            f" {at_angle(acceleration.place)}{times} that of a rigid train,"
+            f" {shown.scale * stiff.value:.6g} {unit} {at_angle(stiff.place)}"
         ),
-        value=shown.scale * found.value,
+        value=shown.scale * acceleration.value,
         unit=unit,
-        cam_angle=found.place,
+        cam_angle=acceleration.place,
     )
 
 
@@ -493,28 +500,30 @@ def force_column(link: int) -> str:
     return f"train force {link + 1}"
 
 
-def of_forces(output: Output, links: int, edges: FloatArray, label: Label) -> Iterator[Finding]:
+def force_findings(
+    output: Output, links: int, edges: FloatArray, label: Label
+) -> Iterator[Finding]:
     """The largest force in each spring with its damper, from the cam outwards."""
     if not links:
         return
     for link, both in enumerate(piecewise_extremes_of_many(Links(links), output, edges)):
-        found = magnitude(both)
+        extreme = magnitude(both)
         yield Finding(
             name=LARGEST_FORCE,
             severity="ok",
             sentence=(
                 f"largest {label.word} in spring and damper {link + 1} of the train"
-                f" {label.scale * found.value:.6g} {label.unit} {at(found.place)}"
+                f" {label.scale * extreme.value:.6g} {label.unit} {at_angle(extreme.place)}"
             ),
-            value=label.scale * found.value,
+            value=label.scale * extreme.value,
             unit=label.unit,
-            cam_angle=found.place,
+            cam_angle=extreme.place,
         )
 
 
-def of_rests(clock: Clock, response: Response, shown: Label) -> Iterator[Finding]:
-    """The vibration at the start of each dwell, the largest of them, and what is left at the
-    end.
+def dwell_findings(clock: Clock, response: Response, shown: Label) -> Iterator[Finding]:
+    """The residual vibration at the start of each dwell, the largest one, and what is left of a
+    vibration at the end of the shortest dwell.
     """
     rests = [rest for rest in clock.motion.dwells if 0.0 < rest.span < TURN]
     if not rests:
@@ -522,15 +531,16 @@ def of_rests(clock: Clock, response: Response, shown: Label) -> Iterator[Finding
     starts = np.array([rest.start for rest in rests])
     amplitudes = response.free_amplitude(clock.time(in_turn(starts, "right")), "right")
     for rest, amplitude in zip(rests, amplitudes.tolist(), strict=True):
-        yield _residual("residual-vibration", "vibration", rest, amplitude, shown)
+        yield _residual("residual-vibration", "residual vibration", rest, amplitude, shown)
     worst = int(np.argmax(amplitudes))
     yield _residual(
         "largest-residual-vibration",
-        "largest vibration",
+        "largest residual vibration",
         rests[worst],
         float(amplitudes[worst]),
         shown,
     )
+    # The mode that decays most slowly decides what is left.
     slowest = float(np.max(response.train.poles.real))
     shortest = min(rests, key=lambda rest: _duration(clock, rest))
     left = math.exp(slowest * _duration(clock, shortest))
@@ -539,23 +549,26 @@ def of_rests(clock: Clock, response: Response, shown: Label) -> Iterator[Finding
         name="settling",
         severity="ok",
         sentence=(
-            f"{left_over(left, 3)} of a vibration is left after the shortest dwell,"
-            f" {1e3 * _duration(clock, shortest):.4g} ms{_from(shortest.start)}, which is"
-            f" {lasts} than the transient, settled at {100.0 * SETTLED:g} %"
+            f"after the shortest dwell, which starts at cam angle {cam_angle(shortest.start)} deg"
+            f" and lasts {1e3 * _duration(clock, shortest):.4g} ms, {remaining_share(left, 3)} of a"
+            f" vibration is left: the dwell is {lasts} than the transient, which counts as settled"
+            f" at {100.0 * SETTLED:g} %"
         ),
         value=left,
         cam_angle=shortest.start,
     )
 
 
-def of_resonance(response: Response, most: float, shown: Label) -> Iterator[Finding]:
+def resonance_findings(response: Response, most: float, shown: Label) -> Iterator[Finding]:
     """The harmonic of the cam's speed nearest to each natural frequency."""
     turn = TURN / response.base.period
     for rate in response.train.poles.tolist():
         if rate.imag == 0.0:
             continue
         number = max(1, round(abs(rate) / turn))
+        # The transfer is that from -y'', the amplification that from y.
         factor = abs(response.train.transfer(number * turn)) * (number * turn) ** 2
+        # A real harmonic has twice the magnitude of its complex coefficient.
         part = resolved(2.0 * abs(response.harmonic(number)), most)
         near = factor > AMPLIFICATION and part > SHARE * most
         amplified = f"amplified {factor:.4g} times, it"
@@ -567,7 +580,7 @@ def of_resonance(response: Response, most: float, shown: Label) -> Iterator[Find
             sentence=(
                 f"harmonic {number} of the cam's speed is nearest to the natural frequency,"
                 f" {abs(rate) / turn:.6g} times that speed: {amplified}"
-                f" contributes {shown.of(part)} of the deflection of {shown.of(most)}"
+                f" contributes {shown.format(part)} of the deflection of {shown.format(most)}"
             ),
             value=factor,
             limit=AMPLIFICATION if near else None,
@@ -578,7 +591,10 @@ def _residual(name: str, what: str, rest: Dwell, amplitude: float, shown: Label)
     return Finding(
         name=name,
         severity="ok",
-        sentence=f"{what} of {shown.of(amplitude)} left in the dwell{_from(rest.start)}",
+        sentence=(
+            f"{what} of {shown.format(amplitude)} in the dwell that starts at cam angle"
+            f" {cam_angle(rest.start)} deg"
+        ),
         value=shown.scale * amplitude,
         unit=shown.unit,
         cam_angle=rest.start,
@@ -588,10 +604,6 @@ def _residual(name: str, what: str, rest: Dwell, amplitude: float, shown: Label)
 def _duration(clock: Clock, rest: Dwell) -> float:
     ends = clock.course.time(np.array([rest.start, rest.start + rest.span]))
     return float(ends[1] - ends[0])
-
-
-def _from(phi: float) -> str:
-    return f" from cam angle {cam_angle(phi)} deg on"
 
 
 # -- output ---------------------------------------------------------------------------------------
@@ -638,10 +650,10 @@ class Clock:
             return np.asarray(force.coefficients(self.angle(t), "right")[0])
 
         edges = merged(np.concatenate((self.edges, force.borders)))
-        return load_of(pressed, self.time(edges), share)
+        return load_forcing(pressed, self.time(edges), share)
 
 
-def clock_of(subject: Subject, course: TimeCourse) -> Clock:
+def motion_clock(subject: Subject, course: TimeCourse) -> Clock:
     """The motion of the output in the state of `subject`, over time."""
     edges = merged(np.concatenate((subject.state.output.borders, course.borders, [0.0, TURN])))
     return Clock(subject.state.output, course, edges)
@@ -664,9 +676,9 @@ class Output:
         """(3, n) deflection [mm or rad], its velocity, and the acceleration of the output."""
         if self.response is not None:
             return self.response.states(self.clock.time(in_turn(phi, side)), side)
-        out = np.zeros((3, len(phi)))
-        out[2] = in_time(self.clock.motion.jet(phi, side), self.clock.course, phi, side)[2]
-        return out
+        rigid = np.zeros((3, len(phi)))
+        rigid[2] = in_time(self.clock.motion.jet(phi, side), self.clock.course, phi, side)[2]
+        return rigid
 
     def deflection(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) output minus motion of the state [mm or rad] at `phi` (n,) [rad]."""
@@ -710,8 +722,8 @@ class Links:
         self, output: Output, phi: FloatArray, side: Side, which: IntArray
     ) -> FloatArray:
         """(n,) forces, each in the spring with the number in `which` (n,)."""
-        found = np.zeros(len(phi))
+        forces = np.zeros(len(phi))
         for link in np.unique(which).tolist():
-            own = which == link
-            found[own] = output.forces([link], phi[own], side)[0]
-        return found
+            selected = which == link
+            forces[selected] = output.forces([link], phi[selected], side)[0]
+        return forces

@@ -13,13 +13,13 @@ from camgeo.numeric.extremes import Extreme, Extremes
 from camgeo.units import LiftUnit, at_cam_angles, cam_angle, cam_angle_range, listed
 
 N_M: Final = 1e-3
-"""From N mm to N m or J, and from N mm/s to W."""
+"""Factor from N mm to N m or J, and from N mm/s to W."""
 
 KG: Final = 1e3
-"""From t to kg."""
+"""Factor from t to kg."""
 
 KG_M2: Final = 1e-3
-"""From t mm^2 to kg m^2."""
+"""Factor from t mm^2 to kg m^2."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,7 +30,7 @@ class Label:
     unit: str
     scale: float
 
-    def of(self, value: float) -> str:
+    def format(self, value: float) -> str:
         """A `value` in the internal unit as text."""
         return f"{self.scale * value:.4g} {self.unit}"
 
@@ -48,12 +48,12 @@ MASSES: Final[Mapping[LiftUnit, Label]] = {
 """The inertia of a follower, by the unit of its lift."""
 
 
-def scale_of(unit: str) -> float:
-    """From internal units to the `unit` in which a property of a spring is shown."""
+def spring_scale(unit: str) -> float:
+    """The factor from internal units to the `unit` in which a property of a spring is displayed."""
     return N_M if unit.startswith("N m") and not unit.startswith("N mm") else 1.0
 
 
-def at(phi: float) -> str:
+def at_angle(phi: float) -> str:
     """The place `phi` [rad] in words."""
     return at_cam_angles(phi, form=".4f")
 
@@ -63,7 +63,7 @@ def degrees(phi: float) -> str:
     return f"{cam_angle(phi, '.4f')} deg"
 
 
-def between(stretch: tuple[float, float]) -> str:
+def over_range(stretch: tuple[float, float]) -> str:
     """The range (from, to) [rad] in words."""
     return cam_angle_range(*stretch, form=".4f")
 
@@ -72,7 +72,7 @@ MOST_LISTED: Final = 8
 """Largest number of places that are listed one by one."""
 
 
-def angles(places: Sequence[float]) -> str:
+def at_angles(places: Sequence[float]) -> str:
     """The cam angles `places` [rad], one or more, in words."""
     return at_cam_angles(*places, form=".4f", most=MOST_LISTED)
 
@@ -84,12 +84,12 @@ def by_place(places: Sequence[float]) -> list[Sequence[float]]:
     return [[place] for place in places]
 
 
-def over(ranges: Sequence[tuple[float, float]]) -> str:
+def over_ranges(ranges: Sequence[tuple[float, float]]) -> str:
     """The ranges (from, to) [rad], one or more, in words."""
     if len(ranges) == 1:
-        return between(ranges[0])
-    shown = [f"{cam_angle(start, '.4f')} to {cam_angle(end, '.4f')}" for start, end in ranges]
-    return f"from cam angle {listed(shown, MOST_LISTED)} deg"
+        return over_range(ranges[0])
+    texts = [f"{cam_angle(start, '.4f')} to {cam_angle(end, '.4f')}" for start, end in ranges]
+    return f"from cam angle {listed(texts, MOST_LISTED)} deg"
 
 
 def placed(
@@ -114,10 +114,10 @@ def resolved_ends(ends: Extremes, size: float = 0.0) -> Extremes:
 
 
 LEAST_LEFT: Final = 1e-8
-"""Share of a disturbance below which nothing is told of it."""
+"""Share of a disturbance below which no figure of it is stated."""
 
 
-def left_over(share: float, digits: int = 4) -> str:
+def remaining_share(share: float, digits: int = 4) -> str:
     """The share of a disturbance that is left, in words."""
     if share < LEAST_LEFT:
         return f"less than {100.0 * LEAST_LEFT:g} %"
@@ -134,21 +134,22 @@ def extreme_findings(
     name: str, words: str, ends: Extremes, unit: str, sign: str = ""
 ) -> list[Finding]:
     """The findings of the largest and the smallest value, see `extreme_finding`."""
-    found = resolved_ends(ends)
+    extremes = resolved_ends(ends)
     return [
         extreme_finding(f"{which}-{name}", f"{which} {words}", end, unit, sign)
-        for which, end in (("largest", found.highest), ("smallest", found.lowest))
+        for which, end in (("largest", extremes.highest), ("smallest", extremes.lowest))
     ]
 
 
-def missed(
-    what: str, error: float, of: str, tolerance: float, cam_angle: float | None = None
+def tolerance_error(
+    what: str, error: float, reference: str, tolerance: float, cam_angle: float | None = None
 ) -> EffectError:
-    """The exception for a numerical effect whose `error`, relative to `of`, exceeds the
+    """The exception for a numerical effect whose `error`, relative to the `reference`, exceeds the
     tolerance.
     """
     return EffectError(
-        f"{what} has an error of {error:.3g} of {of}; the tolerance is {tolerance:g}",
+        f"{what} has an error of {error:.3g} relative to {reference}; the tolerance is"
+        f" {tolerance:g}",
         value=error,
         limit=tolerance,
         cam_angle=cam_angle,

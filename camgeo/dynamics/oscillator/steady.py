@@ -62,9 +62,9 @@ class Base:
 
     def jumps(self) -> FloatArray:
         """(m,) jump of y' at each edge but the last, which is the first one of the next turn."""
-        after = self.jet(self.edges[:-1], "right")[1]
-        before = np.roll(self.jet(self.edges[1:], "left")[1], 1)
-        return np.asarray(after - before)
+        right = self.jet(self.edges[:-1], "right")[1]
+        left = np.roll(self.jet(self.edges[1:], "left")[1], 1)
+        return np.asarray(right - left)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -78,7 +78,7 @@ class Forcing:
     soft : whether the forcing is y.
     """
 
-    pieces: Pieces
+    pieces: PiecewiseSeries
     jumps: FloatArray
     soft: bool
 
@@ -86,7 +86,7 @@ class Forcing:
         """The value at the end of the turn of a mode that is 0 before the first jump."""
         count = self.pieces.series.shape[1]
         cells = solve(self.pieces, np.arange(count), np.full(count, rate))
-        return gain_over(cells, self.jumps, period)
+        return total_gain(cells, self.jumps, period)
 
     def times(self, factor: float) -> Forcing:
         """`factor` times the forcing."""
@@ -98,7 +98,7 @@ class Forcing:
         return self.pieces.error + ROUNDINGS * EPS * (1.0 + frequency * period) * size
 
 
-def forcing_of(train: Train, base: Base, tolerance: float) -> Forcing:
+def base_forcing(train: Train, base: Base, tolerance: float) -> Forcing:
     """The forcing of the modes of `train` by `base`."""
     soft = float(np.min(np.abs(train.rates))) * base.period < SOFT
     order, sign = (0, 1.0) if soft else (2, -1.0)
@@ -110,11 +110,14 @@ def forcing_of(train: Train, base: Base, tolerance: float) -> Forcing:
     )
     jumps = np.zeros(pieces.series.shape[1])
     if not soft:
+        # Interpolation may have halved pieces: the jumps belong to those that begin at an edge.
         jumps[np.searchsorted(pieces.edges, base.edges[:-1])] = -base.jumps()
     return Forcing(pieces, jumps, soft)
 
 
-def load_of(force: Callable[[FloatArray], FloatArray], edges: FloatArray, share: float) -> Forcing:
+def load_forcing(
+    force: Callable[[FloatArray], FloatArray], edges: FloatArray, share: float
+) -> Forcing:
     """The forcing by a `force` (n,) at `t` (n,) that is smooth between `edges` (m + 1,).
 
     Its series may truncate the `share` of its magnitude.
@@ -169,14 +172,14 @@ class Response:
     @property
     def error(self) -> float:
         """Estimate of the largest error of the output's deflection, in the unit of y."""
-        return self.error_of(self.train.deflection(self.train.output))
+        return self.reading_error(self.train.deflection(self.train.output))
 
-    def error_of(self, reading: Reading) -> float:
+    def reading_error(self, reading: Reading) -> float:
         """Estimate of the largest error of `reading`, with the rounding of its weights."""
-        found = float(np.sum(np.abs(reading.weights) * self.errors))
+        error = float(np.sum(np.abs(reading.weights) * self.errors))
         if self.load is not None:
-            found += float(np.sum(np.abs(reading.loaded) * self.loaded_errors))
-        return found
+            error += float(np.sum(np.abs(reading.loaded) * self.loaded_errors))
+        return error
 
     def states(self, t: FloatArray, side: Side) -> FloatArray:
         """(3, n) deflection e, its velocity e', and the acceleration x'' of the output.
@@ -184,9 +187,9 @@ class Response:
         `t` (n,) in [0, period]. Only a jump of the base's velocity, which the damper feels, makes
         e' jump, and that or a jump of the load x''.
         """
-        return self.states_of(self.train.output, t, side)
+        return self.mass_states(self.train.output, t, side)
 
-    def states_of(self, mass: int, t: FloatArray, side: Side) -> FloatArray:
+    def mass_states(self, mass: int, t: FloatArray, side: Side) -> FloatArray:
         """`states` of the `mass`, counted from 0 at the base."""
         train = self.train
         readings = train.deflection(mass), train.velocity(mass), train.acceleration(mass)
@@ -198,32 +201,33 @@ class Response:
 
     def read(self, readings: Sequence[Reading], t: FloatArray, side: Side) -> FloatArray:
         """(k, n) the `readings` at `t` (n,)."""
-        t = self._on_side(t, side)
+        t = self._wrap_time(t, side)
         rates = self.train.rates
-        weights = np.stack([each.weights for each in readings])
-        slow = np.array([(each.lift, each.slope) for each in readings])
+        weights = np.stack([reading.weights for reading in readings])
+        slow = np.array([(reading.lift, reading.slope) for reading in readings])
         if self.forcing.soft:
             # u = -(y' + lambda y + lambda^2 p) with p' = lambda p + y
             slow -= np.stack(
                 (np.sum(weights * rates, axis=1), np.sum(weights, axis=1)), axis=1
             ).real
             weights = -weights * rates**2
-        out = _summed(self.modes, weights, t, side)
+        values = _summed(self.modes, weights, t, side)
         if np.any(slow):
-            out += slow @ self.base.jet(t, side)[:2]
+            values += slow @ self.base.jet(t, side)[:2]
         if self.load is not None:
-            loaded = np.stack([each.loaded + 0.0 * self.train.rates for each in readings])
-            out += _summed(self.loaded, loaded, t, side)
-            direct = np.array([each.direct for each in readings])
+            loaded = np.stack([reading.loaded + 0.0 * self.train.rates for reading in readings])
+            values += _summed(self.loaded, loaded, t, side)
+            direct = np.array([reading.direct for reading in readings])
             if np.any(direct):
-                out += np.multiply.outer(direct, self.load.pieces.values(t, side))
-        return out
+                # An acceleration follows the load at once.
+                values += np.multiply.outer(direct, self.load.pieces.values(t, side))
+        return values
 
     def at_rest(self, reading: Reading, t: FloatArray, side: Side) -> FloatArray:
         """(n,) what of a `reading` is that of the load at `t` (n,), if it stays as it is there."""
         if self.load is None:
             return np.zeros(len(t))
-        held = self.load.pieces.values(self._on_side(t, side), side)
+        held = self.load.pieces.values(self._wrap_time(t, side), side)
         return np.asarray(self.train.yielding(reading) * held)
 
     def free_amplitude(self, t: FloatArray, side: Side) -> FloatArray:
@@ -235,7 +239,7 @@ class Response:
         they reach together sooner or later. Modes that nearly coincide, around mu, are
         (a + b t) exp(mu t) together, and count as |a| + |b / Re mu|, which is not exceeded.
         """
-        t = self._on_side(t, side)
+        t = self._wrap_time(t, side)
         train = self.train
         y = self.base.jet(t, side)[:2] if self.forcing.soft else None
         held = None if self.load is None else self.load.pieces.values(t, side)
@@ -253,6 +257,7 @@ class Response:
             at_once[0, group] += u
             at_once[1, group] += (rate - train.centre[group]) * u
         real = train.centre.imag == 0.0
+        # Around a real centre the modes are real together.
         at_once[:, real] = at_once[:, real].real
         amplitude, growth = np.abs(at_once)
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -269,11 +274,12 @@ class Response:
         frequency = number * 2.0 * math.pi / period
 
         def content(forcing: Forcing) -> complex:
-            found = forcing.gain(1j * frequency, period)
-            return 0.0j if abs(found) <= forcing.noise(period, frequency) else found / period
+            gain = forcing.gain(1j * frequency, period)
+            return 0.0j if abs(gain) <= forcing.noise(period, frequency) else gain / period
 
-        own = content(self.forcing) * (frequency**2 if self.forcing.soft else 1.0)
-        moved = self.train.transfer(frequency) * own
+        # A harmonic of y is that of -y'' divided by the square of its frequency.
+        base_content = content(self.forcing) * (frequency**2 if self.forcing.soft else 1.0)
+        moved = self.train.transfer(frequency) * base_content
         if self.load is not None:
             moved += self.train.compliance(frequency) * content(self.load)
         return moved
@@ -283,27 +289,28 @@ class Response:
         `Train.in_time`.
         """
         load = None if self.load is None else self.load.times(factor**-2)
-        return answered(self.train.in_time(factor), self.base, self.forcing, load)
+        return periodic_response(self.train.in_time(factor), self.base, self.forcing, load)
 
     @property
     def fastest(self) -> float:
         """The factor up to which that has the same kind of forcing, see `SOFT`."""
         return float(np.min(np.abs(self.train.rates))) * self.base.period / SOFT
 
-    def _on_side(self, t: FloatArray, side: Side) -> FloatArray:
+    def _wrap_time(self, t: FloatArray, side: Side) -> FloatArray:
         period = self.base.period
         if side == "left":
+            # From the left, the start is the end of the period before.
             return np.where(t <= 0.0, period, t)
         return np.where(t >= period, 0.0, t)
 
 
 def _summed(modes: Sequence[Mode], weights: ComplexArray, t: FloatArray, side: Side) -> FloatArray:
     """(k, n) Re sum w u at `t` (n,), with the `weights` (k, m) of the modes."""
-    out = np.zeros((len(weights), len(t)))
+    sums = np.zeros((len(weights), len(t)))
     for mode, weight in zip(modes, weights.T, strict=True):
         u = mode.values(t, side)
-        out += np.multiply.outer(weight.real, u.real) - np.multiply.outer(weight.imag, u.imag)
-    return out
+        sums += np.multiply.outer(weight.real, u.real) - np.multiply.outer(weight.imag, u.imag)
+    return sums
 
 
 def steady_state(
@@ -314,17 +321,19 @@ def steady_state(
     Parameters
     ----------
     tolerance : fraction of the magnitude of the forcing that its series may truncate, on average.
-    load : see `load_of`, over the period of the base.
+    load : see `load_forcing`, over the period of the base.
 
     Raises
     ------
     ResonanceError
-        See `answered`.
+        See `periodic_response`.
     """
-    return answered(train, base, forcing_of(train, base, tolerance), load)
+    return periodic_response(train, base, base_forcing(train, base, tolerance), load)
 
 
-def answered(train: Train, base: Base, forcing: Forcing, load: Forcing | None = None) -> Response:
+def periodic_response(
+    train: Train, base: Base, forcing: Forcing, load: Forcing | None = None
+) -> Response:
     """The periodic response to the `forcing` of `base`, which is soft as it is for `train`, and to
     the `load`.
 
@@ -334,14 +343,18 @@ def answered(train: Train, base: Base, forcing: Forcing, load: Forcing | None = 
         If an undamped mode coincides with a harmonic that base or load contain. If they do not
         contain it, the growing part is omitted: the mode is the limit for neighbouring frequencies.
     """
-    own = _driven(train, forcing, base.period)
+    base_modes = _periodic_modes(train, forcing, base.period)
     if load is None:
-        return Response(train, base, forcing, *own)
-    return Response(train, base, forcing, *own, load, *_driven(train, load, base.period))
+        return Response(train, base, forcing, *base_modes)
+    return Response(
+        train, base, forcing, *base_modes, load, *_periodic_modes(train, load, base.period)
+    )
 
 
-def _driven(train: Train, forcing: Forcing, period: float) -> tuple[tuple[Mode, ...], FloatArray]:
-    """The modes with their errors; raises as `answered`."""
+def _periodic_modes(
+    train: Train, forcing: Forcing, period: float
+) -> tuple[tuple[Mode, ...], FloatArray]:
+    """The modes with their errors; raises as `periodic_response`."""
     count = forcing.pieces.series.shape[1]
     modes, errors = [], []
     noise = forcing.noise(period)
@@ -349,20 +362,23 @@ def _driven(train: Train, forcing: Forcing, period: float) -> tuple[tuple[Mode, 
         train.rates.tolist(), train.drift.tolist(), train.doubt.tolist(), strict=True
     ):
         cells = solve(forcing.pieces, np.arange(count), np.full(count, rate))
+        # What rounding of lambda makes of the phase lambda T: a smaller loss is 0.
         phase = ROUNDINGS * EPS * abs(rate) * period * drift
-        gain = gain_over(cells, forcing.jumps, period)
+        gain = total_gain(cells, forcing.jumps, period)
         loss = abs(_loss(rate, period))
         if loss <= phase:
             if abs(gain) > forcing.noise(period, abs(rate) * drift):
                 raise ResonanceError(abs(rate), round(abs(rate) * period / (2.0 * math.pi)))
-            begin = _beside(forcing, rate, period)
+            begin = _resonant_start(forcing, rate, period)
             loss = 1.0
         else:
             begin = gain / _loss(rate, period)
-        mode = followed(cells, forcing.jumps, period, begin)
-        own = (noise + phase * mode.largest) * (1.0 + 1.0 / loss)
-        own += ROUNDINGS * EPS * doubt * mode.largest
-        errors.append(own * (abs(rate) ** 2 if forcing.soft else 1.0))
+        mode = follow_mode(cells, forcing.jumps, period, begin)
+        # An error made in a turn comes back after it, and adds up to 1 / |1 - exp(lambda T)| in
+        # all.
+        error = (noise + phase * mode.largest) * (1.0 + 1.0 / loss)
+        error += ROUNDINGS * EPS * doubt * mode.largest
+        errors.append(error * (abs(rate) ** 2 if forcing.soft else 1.0))
         modes.append(mode)
     return tuple(modes), np.array(errors)
 
@@ -372,12 +388,12 @@ def _loss(rate: complex, period: float) -> complex:
     return -complex(np.expm1(rate * period))
 
 
-def _beside(forcing: Forcing, rate: complex, period: float) -> complex:
+def _resonant_start(forcing: Forcing, rate: complex, period: float) -> complex:
     """Limit of the initial value of a mode whose gain and loss vanish: Cauchy's mean value."""
     around = [
         rate + cmath.rect(1.0 / period, 2.0 * math.pi * (k + 0.5) / CIRCLE) for k in range(CIRCLE)
     ]
-    return sum(forcing.gain(each, period) / _loss(each, period) for each in around) / CIRCLE
+    return sum(forcing.gain(point, period) / _loss(point, period) for point in around) / CIRCLE
 
 
 # -- mode -----------------------------------------------------------------------------------------
@@ -433,7 +449,7 @@ TAIL: Final = 3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Pieces:
+class PiecewiseSeries:
     """A function as Chebyshev series.
 
     Attributes
@@ -449,10 +465,12 @@ class Pieces:
     error: float
     largest: float
 
-    def times(self, factor: float) -> Pieces:
+    def times(self, factor: float) -> PiecewiseSeries:
         """`factor` times the function."""
         size = abs(factor)
-        return Pieces(self.edges, factor * self.series, size * self.error, size * self.largest)
+        return PiecewiseSeries(
+            self.edges, factor * self.series, size * self.error, size * self.largest
+        )
 
     @property
     def steepest(self) -> float:
@@ -471,9 +489,9 @@ class Pieces:
         """(n,) the function at `t` (n,) between the edges."""
         place = np.clip(np.searchsorted(self.edges, t, side) - 1, 0, self.series.shape[1] - 1)
         low, high = self.edges[place], self.edges[place + 1]
-        return self.within(place, (2.0 * t - low - high) / (high - low))
+        return self.evaluate(place, (2.0 * t - low - high) / (high - low))
 
-    def within(self, piece: IntArray, x: FloatArray) -> FloatArray:
+    def evaluate(self, piece: IntArray, x: FloatArray) -> FloatArray:
         """The function at `x`, from -1 to 1 over each `piece`; both broadcast."""
         return series_values(self.series[:, piece], x)
 
@@ -483,7 +501,7 @@ def interpolated(
     edges: FloatArray,
     tolerance: float,
     rounding: float = 0.0,
-) -> Pieces:
+) -> PiecewiseSeries:
     """`function` as series.
 
     Parameters
@@ -506,11 +524,14 @@ def interpolated(
         magnitude = np.max(np.abs(values), axis=1)
         largest = max(largest, float(np.max(magnitude)))
         if halving == 0:
+            # The scale of the tolerance is that of the whole function, not of what is halved.
             size = float(np.sum(2.0 * half * magnitude))
         series = values @ TO_SERIES.T
+        # The last coefficients estimate those that are left out.
         lost = 2.0 * half * np.sum(np.abs(series[:, -TAIL:]), axis=1)
         steepest = np.abs(series) @ ORDERS**2 / half  # see `Pieces.steepest`
         good = (lost <= tolerance * size) | (lost <= 2.0 * half * rounding * steepest)
+        # More pieces would not help: what is lost counts as error.
         if halving == MOST_HALVINGS or np.count_nonzero(~good) > most:
             good[:] = True
         starts.append(low[good])
@@ -525,7 +546,7 @@ def interpolated(
         low, high = low[order], high[order]
     ordered = np.concatenate(starts)
     order = np.argsort(ordered, kind="stable")
-    return Pieces(
+    return PiecewiseSeries(
         np.append(ordered[order], edges[-1]), np.concatenate(rows)[order].T, error, largest
     )
 
@@ -534,11 +555,11 @@ def series_values(series: FloatArray, x: FloatArray) -> FloatArray:
     """Sum of series[k] T_k(x), Clenshaw's recurrence; `series` (m, ...) and `x` broadcast."""
     double = 2.0 * x
     last = series[-1] + 0.0 * x
-    before = np.zeros_like(last)
+    previous = np.zeros_like(last)
     for row in series[-2:0:-1]:
-        last, before = row + double * last - before, last
-    found: FloatArray = series[0] + x * last - before
-    return found
+        last, previous = row + double * last - previous, last
+    value: FloatArray = series[0] + x * last - previous
+    return value
 
 
 SMALL: Final = 1.5
@@ -576,9 +597,9 @@ class Cells:
     @property
     def at_start(self) -> ComplexArray:
         """(c,) Q(-1)."""
-        even: ComplexArray = np.sum(self.series[::2], axis=0)
-        odd: ComplexArray = np.sum(self.series[1::2], axis=0)
-        return even - odd
+        even_sum: ComplexArray = np.sum(self.series[::2], axis=0)
+        odd_sum: ComplexArray = np.sum(self.series[1::2], axis=0)
+        return even_sum - odd_sum
 
     @property
     def growth(self) -> ComplexArray:
@@ -599,11 +620,12 @@ def most_cells(pieces: int, rate: ComplexArray) -> FloatArray:
     return np.asarray(pieces + cut)
 
 
-def solve(pieces: Pieces, piece: IntArray, rate: ComplexArray) -> Cells:
+def solve(pieces: PiecewiseSeries, piece: IntArray, rate: ComplexArray) -> Cells:
     """Q of the problems (q,): the `piece` of `pieces` and the lambda `rate` of each."""
     width = np.diff(pieces.edges)[piece]
     size = 0.5 * np.abs(rate) * width
     wide = size >= LARGE
+    # In between, a piece is cut until |kappa| is small.
     parts = np.where(wide, 1.0, np.maximum(1.0, np.ceil(size / SMALL))).astype(np.intp)
     problem, number = grouped(parts)
     count = parts[problem].astype(np.float64)
@@ -611,6 +633,7 @@ def solve(pieces: Pieces, piece: IntArray, rate: ComplexArray) -> Cells:
     cut = np.flatnonzero(count > 1.0)
     if len(cut):
         x = (2.0 * number[cut] + 1.0 + NODES[:, np.newaxis]) / count[cut] - 1.0
+        # A part has its own series, from the values at its nodes.
         forcing[:, cut] = TO_SERIES @ series_values(forcing[:, cut], x)
     start = pieces.edges[:-1][piece][problem] + width[problem] * (number / count)
     half = 0.5 * width[problem] / count
@@ -635,8 +658,8 @@ def _downwards(kappa: ComplexArray, forcing: FloatArray) -> ComplexArray:
         c = 2.0 if k == 1 else 1.0
         known = 2.0 * k * q[k] - (c * padded[k - 1] - padded[k + 1])
         q[k - 1] = (known * inverse + q[k + 1]) / c
-    found: ComplexArray = q[: DEGREE + 1]
-    return found
+    series: ComplexArray = q[: DEGREE + 1]
+    return series
 
 
 def _eliminated(kappa: ComplexArray, forcing: FloatArray) -> ComplexArray:
@@ -653,8 +676,8 @@ def _eliminated(kappa: ComplexArray, forcing: FloatArray) -> ComplexArray:
         q[k] = (c * padded[k - 1] - padded[k + 1] - kappa * q[k + 1]) * pivot
     for k in range(2, ORDER + 1):  # q_0 = 0 leaves q_1 as it is
         q[k] += slope[k] * q[k - 1]
-    found: ComplexArray = q[: ORDER + 1]
-    return found
+    series: ComplexArray = q[: ORDER + 1]
+    return series
 
 
 @dataclass(frozen=True, eq=False)
@@ -687,13 +710,14 @@ class Mode:
         x = way - 1.0
         double = 2.0 * x
         last = series[-1].copy()
-        before = np.zeros_like(last)
+        previous = np.zeros_like(last)
+        # Clenshaw's recurrence in place: the older of both arrays takes the new values.
         for row in series[-2:0:-1]:
-            before *= -1.0
-            before += row
-            before += double * last
-            last, before = before, last
-        u: ComplexArray = series[0] + x * last - before
+            previous *= -1.0
+            previous += row
+            previous += double * last
+            last, previous = previous, last
+        u: ComplexArray = series[0] + x * last - previous
         u += self.free[place] * np.exp((self.cells.rate[0] * half) * way)
         return u
 
@@ -702,23 +726,25 @@ class Mode:
         """(c, .) the coefficients up to the last that exceeds the rounding of the largest."""
         rows = np.max(np.abs(self.cells.series), axis=1)
         counts = np.flatnonzero(rows > np.finfo(np.float64).eps * 0.125 * np.max(rows))
+        # The recurrence begins with two coefficients.
         count = max(int(counts[-1]) + 1 if len(counts) else 2, 2)
         return np.ascontiguousarray(self.cells.series[:count].T)
 
 
-def gain_over(cells: Cells, jumps: FloatArray, end: float) -> complex:
+def total_gain(cells: Cells, jumps: FloatArray, end: float) -> complex:
     """u at `end` of all `cells`, if it is 0 before them and jumps by `jumps` (p,) at each piece."""
     until = end - cells.start
     kicks = np.zeros(len(cells.start))
     kicks[cells.first] = jumps
+    # Each gain decays from the end of its cell on, each jump from its start on.
     rest = np.maximum(until - 2.0 * cells.half, 0.0)
     return complex(
         np.sum(np.exp(cells.rate * rest) * cells.gain) + np.sum(np.exp(cells.rate * until) * kicks)
     )
 
 
-def followed(cells: Cells, jumps: FloatArray, end: float, begin: complex) -> Mode:
-    """The mode with the value `begin` at the start, before the first jump; see `gain_over`."""
+def follow_mode(cells: Cells, jumps: FloatArray, end: float, begin: complex) -> Mode:
+    """The mode with the value `begin` at the start, before the first jump; see `total_gain`."""
     kicks = np.zeros(len(cells.start))
     kicks[cells.first] = jumps
     starts = []
@@ -765,9 +791,9 @@ class Shock:
     kicks : (p + 1,) minus the jumps of its velocity at the edges of the pieces.
     """
 
-    lift: Pieces
+    lift: PiecewiseSeries
     end: float
-    pieces: Pieces
+    pieces: PiecewiseSeries
     kicks: FloatArray
 
     def residual(self, ratios: FloatArray, damping: float = 0.0) -> FloatArray:
@@ -778,6 +804,7 @@ class Shock:
         rates = np.asarray(frequency * complex(-damping, root), dtype=np.complex128)
         gain = np.empty(len(rates), dtype=np.complex128)
         pieces = max(self.lift.series.shape[1], self.pieces.series.shape[1])
+        # Consecutive ratios whose cells fit into a block together.
         blocks = np.cumsum(most_cells(pieces, rates)) // BLOCK
         ends = np.append(np.flatnonzero(np.diff(blocks)) + 1, len(rates))
         for first, end in pairwise((0, *ends.tolist())):
@@ -798,15 +825,15 @@ class Shock:
         root = math.sqrt((1.0 - damping) * (1.0 + damping))
         count = self.pieces.series.shape[1]
         every = np.arange(count)
-        found = self.residual(ratios, damping)
+        deflections = self.residual(ratios, damping)
         for number, ratio in enumerate(np.asarray(ratios, dtype=np.float64).tolist()):
             frequency = 2.0 * math.pi * ratio
             rate = np.full(count, frequency * complex(-damping, root))
-            mode = followed(solve(self.pieces, every, rate), self.kicks[:-1], 1.0, 0j)
+            mode = follow_mode(solve(self.pieces, every, rate), self.kicks[:-1], 1.0, 0j)
             times = np.linspace(0.0, 1.0, SAMPLES * math.ceil(max(ratio, 1.0)) + 1)
             deflection = np.abs(mode.values(times, "right").imag) / (frequency * root)
-            found[number] = max(found[number], float(np.max(deflection)))
-        return found
+            deflections[number] = max(deflections[number], float(np.max(deflection)))
+        return deflections
 
     def bound(self, ratio: float, damping: float = 0.0) -> float:
         """An upper bound of the residuals from `ratio` on.
@@ -817,6 +844,7 @@ class Shock:
         frequency = 2.0 * math.pi * ratio
         root = math.sqrt((1.0 - damping) * (1.0 + damping))
         x = np.linspace(-1.0, 1.0, 4 * len(NODES))[:, np.newaxis]
+        # Padded by 0, so that the jumps at both ends count.
         values = np.pad(series_values(self.pieces.series, x).T.ravel(), 1)
         variation = float(np.sum(np.abs(np.diff(values))))
         return (variation / frequency + float(np.sum(np.abs(self.kicks)))) / (frequency * root)
@@ -853,10 +881,11 @@ def shock(
     return Shock(interpolated(lift, edges, FINEST, rounding), end, pieces, kicks)
 
 
-def _gains(pieces: Pieces, rates: ComplexArray) -> ComplexArray:
+def _gains(pieces: PiecewiseSeries, rates: ComplexArray) -> ComplexArray:
     """(k,) value at the end of all pieces of a mode that begins with 0, for each of `rates`."""
     count = pieces.series.shape[1]
     cells = solve(pieces, np.tile(np.arange(count), len(rates)), np.repeat(rates, count))
+    # All pieces of one rate are problems in a row.
     owner = cells.problem // count
     rest = np.maximum(1.0 - cells.start - 2.0 * cells.half, 0.0)
     parts = np.exp(cells.rate * rest) * cells.gain

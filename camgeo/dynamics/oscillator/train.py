@@ -136,18 +136,23 @@ class Train:
         """
         s = 1j * frequency
         read = self.deflection(self.output)
-        return self._of_modes(read.weights, s) - (read.lift / s + read.slope) / s
+        return self._modal_sum(read.weights, s) - (read.lift / s + read.slope) / s
 
     def compliance(self, frequency: float) -> complex:
-        """The same by p, less that by a p that lasts."""
+        """Deflection of the output by a harmonic p of the circular `frequency` [rad/s], less that
+        by a constant p.
+        """
         still = self.yielding(self.deflection(self.output))
-        return self._of_modes(self.loaded[self.output], 1j * frequency) - still
+        return self._modal_sum(self.loaded[self.output], 1j * frequency) - still
 
-    def _of_modes(self, weights: ComplexArray, s: complex) -> complex:
-        apart = s - self.rates
-        near = np.abs(apart) < EPS * np.abs(self.rates)
-        apart = np.where(near, EPS * np.abs(self.rates), apart)
-        return complex(0.5 * np.sum(weights / apart + weights.conj() / (s - self.rates.conj())))
+    def _modal_sum(self, weights: ComplexArray, s: complex) -> complex:
+        difference = s - self.rates
+        near = np.abs(difference) < EPS * np.abs(self.rates)
+        # At an undamped mode the distance is a rounding, not 0.
+        difference = np.where(near, EPS * np.abs(self.rates), difference)
+        return complex(
+            0.5 * np.sum(weights / difference + weights.conj() / (s - self.rates.conj()))
+        )
 
 
 # -- chain ----------------------------------------------------------------------------------------
@@ -202,7 +207,7 @@ CORRECTIONS: Final = 8
 SIMPLE: Final = 30.0
 """Magnification of rounding up to which a pole is taken by itself."""
 
-APART: Final = 4.0
+SEPARATION: Final = 4.0
 """Poles are taken together if the others, and the imaginary axis, are this many times as far from
 the centre as they are. The circle lies in the middle of both, by the factor 2 at least."""
 
@@ -215,7 +220,7 @@ class SeparationError(ArithmeticError):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Chain:
+class _StageArrays:
     """The stages as (n,) arrays; base and frame at rest."""
 
     m: FloatArray
@@ -224,29 +229,29 @@ class _Chain:
     g: FloatArray
     h: FloatArray
 
-    def at(self, s: ComplexArray) -> Impedances:
+    def impedances(self, s: ComplexArray) -> Impedances:
         """The impedances at `s` (q,)."""
         column = s[:, np.newaxis]
-        own = (self.m * column + self.h) * column + self.g
+        body = (self.m * column + self.h) * column + self.g
         link = self.k + self.c * column
-        to_back, to_front = own.copy(), own.copy()
+        to_back, to_front = body.copy(), body.copy()
         count = len(self.m)
         for i in range(count - 2, -1, -1):
             to_back[:, i] += in_series(link[:, i + 1], to_back[:, i + 1])
         to_front[:, 0] += link[:, 0]
         for i in range(1, count):
             to_front[:, i] += in_series(link[:, i], to_front[:, i - 1])
-        return Impedances(s, own, link, to_back, to_front)
+        return Impedances(s, body, link, to_back, to_front)
 
     def normed(self, s: ComplexArray, x: ComplexArray, bent: ComplexArray) -> ComplexArray:
         """(q,) x^T Q'(s) x, with `bent` x_i - x_{i-1}."""
         column = s[:, np.newaxis]
-        own = np.sum((2.0 * self.m * column + self.h) * x**2, axis=1)
-        return np.asarray(own + np.sum(self.c * bent**2, axis=1))
+        norm = np.sum((2.0 * self.m * column + self.h) * x**2, axis=1)
+        return np.asarray(norm + np.sum(self.c * bent**2, axis=1))
 
     def pushes(
         self,
-        at: Impedances,
+        impedances: Impedances,
         x: ComplexArray,
         bent: ComplexArray,
         held: ComplexArray | float = 0.0,
@@ -257,19 +262,19 @@ class _Chain:
         force `held` (q, n) that acts on them; these are equal, and the one in which less cancels is
         taken: the spring and the damper of a strongly damped mode nearly do.
         """
-        size = np.abs(at.s)[:, np.newaxis]
+        size = np.abs(impedances.s)[:, np.newaxis]
         here = (self.k + self.c * size) * np.abs(bent)
-        taken = ((self.m * size + self.h) * size + self.g) * np.abs(x)
-        behind = np.cumsum(taken[:, ::-1], axis=1)[:, ::-1]
-        sums = np.cumsum((at.own * x)[:, ::-1], axis=1)[:, ::-1] - held
-        return np.where(here <= behind + np.abs(held), -at.link * bent, sums)
+        absorbed = ((self.m * size + self.h) * size + self.g) * np.abs(x)
+        behind = np.cumsum(absorbed[:, ::-1], axis=1)[:, ::-1]
+        sums = np.cumsum((impedances.body * x)[:, ::-1], axis=1)[:, ::-1] - held
+        return np.where(here <= behind + np.abs(held), -impedances.link * bent, sums)
 
     def energy(self, s: ComplexArray, x: ComplexArray, bent: ComplexArray) -> FloatArray:
-        """(q,) the same of |x|^T |Q| |x|, to which rounding is relative."""
+        """(q,) |x|^T |Q(s)| |x|, all by magnitudes: the scale of the rounding of x^T Q(s) x."""
         size = np.abs(s)[:, np.newaxis]
-        own = (self.m * size + self.h) * size + self.g
+        body = (self.m * size + self.h) * size + self.g
         links = np.sum((self.k + self.c * size) * np.abs(bent) ** 2, axis=1)
-        return np.asarray(np.sum(own * np.abs(x) ** 2, axis=1) + links)
+        return np.asarray(np.sum(body * np.abs(x) ** 2, axis=1) + links)
 
 
 def chain(stages: Sequence[Stage], output: int = -1) -> Train:
@@ -282,27 +287,33 @@ def chain(stages: Sequence[Stage], output: int = -1) -> Train:
     """
     rows = np.array(
         [
-            (each.mass, each.stiffness, each.damping, each.ground_stiffness, each.ground_damping)
-            for each in stages
+            (
+                stage.mass,
+                stage.stiffness,
+                stage.damping,
+                stage.ground_stiffness,
+                stage.ground_damping,
+            )
+            for stage in stages
         ]
     )
     m, k, c, g, h = rows.T
-    given = _Chain(m, k, c, g, h)
+    arrays = _StageArrays(m, k, c, g, h)
     last = range(len(stages))[int(output)]
     undamped = not np.any(c) and not np.any(h)
-    poles, spread = _corrected(given, _approximate(given, undamped=undamped), undamped=undamped)
+    poles, spread = _corrected(arrays, _approximate(arrays, undamped=undamped), undamped=undamped)
     circles, alone = _circles(poles, spread)
-    own = _of_poles(given, poles[alone], spread[alone], last)
-    parts = [own, *(_of_circle(given, *circle, last) for circle in circles)]
-    static = _static(given)
+    simple = _pole_modes(arrays, poles[alone], spread[alone], last)
+    parts = [simple, *(_circle_modes(arrays, *circle, last) for circle in circles)]
+    static = _static(arrays)
     single = np.count_nonzero(alone)
     groups = [np.arange(single)]
     groups += [np.full(len(part.rates), single + i) for i, part in enumerate(parts[1:])]
     rates = np.concatenate([part.rates for part in parts])
     shapes = np.concatenate([part.shapes for part in parts], axis=1)
-    off = np.abs(np.sum((shapes * rates).real, axis=1) - static[:, 0])
-    if not np.max(off) <= LOST * max(1.0, float(np.max(np.abs(static[:, 0])))):
-        raise SeparationError(f"the modes make up the motion but for {np.max(off):.3g} of it")
+    missing = np.abs(np.sum((shapes * rates).real, axis=1) - static[:, 0])
+    if not np.max(missing) <= LOST * max(1.0, float(np.max(np.abs(static[:, 0])))):
+        raise SeparationError(f"the modes leave out {np.max(missing):.3g} of the motion")
     holds = static * g[:, np.newaxis]
     holds[:, 1] += h * static[:, 0]
     return Train(
@@ -338,50 +349,53 @@ def one_mass(frequency: float, damping: float) -> Train:
     return chain([Stage(1.0, frequency * frequency, 2.0 * damping * frequency)])
 
 
-def _approximate(given: _Chain, *, undamped: bool) -> ComplexArray:
+def _approximate(arrays: _StageArrays, *, undamped: bool) -> ComplexArray:
     """(p,) the poles with Im >= 0, to the rounding of the largest."""
-    count = len(given.m)
-    root = np.sqrt(given.m)
+    count = len(arrays.m)
+    root = np.sqrt(arrays.m)
+    # One row for each spring, scaled by the masses at its ends: springs^T springs = M^-1/2 K
+    # M^-1/2.
     springs = np.zeros((2 * count, count))
-    springs[:count] = np.diag(np.sqrt(given.k) / root)
-    springs[np.arange(1, count), np.arange(count - 1)] = -np.sqrt(given.k[1:]) / root[:-1]
-    springs[count:] = np.diag(np.sqrt(given.g) / root)
+    springs[:count] = np.diag(np.sqrt(arrays.k) / root)
+    springs[np.arange(1, count), np.arange(count - 1)] = -np.sqrt(arrays.k[1:]) / root[:-1]
+    springs[count:] = np.diag(np.sqrt(arrays.g) / root)
     triangle = np.linalg.qr(springs)[1]
     if undamped:
         return np.asarray(1j * np.linalg.svd(triangle, compute_uv=False))
     dampers = np.zeros((2 * count, count))
-    dampers[:count] = np.diag(np.sqrt(given.c) / root)
-    dampers[np.arange(1, count), np.arange(count - 1)] = -np.sqrt(given.c[1:]) / root[:-1]
-    dampers[count:] = np.diag(np.sqrt(given.h) / root)
+    dampers[:count] = np.diag(np.sqrt(arrays.c) / root)
+    dampers[np.arange(1, count), np.arange(count - 1)] = -np.sqrt(arrays.c[1:]) / root[:-1]
+    dampers[count:] = np.diag(np.sqrt(arrays.h) / root)
     system = np.block([[np.zeros((count, count)), triangle], [-triangle.T, -dampers.T @ dampers]])
-    found = np.linalg.eigvals(system).astype(np.complex128)
-    kept: ComplexArray = found[found.imag >= 0.0]
-    return kept
+    eigenvalues = np.linalg.eigvals(system).astype(np.complex128)
+    upper: ComplexArray = eigenvalues[eigenvalues.imag >= 0.0]
+    return upper
 
 
 def _corrected(
-    given: _Chain, poles: ComplexArray, *, undamped: bool
+    arrays: _StageArrays, poles: ComplexArray, *, undamped: bool
 ) -> tuple[ComplexArray, FloatArray]:
     """The poles, the slowest first, and (p,) the factor by which each magnifies rounding."""
     best = np.full(len(poles), math.inf)
     spread = np.full(len(poles), math.inf)
-    found = poles
+    corrected = poles
     for _ in range(CORRECTIONS):
-        at = given.at(poles)
-        whole = at.whole
-        mass = np.argmin(np.abs(whole) / given.m, axis=1)
-        x, bent = at.from_mass(mass)
-        normed = given.normed(poles, x, bent)
-        energy = given.energy(poles, x, bent)
+        impedances = arrays.impedances(poles)
+        whole = impedances.whole
+        # Started where the impedance is smallest, the vector follows without cancellation.
+        mass = np.argmin(np.abs(whole) / arrays.m, axis=1)
+        x, bent = impedances.from_mass(mass)
+        normed = arrays.normed(poles, x, bent)
+        energy = arrays.energy(poles, x, bent)
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             step = whole[np.arange(len(poles)), mass] / normed
-            own = energy / np.abs(normed * poles)
+            magnification = energy / np.abs(normed * poles)
         size = np.abs(step)
         better = size < best
-        found = np.where(better, poles, found)
+        corrected = np.where(better, poles, corrected)
         # What the last correction would be is an error that remains, unless it is rounding.
-        left = np.maximum(size / (EPS * np.abs(poles)) - ROUNDED * own, 0.0)
-        spread = np.where(better, np.maximum(own, 1.0) + left, spread)
+        left = np.maximum(size / (EPS * np.abs(poles)) - ROUNDED * magnification, 0.0)
+        spread = np.where(better, np.maximum(magnification, 1.0) + left, spread)
         best = np.where(better, size, best)
         # A pole is not left for another: the approximation is to its own rounding.
         poles = np.where(better & np.isfinite(step), poles - step, poles)
@@ -390,8 +404,8 @@ def _corrected(
             poles.real = 0.0
         if not np.any(better):
             break
-    order = np.argsort(np.abs(found), kind="stable")
-    return found[order], spread[order]
+    order = np.argsort(np.abs(corrected), kind="stable")
+    return corrected[order], spread[order]
 
 
 ROUNDED: Final = 16.0
@@ -411,14 +425,17 @@ class _Part:
     doubt: FloatArray
 
 
-def _of_poles(given: _Chain, poles: ComplexArray, spread: FloatArray, output: int) -> _Part:
+def _pole_modes(
+    arrays: _StageArrays, poles: ComplexArray, spread: FloatArray, output: int
+) -> _Part:
     """The modes of simple poles: the residues of the response to the base, by -lambda^2, and of
     that to a force on the `output`.
     """
-    at = given.at(poles)
-    x, bent = at.from_mass(np.argmin(np.abs(at.whole) / given.m, axis=1))
-    pushes = given.pushes(at, x, bent)
-    both = np.where(poles.imag > 0.0, 2.0, 1.0) / given.normed(poles, x, bent)
+    impedances = arrays.impedances(poles)
+    x, bent = impedances.from_mass(np.argmin(np.abs(impedances.whole) / arrays.m, axis=1))
+    pushes = arrays.pushes(impedances, x, bent)
+    # A complex pole stands for its conjugate too.
+    both = np.where(poles.imag > 0.0, 2.0, 1.0) / arrays.normed(poles, x, bent)
     scale, load = both * pushes[:, 0] / poles**2, both * x[:, output]
     return _Part(
         poles,
@@ -431,31 +448,32 @@ def _of_poles(given: _Chain, poles: ComplexArray, spread: FloatArray, output: in
     )
 
 
-def _of_circle(given: _Chain, centre: complex, radius: float, output: int) -> _Part:
+def _circle_modes(arrays: _StageArrays, centre: complex, radius: float, output: int) -> _Part:
     """The points of the circle as modes. Around a real centre those above the axis stand for both
     halves.
     """
     way = np.exp(2j * math.pi * (np.arange(POINTS) + 0.5) / POINTS)
     if centre.imag == 0.0:
+        # The lower half of the circle is the conjugate of the upper one.
         way = way[: POINTS // 2]
     rates = centre + radius * way
-    at = given.at(rates)
-    x, bent = at.from_base()
+    impedances = arrays.impedances(rates)
+    x, bent = impedances.from_base()
     ahead = (2.0 * radius / POINTS) * way
     scale = -ahead / rates**2
     # By Cauchy and Schwarz from the energies of the response to the base and to the output.
-    whole = at.whole[:, output]
-    z, slack = at.from_mass(np.full(len(rates), output))
-    back = given.energy(rates, z, slack) / np.abs(whole)
-    doubt = np.sqrt(given.energy(rates, x, bent) * back / np.abs(whole)) / np.abs(x[:, output])
+    whole = impedances.whole[:, output]
+    z, slack = impedances.from_mass(np.full(len(rates), output))
+    back = arrays.energy(rates, z, slack) / np.abs(whole)
+    doubt = np.sqrt(arrays.energy(rates, x, bent) * back / np.abs(whole)) / np.abs(x[:, output])
     load = ahead / whole
-    held = np.where(np.arange(len(given.m)) <= output, whole[:, np.newaxis], 0.0)
+    held = np.where(np.arange(len(arrays.m)) <= output, whole[:, np.newaxis], 0.0)
     return _Part(
         rates,
         (scale[:, np.newaxis] * x).T,
-        (scale[:, np.newaxis] * given.pushes(at, x, bent)).T,
+        (scale[:, np.newaxis] * arrays.pushes(impedances, x, bent)).T,
         (load[:, np.newaxis] * z).T,
-        (load[:, np.newaxis] * given.pushes(at, z, slack, held)).T,
+        (load[:, np.newaxis] * arrays.pushes(impedances, z, slack, held)).T,
         np.ones(len(rates)),
         np.maximum(np.maximum(doubt, back), 1.0),
     )
@@ -471,55 +489,59 @@ def _circles(
     for i in np.argsort(-spread, kind="stable").tolist():
         if spread[i] <= SIMPLE:
             break
-        if alone[i] and (found := _around(both, poles[i])) is not None:
-            centre, radius = found
+        if alone[i] and (circle := _around(both, poles[i])) is not None:
+            centre, radius = circle
             inside = np.abs(poles - centre) < radius
             if np.all(alone[inside]):
                 alone[inside] = False
-                circles.append(found)
+                circles.append(circle)
     return circles, alone
 
 
 def _around(poles: ComplexArray, pole: complex) -> tuple[complex, float] | None:
     """The circle around `pole` and its nearest neighbours that is farthest from all others."""
     ordered = poles[np.argsort(np.abs(poles - pole), kind="stable")]
-    best, found = APART, None
+    best, circle = SEPARATION, None
     for count in range(2, len(ordered) + 1):
         inside, others = ordered[:count], ordered[count:]
+        # A group with poles on both sides of the real axis is symmetric about it.
         if np.any(inside.imag > 0.0) and np.any(inside.imag <= 0.0):
             centre = complex(np.mean(inside.real))
         else:
             centre = complex(np.mean(inside))
-        within = float(np.max(np.abs(inside - centre)))
-        beyond = float(np.min(np.abs(others - centre), initial=abs(centre.real)))
-        if beyond > 0.0 and beyond >= best * within:
-            best, found = beyond / max(within, EPS * beyond), (centre, 0.5 * beyond)
-    return found
+        inner_radius = float(np.max(np.abs(inside - centre)))
+        outer_radius = float(np.min(np.abs(others - centre), initial=abs(centre.real)))
+        if outer_radius > 0.0 and outer_radius >= best * inner_radius:
+            best, circle = (
+                outer_radius / max(inner_radius, EPS * outer_radius),
+                (centre, 0.5 * outer_radius),
+            )
+    return circle
 
 
-def _static(given: _Chain) -> FloatArray:
+def _static(arrays: _StageArrays) -> FloatArray:
     """(n, 2) the response to a slow motion of the base, G(0) and G'(0).
 
     Behind a mass, springs to the frame act as one of stiffness b, and as a damper d.
     """
-    count = len(given.m)
-    stiff, damp = given.g.copy(), given.h.copy()
+    count = len(arrays.m)
+    stiff, damp = arrays.g.copy(), arrays.h.copy()
     share, lag = np.ones(count), np.zeros(count)
     for i in range(count - 1, -1, -1):
-        total = given.k[i] + stiff[i]
-        part = given.k[i] / total
+        total = arrays.k[i] + stiff[i]
+        part = arrays.k[i] / total
         share[i] = part
         # d/ds of kappa / (kappa + b + d s) at 0
-        lag[i] = (given.c[i] * (stiff[i] / total) - part * damp[i]) / total
+        lag[i] = (arrays.c[i] * (stiff[i] / total) - part * damp[i]) / total
         if i > 0:
             stiff[i - 1] += part * stiff[i]
-            damp[i - 1] += part * part * damp[i] + (stiff[i] / total) ** 2 * given.c[i]
+            damp[i - 1] += part * part * damp[i] + (stiff[i] / total) ** 2 * arrays.c[i]
     gain = np.cumprod(share)
     slope = np.zeros(count)
-    before, rise = 1.0, 0.0
+    gain_ahead, rise = 1.0, 0.0
     for i in range(count):
-        rise = rise * share[i] + before * lag[i]
-        before = gain[i]
+        rise = rise * share[i] + gain_ahead * lag[i]
+        gain_ahead = gain[i]
         slope[i] = rise
     return np.stack((gain, slope), axis=1)
 
@@ -535,14 +557,14 @@ class Impedances:
     Attributes
     ----------
     s : (q,).
-    own : of the mass with what holds it to the frame.
+    body : of the mass with what holds it to the frame.
     link : of the spring and damper in front of it.
     to_back : of the mass with all behind it.
     to_front : of the mass with all in front of it, the base at rest.
     """
 
     s: ComplexArray
-    own: ComplexArray
+    body: ComplexArray
     link: ComplexArray
     to_back: ComplexArray
     to_front: ComplexArray
@@ -550,15 +572,15 @@ class Impedances:
     @property
     def whole(self) -> ComplexArray:
         """(q, n) force at a mass by its displacement, with the whole train around it."""
-        found = self.to_front.copy()
-        found[:, :-1] += in_series(self.link[:, 1:], self.to_back[:, 1:])
-        return found
+        impedance = self.to_front.copy()
+        impedance[:, :-1] += in_series(self.link[:, 1:], self.to_back[:, 1:])
+        return impedance
 
     def from_mass(self, mass: IntArray) -> tuple[ComplexArray, ComplexArray]:
         """(q, n) displacements while that of the `mass` (q,) is 1, and the x_i - x_{i-1}."""
-        rows, count = np.arange(len(self.s)), self.own.shape[1]
-        x = np.zeros_like(self.own)
-        bent = np.zeros_like(self.own)
+        rows, count = np.arange(len(self.s)), self.body.shape[1]
+        x = np.zeros_like(self.body)
+        bent = np.zeros_like(self.body)
         x[rows, mass] = 1.0
         for i in range(1, count):
             behind = i > mass
@@ -568,9 +590,9 @@ class Impedances:
             bent[:, i] = np.where(behind, -stretch * x[:, i - 1], bent[:, i])
         for i in range(count - 1, 0, -1):
             ahead = i <= mass
-            before = self.to_front[:, i - 1]
-            stretch = _divided(before, self.link[:, i] + before)
-            share = _divided(self.link[:, i], self.link[:, i] + before)
+            front = self.to_front[:, i - 1]
+            stretch = _divided(front, self.link[:, i] + front)
+            share = _divided(self.link[:, i], self.link[:, i] + front)
             x[:, i - 1] = np.where(ahead, share * x[:, i], x[:, i - 1])
             bent[:, i] = np.where(ahead, stretch * x[:, i], bent[:, i])
         bent[:, 0] = x[:, 0]
@@ -588,8 +610,8 @@ class Impedances:
 
 def _divided(a: ComplexArray, b: ComplexArray) -> ComplexArray:
     """a / b, with a tiny b for 0: an impedance that vanishes is one that nearly does."""
-    found: ComplexArray = a / np.where(b == 0.0, EPS * EPS * np.maximum(np.abs(a), 1e-250), b)
-    return found
+    quotient: ComplexArray = a / np.where(b == 0.0, EPS * EPS * np.maximum(np.abs(a), 1e-250), b)
+    return quotient
 
 
 def in_series(link: ComplexArray, load: ComplexArray) -> ComplexArray:

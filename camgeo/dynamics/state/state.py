@@ -47,7 +47,7 @@ or `camshaft-windup` finds."""
 
 @dataclass(frozen=True, slots=True)
 class Used:
-    """What a result was computed for.
+    """The state for which a result was computed.
 
     Attributes
     ----------
@@ -61,12 +61,13 @@ class Used:
     sense: int = 0
 
 
-def order_with(output: Motion, course: TimeCourse | None) -> int:
+def time_order(output: Motion, course: TimeCourse | None) -> int:
     """The order of the highest derivative of `output` over time that the `course` lets be
     continuous, up to `FULL_ORDER`: where alpha jumps, so does the acceleration unless s' is 0.
     """
     if course is None or not len(course.jumps):
         return FULL_ORDER
+    # x'' omega^2 + x' alpha jumps with alpha unless x' is 0.
     moving = np.abs(output.jet(course.jumps, "right", 1)[1]) > AT_REST
     return 1 if np.any(moving) else FULL_ORDER
 
@@ -113,13 +114,13 @@ class Demanded:
     @property
     def order(self) -> int:
         """See `State`."""
-        own = min(joint.order for joint in breaks(self.drive.plan))
-        return min(own, order_with(self.output, self.course))
+        plan_order = min(joint.order for joint in breaks(self.drive.plan))
+        return min(plan_order, time_order(self.output, self.course))
 
     @property
     def shocks(self) -> tuple[float, ...]:
         """See `State`."""
-        return tuple(each.cam_angle for each in breaks(self.drive.plan) if each.order < 1)
+        return tuple(joint.cam_angle for joint in breaks(self.drive.plan) if joint.order < 1)
 
     @property
     def curve(self) -> PitchCurve:

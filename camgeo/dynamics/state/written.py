@@ -16,7 +16,7 @@ from typing import ClassVar, Final, Protocol, Self
 import numpy as np
 
 from camgeo.cam.cam import Cam, smooth_angles
-from camgeo.dynamics.state.state import FIRST, SECOND, Demanded, Model, order_with
+from camgeo.dynamics.state.state import FIRST, SECOND, Demanded, Model, time_order
 from camgeo.errors import GeometryError
 from camgeo.geometry.contour.contour import Contour, Effort, Form
 from camgeo.geometry.contour.spline import SplineContour
@@ -42,7 +42,7 @@ MODEL: Final[Model] = "written"
 
 @dataclass(frozen=True)
 class OnDisc:
-    """What states have in common whose follower goes along its disc as it is, not as demanded.
+    """The common part of states whose follower goes along its disc as it is, not as demanded.
 
     Attributes
     ----------
@@ -118,7 +118,7 @@ class FarMotion:
     ----------
     follower : the motion of the follower.
     linkage : between both.
-    demanded : of the far end, near which its positions are sought.
+    demanded : of the far end, near which its positions are searched for.
     """
 
     follower: Motion
@@ -154,27 +154,29 @@ class FarMotion:
 
     def _jet(self, phi: FloatArray, side: Side) -> Jet:
         """(4, n) position and derivatives."""
-        own = self.follower.jet(phi, side, FULL_ORDER)
+        follower = self.follower.jet(phi, side, FULL_ORDER)
         x = self.demanded.jet(phi, side, 1)[0].copy()
         scale = max(1.0, float(np.max(np.abs(x), initial=0.0)))
+        # Beyond a dead centre the slope of the linkage changes its sign.
         sense = np.sign(self._along(x, 1)[1])
         for _ in range(STEPS):
             here, slope = self._along(x, 1)
             if np.any(slope * sense <= 0.0):  # beyond a dead centre the far end moves the other way
-                raise _at_dead_centre()
-            step = (own[0] - here) / slope
+                raise _dead_centre_error()
+            step = (follower[0] - here) / slope
             x = x + step
             if np.max(np.abs(step), initial=0.0) <= SETTLED * scale:
                 break
         else:
-            raise _at_dead_centre()
+            raise _dead_centre_error()
         _, first, second, third = self._along(x, FULL_ORDER)
-        out = np.empty_like(own)
-        out[0] = x
-        out[1] = own[1] / first
-        out[2] = (own[2] - second * out[1] ** 2) / first
-        out[3] = (own[3] - 3.0 * second * out[1] * out[2] - third * out[1] ** 3) / first
-        return out
+        jet = np.empty_like(follower)
+        jet[0] = x
+        # The chain rule, solved for x', x'' and x''' one after the other.
+        jet[1] = follower[1] / first
+        jet[2] = (follower[2] - second * jet[1] ** 2) / first
+        jet[3] = (follower[3] - 3.0 * second * jet[1] * jet[2] - third * jet[1] ** 3) / first
+        return jet
 
     def _along(self, x: FloatArray, order: int) -> Jet:
         """(order + 1, n) the follower's coordinate and its derivatives by the position `x` (n,)."""
@@ -188,10 +190,10 @@ class FarMotion:
         return jet, np.full_like(jet, np.inf)
 
 
-def _at_dead_centre() -> GeometryError:
+def _dead_centre_error() -> GeometryError:
     return GeometryError(
-        "the far end does not follow what the disc makes the follower do: the linkage is at a dead"
-        " centre",
+        "the far end cannot follow the motion that the disc gives the follower: the linkage is at a"
+        " dead centre",
         key="linkage",
     )
 
@@ -201,7 +203,7 @@ def _at_dead_centre() -> GeometryError:
 
 
 @dataclass(frozen=True)
-class OfOutline(OnDisc):
+class OutlineState(OnDisc):
     """The motion of a follower on its real flank; see `State`.
 
     The roller that turns about a corner of the disc touches it along the normal of the path of its
@@ -237,9 +239,9 @@ class OfOutline(OnDisc):
     def order(self) -> int:
         """See `State`: at both ends of a corner the acceleration jumps."""
         free = self.motion.breaks
-        kept = [each.order for each in breaks(self.cam.drive.plan) if each.cam_angle in free]
-        own = min([0 if self.shocks else 1, *kept])
-        return min(own, order_with(self.output, self.course))
+        orders = [joint.order for joint in breaks(self.cam.drive.plan) if joint.cam_angle in free]
+        joint_order = min([0 if self.shocks else 1, *orders])
+        return min(joint_order, time_order(self.output, self.course))
 
     def on_corner(self, phi: FloatArray, side: Side) -> BoolArray:
         """See `State`."""
@@ -281,6 +283,7 @@ class ReplayedMotion:
         if not len(starts):
             return ()
         ends = np.append(starts[1:], starts[0] + TURN)
+        # The ranges run from border to border, the last one past the end of the turn.
         held = (self.lift.numbers != AS_DEMANDED) & (ends - starts > SEAM)
         return tuple(zip(starts[held].tolist(), ends[held].tolist(), strict=True))
 
@@ -304,13 +307,18 @@ class ReplayedMotion:
 
     @cached_property
     def dwells(self) -> tuple[Dwell, ...]:
-        """What is left of the demanded dwells, see `Motion`."""
-        return tuple(part for dwell in self.demanded.dwells for part in self._left_of(dwell))
+        """The remaining parts of the demanded dwells, see `Motion`."""
+        return tuple(
+            part for dwell in self.demanded.dwells for part in self._remaining_dwells(dwell)
+        )
 
-    def _left_of(self, dwell: Dwell) -> Iterator[Dwell]:
+    def _remaining_dwells(self, dwell: Dwell) -> Iterator[Dwell]:
         start, end = dwell.start, dwell.start + dwell.span
         corners = [
-            (low + turn, high + turn) for low, high in self.ranges for turn in (-TURN, 0.0, TURN)
+            # A corner may hold the follower across cam angle 0.
+            (low + turn, high + turn)
+            for low, high in self.ranges
+            for turn in (-TURN, 0.0, TURN)
         ]
         for low, high in sorted(corners):
             if high <= start or low >= end:
@@ -375,6 +383,7 @@ class WrittenMotion:
     def _rests(self) -> BoolArray:
         """(k,) whether the follower rests from each of the borders to the next."""
         starts = self.lift.borders
+        # A piece is an arc about the axis all over or not at all: its middle tells.
         middles = 0.5 * (starts + np.append(starts[1:], starts[0] + TURN))
         rates = np.abs(self.lift.jet(middles, "right", 3)[1:])
         most = np.max(rates, axis=1, keepdims=True)
@@ -386,14 +395,15 @@ class WrittenMotion:
         starts, rests = self.lift.borders, self._rests
         if np.all(rests):
             return (Dwell(0.0, TURN),)
+        # Pieces that rest one after the other are one dwell, also across cam angle 0.
         firsts = np.flatnonzero(rests & ~np.roll(rests, 1))
         ends = np.flatnonzero(~rests & np.roll(rests, 1))
-        found = []
+        pauses = []
         for first in firsts.tolist():
             end = ends[np.argmin(np.remainder(ends - first, len(starts)))]
             span = float(starts[end] - starts[first]) % TURN
-            found.append(Dwell(float(starts[first]), span))
-        return tuple(found)
+            pauses.append(Dwell(float(starts[first]), span))
+        return tuple(pauses)
 
     def jet(self, phi: FloatArray, side: Side = "right", order: int = FULL_ORDER) -> Jet:
         """See `Motion`; the derivatives of a rest are 0, without rounding.
@@ -401,17 +411,17 @@ class WrittenMotion:
         Read-only, and the same values for recent requests, like those of a plan.
         """
 
-        def made() -> Jet:
+        def compute_jet() -> Jet:
             jet = self.lift.jet(phi, side, 3)
             jet[1:, self._rests[self.piece(phi, side)]] = 0.0
             return read_only(jet)
 
-        return self._jets.recall(made, side, phi)[: order + 1]
+        return self._jets.recall(compute_jet, side, phi)[: order + 1]
 
     def piece(self, phi: FloatArray, side: Side) -> IntArray:
         """(n,) number of the range between borders at `phi` (n,) [rad], from 0."""
-        found = np.searchsorted(self.lift.borders, np.remainder(phi, TURN), side) - 1
-        return np.asarray(found, dtype=np.intp)
+        number = np.searchsorted(self.lift.borders, np.remainder(phi, TURN), side) - 1
+        return np.asarray(number, dtype=np.intp)
 
     def on_corner(self, phi: FloatArray, side: Side) -> BoolArray:
         """(n,) whether a vertex of the contour holds the follower at `phi` (n,) [rad]."""
@@ -466,7 +476,7 @@ class Written(OnDisc):
         return self.motion.on_corner(phi, side)
 
 
-State = Demanded | OfOutline | Written
+State = Demanded | OutlineState | Written
 """The motion of follower and output, and how the cam turns.
 
 Cam angles are in rad, motions in mm or rad over the cam angle. Each state has
@@ -498,8 +508,8 @@ turning : the same motion over the cam angle with the cam turning as a course sa
 # the other where the force on it changes sign. From one written contour to the other its lift would
 # jump by the play between them, which no finite force brings about, and which is an impact across
 # the clearance if there is any. So the state is the motion on one side all round, the one that the
-# scene says; how far the other one is from it, `Contours.play`, and where that one carries is told
-# with every figure.
+# scene says; how far the other one is from it, `Contours.play`, and where that one carries is
+# reported with every figure.
 
 
 class HasPart(Protocol):
@@ -567,7 +577,7 @@ class Contours:
         """Whether there are two of them, or one that is touched twice."""
         return len(self.discs) > 1 or self.discs[0].cam.contact.closed_by_form
 
-    def state_of(self, cam: Cam) -> Written:
+    def written_state(self, cam: Cam) -> Written:
         """The motion on them, as `cam` sees it, which is that of one of the discs.
 
         Raises
@@ -580,8 +590,8 @@ class Contours:
         UndercutError
             If there is no disc.
         """
-        found = self._carrying
-        if len(found.replay.drops):
+        pressed = self._carrying
+        if len(pressed.replay.drops):
             raise GeometryError(
                 "the follower drops off an edge of the contour: its velocity is unbounded there",
                 key=KEY,
@@ -589,23 +599,26 @@ class Contours:
             )
         sense = self.sense if self.is_held_both_ways else cam.contact.push
         return Written(
-            cam, found.replay, cam.drive.time_course, found.contour, found.deviation, sense,
-            touches=cam is found.cam,
+            cam, pressed.replay, cam.drive.time_course, pressed.contour, pressed.deviation, sense,
+            touches=cam is pressed.cam,
         )  # fmt: skip
 
     @cached_property
     def play(self) -> Extremes:
         """How far [mm or rad of the lift] the other side lets the follower move off, over the turn;
-        negative where both squeeze it. Of two sides only; raises as `state_of`.
+        negative where both squeeze it. Of two sides only; raises as `written_state`.
         """
         sides = {self.sense: self._carrying, -self.sense: self._opposite}
-        found = extreme_play(sides[FIRST].replay, sides[SECOND].replay)
+        extremes = extreme_play(sides[FIRST].replay, sides[SECOND].replay)
         main = self.discs[0].cam
         if main.breadth is None:
-            return found
+            return extremes
         # The second side is that of a yoke as wide as the exact cam.
         wider = main.yoke_breadth - main.breadth.best
-        ends = (Extreme(each.value + wider, each.place) for each in (found.lowest, found.highest))
+        ends = (
+            Extreme(extreme.value + wider, extreme.place)
+            for extreme in (extremes.lowest, extremes.highest)
+        )
         return Extremes(*ends)
 
     @cached_property
@@ -626,7 +639,7 @@ class Contours:
             flank = Flank.INNER if sense == FIRST else Flank.OUTER
         if disc.cam.contact.closed_by_form:
             name = f"{flank} flank"
-        (boundary,) = (each for each in disc.part.boundaries if each.name == name)
+        (boundary,) = (candidate for candidate in disc.part.boundaries if candidate.name == name)
         writing = self.writing
         fit = written_contour(boundary, writing.form, writing.effort, writing.tolerance)
         replay = _replayed(disc.cam.disc.pitch_curve, fit.contour, flank)

@@ -187,7 +187,7 @@ class Made:
 
     def written_as(self, writing: Writing) -> Made:
         """That of a contour of the same disc."""
-        return replace(self, subject=self.subject.written_as(writing, FIRST))
+        return replace(self, subject=self.subject.with_written_contours(writing, FIRST))
 
     @property
     def elastic(self) -> bool:
@@ -247,7 +247,7 @@ class Made:
                 return sense * contact.normal(phi, side)
             rates = np.zeros((2, len(phi)))
             rates[0] = speed
-            return sense * contact.normal_at(phi, side, rates)
+            return sense * contact.normal_at_rates(phi, side, rates)
 
         return found
 

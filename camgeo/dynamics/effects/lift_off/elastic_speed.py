@@ -45,10 +45,10 @@ CLOSE: Final = 1e-12
 ROOT: Final = 1e-13
 """Relative distance of two steps towards a crossing at which it is found."""
 
-BESIDE: Final = 1e-6
+SLOPE_STEP: Final = 1e-6
 """Relative distance at which the slope of g is taken."""
 
-APART: Final = (1e-6, 1e-4, 1e-2)
+OFFSETS: Final = (1e-6, 1e-4, 1e-2)
 """Relative distances at which a crossing is looked for beside a known one."""
 
 GROWTH: Final = 4.0
@@ -60,19 +60,19 @@ SAFE: Final = 0.8
 
 @dataclass(frozen=True, slots=True)
 class ElasticSpeed:
-    """What the search has found.
+    """The outcome of the search for the lift-off speed.
 
     Attributes
     ----------
     speed : at which contact is first lost, as a factor of that of the scene, with the cam angle
         [rad]; None if it is kept as far as was searched.
-    kept : factor up to which contact is kept; 0 if none is.
+    safe_factor : factor up to which contact is kept; 0 if none is.
     error : of `speed`.
     why : the search has ended before the end of its range; empty if it has not.
     """
 
     speed: Extreme | None = None
-    kept: float = 0.0
+    safe_factor: float = 0.0
     error: float = 0.0
     why: str = ""
 
@@ -106,15 +106,19 @@ class ElasticSpeed:
             return cls(Extreme(0.0, rest.lowest.place))
         if rest.lowest.value <= TOUCH * rest.magnitude:
             return cls(why="nothing presses it on its flank at rest")
-        swung = search.after_jumps()
+        swung = search.lowest_jump_reserve()
         if swung is not None and swung.value < -TOUCH * rest.magnitude:
             return cls(Extreme(0.0, swung.place))
         widest = piecewise_highest(search.share, edges).value
         search = replace(search, widest=widest, largest=piecewise_highest(search.most, edges).value)
-        beside = _beside(search, 1.0 / near.value) if near is not None and near.value else None
-        if beside is not None:
-            return beside
+        crossing = (
+            _crossing_near(search, 1.0 / near.value) if near is not None and near.value else None
+        )
+        if crossing is not None:
+            return crossing
+        # A rigid train that never leaves the flank sets no limit of its own.
         most = SEARCHED * max(1.0, rigid if np.isfinite(rigid) else 1.0)
+        # At higher speeds the forcing would be of another kind, see `SOFT`.
         end = 1.0 / min(most, behind.response.fastest)
         start = search.start(rest.lowest.value)
         if start is None:
@@ -124,72 +128,78 @@ class ElasticSpeed:
 
 def _first(search: LeastReserve, start: float, end: float) -> ElasticSpeed:
     """The first crossing, from `start` down to `end`."""
-    kept, lost = search.at(start), None
+    held, lost = search.evaluate(start), None
     step = 0.5 * (start - end)
     for _ in range(MOST_STEPS):
-        trial = search.at(max(kept.s - step, end))
+        trial = search.evaluate(max(held.s - step, end))
         if trial.lost:
-            lost = _crossing(search, kept, trial)
-            step = 0.5 * (kept.s - lost.s)
+            # The crossing is known; now the steps have to show that contact is kept right up to it.
+            lost = _crossing(search, held, trial)
+            step = 0.5 * (held.s - lost.s)
             continue
-        least, sag = min(kept.floor, trial.floor), search.sag(kept, trial)
+        least, sag = min(held.floor, trial.floor), search.sag(held, trial)
+        # The lower bounds of g do not suffice here: the exact values may.
         if sag >= least:
-            least = min(kept.g, trial.g)
-        step = (kept.s - trial.s) * min(SAFE * math.sqrt(least / sag), GROWTH)
+            least = min(held.g, trial.g)
+        # The sag goes with the square of the step.
+        step = (held.s - trial.s) * min(SAFE * math.sqrt(least / sag), GROWTH)
         if sag >= least:
             continue
         if trial.s <= end:
-            return ElasticSpeed(kept=1.0 / end)
-        per_square = sag / (kept.s - trial.s) ** 2
-        kept = trial
+            return ElasticSpeed(safe_factor=1.0 / end)
+        per_square = sag / (held.s - trial.s) ** 2
+        held = trial
         if lost is None:
             continue
-        apart = kept.s - lost.s
-        if apart <= CLOSE * lost.s:
-            return _found(search, kept, lost)
+        gap = held.s - lost.s
+        if gap <= CLOSE * lost.s:
+            return _crossing_result(search, held, lost)
         # The smaller g of the next step is then twice what the chord sags there.
-        near = 2.0 * per_square * apart**2 / (kept.g / apart)
-        step = apart - min(max(near, 0.5 * CLOSE * lost.s), 0.5 * apart)
+        near = 2.0 * per_square * gap**2 / (held.g / gap)
+        step = gap - min(max(near, 0.5 * CLOSE * lost.s), 0.5 * gap)
     why = "its damping is so small that its resonances are too narrow to be searched one by one"
-    return ElasticSpeed(kept=1.0 / kept.s, why=why)
+    return ElasticSpeed(safe_factor=1.0 / held.s, why=why)
 
 
-def _beside(search: LeastReserve, s: float) -> ElasticSpeed | None:
-    """The crossing beside `s`; None if there is none."""
-    for apart in APART:
-        kept, lost = (search.at(s * (1.0 + sign * apart)) for sign in (1.0, -1.0))
-        if kept.g > 0.0 >= lost.g:
-            return _found(search, kept, _crossing(search, kept, lost))
+def _crossing_near(search: LeastReserve, s: float) -> ElasticSpeed | None:
+    """The crossing near `s`; None if there is none."""
+    for offset in OFFSETS:
+        held, lost = (search.evaluate(s * (1.0 + sign * offset)) for sign in (1.0, -1.0))
+        if held.g > 0.0 >= lost.g:
+            return _crossing_result(search, held, _crossing(search, held, lost))
     return None
 
 
-def _crossing(search: LeastReserve, kept: Point, lost: Point) -> Point:
-    """Where g is 0 between `kept` and `lost`: by secants in a bracket (the Illinois method)."""
-    ends = [(kept.s, kept.g), (lost.s, lost.g)]
-    found = lost
+def _crossing(search: LeastReserve, held: Point, lost: Point) -> Point:
+    """The point between `held` and `lost` where g is 0, by secants in a bracket (the Illinois
+    method).
+    """
+    ends = [(held.s, held.g), (lost.s, lost.g)]
+    point = lost
     for _ in range(MOST_STEPS):
         (a, at_a), (b, at_b) = ends
         if abs(a - b) <= ROOT * lost.s:
             break
         s = a - at_a * (a - b) / (at_a - at_b)
-        before, found = found, search.at(s)
-        if abs(found.s - before.s) <= ROOT * lost.s or found.g == 0.0:
+        previous, point = point, search.evaluate(s)
+        if abs(point.s - previous.s) <= ROOT * lost.s or point.g == 0.0:
             break
-        if (found.g > 0.0) == (at_b > 0.0):
-            ends = [(a, 0.5 * at_a), (s, found.g)]
+        if (point.g > 0.0) == (at_b > 0.0):
+            # Halving the value of the end that stays makes the secant pass the root.
+            ends = [(a, 0.5 * at_a), (s, point.g)]
         else:
-            ends = [(b, at_b), (s, found.g)]
-    return found
+            ends = [(b, at_b), (s, point.g)]
+    return point
 
 
-def _found(search: LeastReserve, kept: Point, lost: Point) -> ElasticSpeed:
-    """The crossing at `lost`, with contact kept up to just before it."""
-    beside = search.at(lost.s * (1.0 + BESIDE))
-    slope = abs(beside.g - lost.g) / (beside.s - lost.s)
-    found = search.behind.at(1.0 / lost.s)
-    off = search.widest * found.error / slope + (kept.s - lost.s)
+def _crossing_result(search: LeastReserve, held: Point, lost: Point) -> ElasticSpeed:
+    """The crossing at `lost`, with contact kept up to the point `held` just before it."""
+    neighbour = search.evaluate(lost.s * (1.0 + SLOPE_STEP))
+    slope = abs(neighbour.g - lost.g) / (neighbour.s - lost.s)
+    train = search.behind.with_speed_factor(1.0 / lost.s)
+    error = search.widest * train.error / slope + (held.s - lost.s)
     speed = Extreme(1.0 / lost.s, lost.lowest.place)
-    return ElasticSpeed(speed, 1.0 / kept.s, speed.value * off / lost.s)
+    return ElasticSpeed(speed, 1.0 / held.s, speed.value * error / lost.s)
 
 
 # -- least reserve --------------------------------------------------------------------------------
@@ -263,10 +273,11 @@ def ceiling(function: Quantity, edges: FloatArray) -> float:
     """
     grid = sample_grid(edges)
     values = function(grid.ravel(), "right").reshape(grid.shape)
+    # (k, n + 1) steps to the left and to the right of each point; none at the ends of a row.
     steps = np.pad(np.abs(np.diff(values, axis=1)), ((0, 0), (1, 1)))
     inside = values + np.maximum(steps[:, :-1], steps[:, 1:])
     ends = function(edges[:-1], "right"), function(edges[1:], "left")
-    return float(max(np.max(each) for each in (inside, *ends)))
+    return float(max(np.max(part) for part in (inside, *ends)))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -306,8 +317,9 @@ class LeastReserve:
         so on, with the `share` of f, and `more` (n,) besides.
         """
         held, load = self.behind.train.force(0), self.behind.load
-        own = np.array([[held.lift], [held.slope], [-self.behind.mass]])
-        pushed = own * self.behind.base(phi, side)
+        # Of y, y' and y'': what holds the masses to the frame, and their inertia.
+        base_weights = np.array([[held.lift], [held.slope], [-self.behind.mass]])
+        pushed = base_weights * self.behind.base(phi, side)
         if load is not None:
             pushed[0] += share * load.coefficients(phi, side)[0] + more
         passed = [self.flank.passed(phi, side, push) for push in pushed]
@@ -337,49 +349,52 @@ class LeastReserve:
         plain, rubbed = self.parts(phi, side)
         return np.asarray(plain[0] + rubbed[0])
 
-    def at(self, s: float) -> Point:
-        found = self.behind.at(1.0 / s)
+    def evaluate(self, s: float) -> Point:
+        train = self.behind.with_speed_factor(1.0 / s)
 
         def reserve(phi: FloatArray, side: Side) -> FloatArray:
-            push = found.beyond_base(phi, side)
+            push = train.beyond_base(phi, side)
             more = self.flank.passed(phi, side, push / s**2)
             r0, r1, r2 = self.flank.reserve(phi, side, 1.0 / s, more)
             return np.asarray(s * (s * r0 + r1) + r2 - self.weight(phi, side) * push)
 
         def loads(phi: FloatArray, side: Side) -> ComplexArray:
             l0, l1, l2 = self.flank.known(phi, side).loads
-            passed = self.flank.passed(phi, side, found.beyond_base(phi, side))
+            passed = self.flank.passed(phi, side, train.beyond_base(phi, side))
             return np.asarray(s * (s * l0 + l1) + l2 + passed)
 
-        edges = found.edges(self.edges)
+        edges = train.edges(self.edges)
+        # A bound that costs little; the exact minimum is only searched for where the bound is not
+        # enough.
         floor = -ceiling(lambda phi, side: -reserve(phi, side), edges)
         find = cache(lambda: piecewise_lowest(reserve, edges))
-        sizes = np.array([mode.largest for mode in found.response.modes])
+        sizes = np.array([mode.largest for mode in train.response.modes])
         # driven by s^2 f
-        loaded = np.array([mode.largest for mode in found.response.loaded]) / s**2
+        loaded = np.array([mode.largest for mode in train.response.loaded]) / s**2
         return Point(s, floor, sizes, loaded, loads, find)
 
     def turned(self, one: Point, other: Point) -> float:
-        """What the loads lack of their sizes in the direction of their sum at most, where that
-        counts.
+        """Upper bound of what the loads lack of their magnitudes in the direction of their sum,
+        where their friction helps the contact.
         """
         if self.flank.contact.bearings is None:
             return 0.0
 
         def lacking(phi: FloatArray, side: Side) -> FloatArray:
             helping = np.maximum(self.flank.known(phi, side).drag, 0.0)
-            both = [each.loads(phi, side) for each in (one, other)]
+            both = [point.loads(phi, side) for point in (one, other)]
             d = unit_vectors(both[0] + both[1], np.ones_like(both[0]))
             # |V| - Re(conj(d) V) = |V| |V / |V| - d|^2 / 2
-            each = [np.abs(v) * np.abs(unit_vectors(v, d) - d) ** 2 for v in both]
-            return np.asarray(0.5 * helping * np.max(np.sum(each, axis=1), axis=0))
+            deficits = [np.abs(v) * np.abs(unit_vectors(v, d) - d) ** 2 for v in both]
+            return np.asarray(0.5 * helping * np.max(np.sum(deficits, axis=1), axis=0))
 
         return ceiling(lacking, self.edges)
 
     def sag(self, one: Point, other: Point) -> float:
-        """How far g may be below its chord between both."""
+        """How far g may be below its chord between the points `one` and `other`."""
         s, d = min(one.s, other.s), abs(one.s - other.s)
         rho = self.rho
+        # Between both points |u| exceeds that at them by no more than this factor.
         grown = 1.0 + 0.5 * rho * d / s
         sizes = np.maximum(one.sizes, other.sizes) * grown
         bend = float(np.sum(self.weights * (2.0 * rho + 2.0 * rho**2) * sizes)) / s
@@ -390,18 +405,20 @@ class LeastReserve:
         curvature = 2.0 * self.largest + self.widest * bend
         return 0.125 * curvature * d * d + self.turned(one, other)
 
-    def after_jumps(self) -> Extreme | None:
+    def lowest_jump_reserve(self) -> Extreme | None:
         """The smallest reserve that is found after a jump of f, at rest else, with its place."""
-        found: Extreme | None = None
+        smallest: Extreme | None = None
         for place, more in swings(self.behind):
             left = self.static(np.full(len(more), place), "right", more)
             lowest = float(np.min(left))
-            if found is None or lowest < found.value:
-                found = Extreme(lowest, place)
-        return found
+            if smallest is None or lowest < smallest.value:
+                smallest = Extreme(lowest, place)
+        return smallest
 
-    def kept(self, least: float, s: float) -> float:
-        """What of the reserve at rest, at least `least`, the jumps of f leave at most."""
+    def remaining_reserve(self, least: float, s: float) -> float:
+        """Lower bound of what the jumps of f leave of the reserve at rest, which is at least
+        `least`.
+        """
         course = self.flank.subject.state.course
         if self.behind.load is None or course is None:
             return least
@@ -419,7 +436,7 @@ class LeastReserve:
         |s C u| is at most |C| (|y''| / |Re lambda| + s J / (1 - exp(s Re lambda T))), with the sum
         J of the jumps of y'.
         """
-        if self.kept(least, SLOWEST) <= 0.0:
+        if self.remaining_reserve(least, SLOWEST) <= 0.0:
             return None
         train, forcing = self.behind.train, self.behind.response.forcing
         period, c = self.behind.response.base.period, self.weights
@@ -435,10 +452,11 @@ class LeastReserve:
 
         r1, r2, s = size(1) + self.widest * drifting(self.behind), size(2), 1.0
         while True:
+            # What is left of a jump adds up over all turns before.
             lasting = 1.0 / -np.expm1(s * train.rates.real * period)
             moved = float(np.sum(c * (most / -train.rates.real + s * jumps * lasting)))
-            kept = self.kept(least, s)
-            if s * (s * kept - r1) - r2 - self.widest * moved > 0.0:
+            remaining = self.remaining_reserve(least, s)
+            if s * (s * remaining - r1) - r2 - self.widest * moved > 0.0:
                 return s
             s *= FARTHER
 
@@ -474,14 +492,14 @@ def drifting(behind: ElasticTrain) -> float:
     load, rates = behind.response.load, behind.train.rates
     if load is None:
         return 0.0
-    apart = np.abs(rates) * -rates.real
-    return float(np.sum(pressed(behind) / apart)) * load.pieces.steepest
+    scales = np.abs(rates) * -rates.real
+    return float(np.sum(pressed(behind) / scales)) * load.pieces.steepest
 
 
-def jumps_of(load: Force) -> FloatArray:
+def load_jumps(load: Force) -> FloatArray:
     """(k,) jump of f at each of its borders [N or N mm]."""
-    before, after = (load.coefficients(load.borders, side)[0] for side in SIDES)
-    return np.asarray(after - before)
+    left, right = (load.coefficients(load.borders, side)[0] for side in SIDES)
+    return np.asarray(right - left)
 
 
 def struck(behind: ElasticTrain, s: float, clock: TimeCourse) -> Quantity:
@@ -491,16 +509,17 @@ def struck(behind: ElasticTrain, s: float, clock: TimeCourse) -> Quantity:
     load, rates, period = behind.load, behind.train.rates, behind.response.base.period
     if load is None:
         return lambda phi, _side: np.zeros(len(phi))
-    sizes, struck_at = np.abs(jumps_of(load)), clock.time(load.borders)
+    sizes, jump_times = np.abs(load_jumps(load)), clock.time(load.borders)
 
     def left(phi: FloatArray, side: Side) -> FloatArray:
-        since = clock.time(phi)[:, np.newaxis] - struck_at
+        since = clock.time(phi)[:, np.newaxis] - jump_times
+        # A jump later in the turn has happened in the turn before.
         since[since < 0.0 if side == "right" else since <= 0.0] += period
-        found = np.zeros(len(phi))
+        swing = np.zeros(len(phi))
         for weight, rate in zip(pressed(behind) / np.abs(rates), rates.real, strict=True):
             decayed = np.exp(s * rate * since) @ sizes
-            found += weight * decayed / -np.expm1(s * rate * period)
-        return found
+            swing += weight * decayed / -np.expm1(s * rate * period)
+        return swing
 
     return left
 
@@ -517,5 +536,5 @@ def swings(behind: ElasticTrain) -> Iterator[tuple[float, FloatArray]]:
     times = np.linspace(0.0, swing, SAMPLES * math.ceil(periods) + 1)
     shapes = behind.train.force(0).loaded / rates
     free = np.real(np.exp(np.multiply.outer(times, rates)) @ shapes)
-    for place, jump in zip(load.borders.tolist(), jumps_of(load).tolist(), strict=True):
+    for place, jump in zip(load.borders.tolist(), load_jumps(load).tolist(), strict=True):
         yield place, jump * free

@@ -13,9 +13,9 @@ from camgeo.check.finding import DIGITS, rounded_beyond
 from camgeo.dynamics.effects.bearing_friction import unit_vectors
 from camgeo.dynamics.effects.contact import TOUCH, lowest_on_flank
 from camgeo.dynamics.effects.effect import Quantity, Subject
-from camgeo.dynamics.effects.forces import rates_of, smooth_edges
+from camgeo.dynamics.effects.forces import cam_rates, smooth_edges
 from camgeo.dynamics.effects.results import ContactForce, Spring
-from camgeo.dynamics.effects.wording import scale_of
+from camgeo.dynamics.effects.wording import spring_scale
 from camgeo.errors import EffectError
 from camgeo.numeric.arrays import SHARE, ComplexArray, FloatArray, Side, read_only
 from camgeo.numeric.extremes import (
@@ -30,7 +30,7 @@ from camgeo.numeric.kept import Answers
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Known:
-    """What is the same at all speeds of n cam angles; read-only.
+    """Quantities at n cam angles that are the same at all speeds; read-only.
 
     Attributes
     ----------
@@ -97,10 +97,11 @@ class Flank:
 
     def _known(self, phi: FloatArray, side: Side) -> Known:
         outwards = self.sense * np.sign(self.subject.state.curve.leverage(phi, side))
-        omega, alpha = rates_of(self.subject, phi, side)[:2]
+        omega, alpha = cam_rates(self.subject, phi, side)[:2]
         needed, size = np.zeros((3, len(phi))), np.zeros((3, len(phi)))
         for force in self.contact.lasting:
             c0, c1, c2, c3 = force.coefficients(phi, side)
+            # omega goes with f and alpha with f^2: the terms of f^0, f^1 and f^2.
             parts = np.stack((c0, c1 * omega, c2 * omega * omega + c3 * alpha))
             needed -= parts
             size += np.abs(parts)
@@ -108,18 +109,22 @@ class Flank:
             bracket = self.margin * self.contact.bracket(phi, side, self.sense)
             needed[0] -= bracket
             size[0] += np.abs(bracket)
+        # In the direction in which the flank pushes, a lack is below 0.
         needed *= outwards
         drag, loads = np.zeros(len(phi)), np.zeros((3, 0, len(phi)), dtype=np.complex128)
         per_far, bearings = loads[0], self.contact.bearings
         if bearings is not None:
-            drag, own = outwards * bearings.drag(phi, side), bearings.own(phi, side)
+            drag, noncontact = (
+                outwards * bearings.drag(phi, side),
+                bearings.noncontact_loads(phi, side),
+            )
             per_far = bearings.per_far(phi, side)
             per = bearings.rubbing.per_normal(phi, side, self.sense)
             loads = np.stack(
                 (
-                    own[0] + self.margin * per,
-                    own[1] * omega,
-                    own[2] * omega * omega + own[3] * alpha,
+                    noncontact[0] + self.margin * per,
+                    noncontact[1] * omega,
+                    noncontact[2] * omega * omega + noncontact[3] * alpha,
                 )
             )
             # The bracket has the friction of the margin alone.
@@ -141,14 +146,14 @@ class Flank:
         """(n,) the reserve at the speed of the scene, with the train of its state; for `more` see
         `reserve`.
         """
-        passed, behind = self._of_train(phi, side), self.contact.behind
+        passed, behind = self._train_loads(phi, side), self.contact.behind
         total = passed if more is None else passed + more
-        found: FloatArray = np.sum(self.reserve(phi, side, more=total), axis=0)
+        reserve: FloatArray = np.sum(self.reserve(phi, side, more=total), axis=0)
         if behind is not None:
-            found -= self.known(phi, side).outwards * behind.beyond_rigid(phi, side)
-        return found
+            reserve -= self.known(phi, side).outwards * behind.beyond_rigid(phi, side)
+        return reserve
 
-    def _of_train(self, phi: FloatArray, side: Side) -> ComplexArray:
+    def _train_loads(self, phi: FloatArray, side: Side) -> ComplexArray:
         """(k, n) what the train of the state adds to the loads."""
         behind = self.contact.behind
         push = np.zeros(len(phi)) if behind is None else behind.beyond_base(phi, side)
@@ -176,12 +181,13 @@ class Flank:
         loads, drag = known.loads, known.drag
         if more is not None:
             loads = np.concatenate((loads[:1] + more, loads[1:]))
+        # The directions are those at one f; with them the sizes are polynomials.
         total = loads[0] + factor * (loads[1] + factor * loads[2])
         d = unit_vectors(total, np.ones_like(total))
-        found: FloatArray = known.needed + drag * np.sum((np.conj(d) * loads).real, axis=1)
+        coefficients: FloatArray = known.needed + drag * np.sum((np.conj(d) * loads).real, axis=1)
         size = known.size + np.abs(drag) * np.sum(np.abs(loads), axis=1)
-        found[np.abs(found) <= SHARE * size] = 0.0
-        return found
+        coefficients[np.abs(coefficients) <= SHARE * size] = 0.0
+        return coefficients
 
     def slope(
         self, phi: FloatArray, side: Side, more: ComplexArray, per_unit: ComplexArray
@@ -190,7 +196,7 @@ class Flank:
         the loads, which have `more` (k, n), go on by `per_unit` (k, n).
         """
         known = self.known(phi, side)
-        load = np.sum(known.loads, axis=0) + self._of_train(phi, side) + more
+        load = np.sum(known.loads, axis=0) + self._train_loads(phi, side) + more
         d = unit_vectors(load, np.ones_like(load))
         return np.asarray(known.drag * np.sum((np.conj(d) * per_unit).real, axis=0))
 
@@ -212,23 +218,28 @@ class Flank:
 
         if self.contact.bearings is None:
             return _speed(self, edges, 1.0)
-        found = _speed(self, edges, 1.0)
-        if np.isinf(found.value):
-            found = _speed(self, edges, FASTEST)
+        speed = _speed(self, edges, 1.0)
+        # With other directions of the loads, at high speeds, it may leave the flank yet.
+        if np.isinf(speed.value):
+            speed = _speed(self, edges, FASTEST)
         ends = (0.0, math.inf)
-        return _settled(lambda factor: _speed(self, edges, factor), found, ends, "lift-off speed")
+        return _fixed_point(
+            lambda factor: _speed(self, edges, factor), speed, ends, "lift-off speed"
+        )
 
     def least_spring(self, spring: Spring, leaps: Sequence[float] = ()) -> tuple[Extreme, Extreme]:
         """Least preload and least stiffness, each with the other one unchanged, that keep contact;
-        see `least_of`. At the cam angles `leaps` [rad], where the velocity jumps away, none does.
+        see `least_property`. At the cam angles `leaps` [rad], where the velocity jumps away, none
+        does.
         """
         if leaps:
+            # No finite force makes a mass follow a jump of its velocity.
             never = Extreme(math.inf, leaps[0])
             return never, never
         edges, loads = self.contact.edges, _pivot_loads(self, spring)
         return (
-            least_of(self, spring.per_preload, spring.preload, edges, loads[0]),
-            least_of(self, spring.per_stiffness, spring.stiffness, edges, loads[1]),
+            least_property(self, spring.per_preload, spring.preload, edges, loads[0]),
+            least_property(self, spring.per_stiffness, spring.stiffness, edges, loads[1]),
         )
 
 
@@ -269,7 +280,7 @@ BLUNT: Final = 1e-10
 """Where the spring has less than this share of its largest effect, it has none."""
 
 
-def least_of(
+def least_property(
     flank: Flank,
     per_unit: Quantity,
     now: float,
@@ -289,7 +300,7 @@ def least_of(
     first = _least(flank, per_unit, now, edges, load, now)
     if load is None:
         return first
-    return _settled(
+    return _fixed_point(
         lambda guess: _least(flank, per_unit, now, edges, load, guess),
         first,
         (math.inf,),
@@ -305,7 +316,7 @@ def _least(
     load: Callable[[FloatArray, Side], ComplexArray] | None = None,
     guess: float = 0.0,
 ) -> Extreme:
-    """The same with the directions of the loads that they have with `guess`."""
+    """`least_property` with the directions that the loads have at the value `guess`."""
 
     def parts(phi: FloatArray, side: Side) -> tuple[FloatArray, FloatArray]:
         """(n,) effect and rest."""
@@ -317,18 +328,20 @@ def _least(
         slope = effect + flank.slope(phi, side, more, load(phi, side))
         return slope, flank.left(phi, side, more) + (guess - now) * effect - guess * slope
 
+    # The effect of the spring changes its sign there, and the bound is unbounded beside it.
     cuts = with_roots(lambda phi: per_unit(phi, "right"), edges)
     effects, rests = parts(sample_grid(cuts).ravel(), "right")
     blunt = BLUNT * float(np.max(np.abs(effects)))
+    # A rest that is 0 but for rounding lacks nothing.
     none = TOUCH * float(np.max(np.abs(rests)))
 
     def bound(phi: FloatArray, side: Side) -> FloatArray:
         """(n,) lower bound of the value, 0 where no force is missing."""
         effect, rest = parts(phi, side)
-        found = np.zeros(len(phi))
-        np.divide(-rest, effect, out=found, where=(effect > blunt) & (rest < -none))
-        found[(np.abs(effect) <= blunt) & (rest < -none)] = BOUNDLESS
-        return found
+        bounds = np.zeros(len(phi))
+        np.divide(-rest, effect, out=bounds, where=(effect > blunt) & (rest < -none))
+        bounds[(np.abs(effect) <= blunt) & (rest < -none)] = BOUNDLESS
+        return bounds
 
     def left(phi: FloatArray, side: Side) -> FloatArray:
         """(n,) reserve with the least value; below 0 where a lever has reversed."""
@@ -338,30 +351,32 @@ def _least(
     least = piecewise_highest(bound, cuts)
     if least.value >= BOUNDLESS:
         return Extreme(np.inf, least.place)
+    # Where a lever has reversed, more of the spring lifts the follower: the least value must not be
+    # too much there.
     if np.min(effects) < -blunt:
-        over = piecewise_extremes(left, cuts)
-        if over.lowest.value < -TOUCH * over.magnitude:
-            return Extreme(np.inf, over.lowest.place)
+        remaining = piecewise_extremes(left, cuts)
+        if remaining.lowest.value < -TOUCH * remaining.magnitude:
+            return Extreme(np.inf, remaining.lowest.place)
     return least
 
 
-def _settled(
-    find: Callable[[float], Extreme], found: Extreme, ends: tuple[float, ...], what: str
+def _fixed_point(
+    find: Callable[[float], Extreme], value: Extreme, ends: tuple[float, ...], what: str
 ) -> Extreme:
-    """What is `found` with the directions of the loads at the value found before, until it stays,
-    or is one of the `ends`.
+    """The fixed point of `find`, which takes the directions of the loads at the last value, from
+    `value` on; ends early at one of the `ends`.
     """
     for _ in range(MOST_STEPS):
-        if found.value in ends:
-            return found
-        last, found = found, find(found.value)
-        if abs(found.value - last.value) <= SETTLED * last.value:
-            return found
-    raise EffectError(f"no {what} settles with the friction in the pivot")
+        if value.value in ends:
+            return value
+        last, value = value, find(value.value)
+        if abs(value.value - last.value) <= SETTLED * last.value:
+            return value
+    raise EffectError(f"the {what} did not converge with the friction in the pivot")
 
 
 def _speed(flank: Flank, edges: FloatArray, factor: float) -> Extreme:
-    """The same with the directions of the loads that they have at `factor`."""
+    """The lift-off speed with the directions that the loads have at `factor`."""
 
     def discriminant(phi: FloatArray) -> FloatArray:
         r0, r1, r2 = flank.reserve(phi, "right", factor=factor)
@@ -393,10 +408,10 @@ def _slowness(flank: Flank, factor: float) -> Quantity:
         above = np.where(falling, root - r1, -2.0 * r2)
         below = np.where(falling, 2.0 * r0, r1 + root)
         bounded = below * BOUNDLESS > above
-        found = np.where(above > 0.0, BOUNDLESS, 0.0)
-        np.divide(above, below, out=found, where=bounded & (below > 0.0))
-        found[square < 0.0] = 0.0
-        return np.clip(found, 0.0, BOUNDLESS)
+        values = np.where(above > 0.0, BOUNDLESS, 0.0)
+        np.divide(above, below, out=values, where=bounded & (below > 0.0))
+        values[square < 0.0] = 0.0
+        return np.clip(values, 0.0, BOUNDLESS)
 
     return slowness
 
@@ -428,8 +443,8 @@ def holding(
         ("stiffness", stiffness, spring.stiffness, spring.unit_of_stiffness),
     )
     values = [
-        f"a {what} of {rounded_beyond(scale_of(unit) * enough.value, DIGITS, upward=True)} {unit}"
-        f" instead of {scale_of(unit) * now:.6g} {unit}"
+        f"a {what} of {rounded_beyond(spring_scale(unit) * enough.value, DIGITS, upward=True)}"
+        f" {unit} instead of {spring_scale(unit) * now:.6g} {unit}"
         for what, enough, now, unit in kinds
         if math.isfinite(enough.value)
     ]

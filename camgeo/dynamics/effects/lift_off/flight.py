@@ -40,12 +40,12 @@ import numpy as np
 
 from camgeo.cam.cam import Breadth
 from camgeo.dynamics.effects.bearing_friction import BearingFriction
-from camgeo.dynamics.effects.contact import INNER, OUTER, TOUCH, leverage_of, ranges_below
+from camgeo.dynamics.effects.contact import INNER, OUTER, TOUCH, contact_leverage, ranges_below
 from camgeo.dynamics.effects.effect import Quantity, Subject
 from camgeo.dynamics.effects.forces import ElasticTrain, Force
 from camgeo.dynamics.effects.lift_off.flank import Flank
 from camgeo.dynamics.effects.results import ContactForce, Inertia
-from camgeo.dynamics.effects.wording import missed
+from camgeo.dynamics.effects.wording import tolerance_error
 from camgeo.errors import EffectError
 from camgeo.geometry.outline.roller import PlayedLift
 from camgeo.geometry.pitch_curve import WorkingCurve
@@ -63,7 +63,8 @@ from camgeo.numeric.extremes import (
 from camgeo.units import TURN, cam_angle
 
 MOST_ITERATIONS: Final = 60
-"""Of Picard's in a cell; a cell that is too long for the natural frequency needs more."""
+"""Most of Picard's iterations in a cell; a cell that is too long for the natural frequency needs
+more."""
 
 SURE: Final = 3
 """Successive halvings of the cells that fail for a reason: more will not help. Cells that are much
@@ -107,7 +108,7 @@ class FreeFollower:
     edges: FloatArray
     least: float
     jumps: FloatArray = field(default_factory=lambda: np.empty(0))
-    carried: Carried | None = None
+    carried: CarriedTrain | None = None
 
     most_turns: ClassVar[int] = MOST_TURNS
 
@@ -123,14 +124,15 @@ class FreeFollower:
         """The follower under the forces of `contact`, inertia among them; for `jumps` see the
         class.
         """
-        others = tuple(each for each in contact.forces if each is not inertia.force)
-        cuts = merged(np.concatenate((contact.edges, *(each.borders for each in walls))))
+        others = tuple(force for force in contact.forces if force is not inertia.force)
+        cuts = merged(np.concatenate((contact.edges, *(wall.borders for wall in walls))))
+        # A smaller gap is rounding of the lift that it is added to.
         least = ROUNDED * float(np.max(np.abs(walls[0].motion(cuts, "right")[0])))
         return cls(others, inertia, course, walls, contact.bearings, cuts, least, np.array(jumps))
 
     def leavings(self) -> tuple[Leaving, ...]:
-        """Where the walls would have to pull."""
-        found = []
+        """The ranges of the turn in which the walls would have to pull."""
+        places = []
         for number, wall in enumerate(self.walls):
 
             def push(phi: FloatArray, side: Side, wall: Wall = wall) -> FloatArray:
@@ -140,16 +142,16 @@ class FreeFollower:
             extremes = piecewise_extremes(push, self.edges)
             limit = -PULLING * extremes.magnitude
             if extremes.lowest.value < limit:
-                for each in ranges_below(push, self.edges, limit, extremes.lowest):
-                    length = (each.end - each.start) % TURN
-                    found.append(Leaving(number, each.start, each.start + (length or TURN)))
-        return tuple(found)
+                for stretch in ranges_below(push, self.edges, limit, extremes.lowest):
+                    length = (stretch.end - stretch.start) % TURN
+                    places.append(Leaving(number, stretch.start, stretch.start + (length or TURN)))
+        return tuple(places)
 
     def jump(self, angle: float) -> float:
         """The rate of d [per s] with which the follower goes on where the velocity jumps."""
         here = np.array([angle])
-        before, after = (self.walls[0].motion(here, side)[1, 0] for side in ("left", "right"))
-        return float((before - after) * self.course.rates(here)[0, 0])
+        left, right = (self.walls[0].motion(here, side)[1, 0] for side in ("left", "right"))
+        return float((left - right) * self.course.rates(here)[0, 0])
 
     def steady(
         self, leavings: tuple[Leaving, ...], restitution: float, tolerance: float
@@ -166,56 +168,73 @@ class FreeFollower:
 
         def solved(halvings: int) -> tuple[Flights, ...]:
             return tuple(
-                self._chain(leavings, restitution, Nodes.of(count), halvings) for count in ORDERS
+                self._chain(leavings, restitution, ChebyshevNodes.with_count(count), halvings)
+                for count in ORDERS
             )
 
-        return refined(solved, lambda told: max(each.error for each in told), tolerance)
+        return refined(solved, lambda flights: max(flight.error for flight in flights), tolerance)
 
     def _chain(
-        self, leavings: tuple[Leaving, ...], restitution: float, nodes: Nodes, halvings: int
+        self,
+        leavings: tuple[Leaving, ...],
+        restitution: float,
+        nodes: ChebyshevNodes,
+        halvings: int,
     ) -> Flights:
-        """As `steady`, with these `nodes` in each cell, and cells halved so often."""
-        first = min(leavings, key=lambda each: each.begin)
+        """The flights of `steady`, with these `nodes` in each cell, and cells halved as often as
+        `halvings` says.
+        """
+        first = min(leavings, key=lambda leaving: leaving.begin)
         last = first.begin + MOST_TURNS * TURN
         wall, angle = first.wall, first.begin
-        flown: list[Flight] = []
+        all_flights: list[Flight] = []
         begun: list[tuple[Leaving, float, int]] = []
-        while angle <= last and len(flown) < MOST_FLIGHTS:
+        while angle <= last and len(all_flights) < MOST_FLIGHTS:
             leaving, start = next_leaving(leavings, wall, angle)
             if leaving is None:
                 return Flights((), 1)  # it stays on a wall that never has to pull
-            for each, before, count in begun:
-                turns = round((start - before) / TURN)
-                if each is leaving and turns and abs(start - before - turns * TURN) <= SAME:
-                    return Flights(in_turns(flown[count:], turns), turns)
-            begun.append((leaving, start, len(flown)))
-            off = Off(0.0, leaving.rate)
-            flights, end = self.flown_from(wall, start, off, restitution, nodes, halvings)
-            flown += flights
+            for earlier, begin, count in begun:
+                turns = round((start - begin) / TURN)
+                if earlier is leaving and turns and abs(start - begin - turns * TURN) <= SAME:
+                    return Flights(in_turns(all_flights[count:], turns), turns)
+            begun.append((leaving, start, len(all_flights)))
+            state = FreeState(0.0, leaving.rate)
+            flights, end = self.follow_flight(wall, start, state, restitution, nodes, halvings)
+            all_flights += flights
             if end is None:
-                return Flights(tuple(flown), 0, (flights[-1].landing if flights else start) % TURN)
+                return Flights(
+                    tuple(all_flights), 0, (flights[-1].landing if flights else start) % TURN
+                )
             wall, angle = end.wall, end.angle
             if angle == start:  # nothing has opened: it has not left
                 ahead = (leaving.end - start) % TURN
+                # It stays for the rest of this range; one float at least, so that the search goes
+                # on.
                 angle = max(start + ahead, float(np.nextafter(start, np.inf)))
-        return Flights(tuple(flown), 0)
+        return Flights(tuple(all_flights), 0)
 
-    def flown_from(
-        self, wall: int, angle: float, off: Off, restitution: float, nodes: Nodes, halvings: int
+    def follow_flight(
+        self,
+        wall: int,
+        angle: float,
+        state: FreeState,
+        restitution: float,
+        nodes: ChebyshevNodes,
+        halvings: int,
     ) -> tuple[list[Flight], End | None]:
         """The flight that leaves the `wall` at `angle` [rad], with its rebounds, and the end of the
         last: None if it lasts longer than `MOST_TURNS`, where that began if nothing opens.
         """
-        flown: list[Flight] = []
+        flights: list[Flight] = []
         end = None
         for number in range(MOST_REBOUNDS + 1 if restitution else 1):
-            end = self._flight(wall, angle, off, nodes, halvings)
+            end = self._flight(wall, angle, state, nodes, halvings)
             if end is None or end.gap == 0.0:
                 break
-            flown.append(self._landed(end, restitution, (wall, angle), number > 0))
+            flights.append(self._landed(end, restitution, (wall, angle), number > 0))
             wall, angle = end.wall, end.angle
-            off = Off(0.0, -restitution * end.rate, end.memory)
-        return flown, end
+            state = FreeState(0.0, -restitution * end.rate, end.memory)
+        return flights, end
 
     def _landed(
         self, end: End, restitution: float, begin: tuple[int, float], rebound: bool
@@ -225,7 +244,8 @@ class FreeFollower:
         here = np.array([end.angle % TURN])
         met = self.walls[end.wall]
         lever = float(met.leverage(here, "left")[0])
-        mass = float(self.inertia.at(here, np.array([end.place]))[0, 0])
+        mass = float(self.inertia.mass_terms(here, np.array([end.place]))[0, 0])
+        # The speed is multiplied by the restitution, the energy by its square.
         lost = 0.5 * (1.0 - restitution * restitution) * mass * end.rate * end.rate
         return Flight(
             leaving=angle,
@@ -239,52 +259,56 @@ class FreeFollower:
         )
 
     def _flight(
-        self, wall: int, leaving: float, off: Off, nodes: Nodes, halvings: int
+        self, wall: int, leaving: float, state: FreeState, nodes: ChebyshevNodes, halvings: int
     ) -> End | None:
         """The end of the flight that leaves the `wall` at `leaving` [rad]; None if it lasts longer
         than `MOST_TURNS`.
         """
         outwards = self.walls[wall].outwards(leaving % TURN)
-        most, flying, thrown = 0.0, False, off.rate != 0.0
+        most, flying, thrown = 0.0, False, state.rate != 0.0
         for cell in self._sampled(wall, outwards, leaving, nodes, halvings):
             low, high = cell.ends
             if low > leaving:
-                off = replace(off, rate=off.rate + self._leap(low))
-            gap, speed, memory = self._solved(cell, nodes, off)
-            probes = low + (high - low) * (EVEN if flying or not thrown else EARLY)
+                state = replace(state, rate=state.rate + self._leap(low))
+            gap, speed, memory = self._solved(cell, nodes, state)
+            # A flight that begins with a speed may end long before the first of evenly spaced
+            # probes.
+            probes = low + (high - low) * (UNIFORM if flying or not thrown else EARLY)
             away = outwards * gap(probes)
             # The gap begins with 0, and what rounding makes of it before it opens is no landing.
             opened = np.maximum.accumulate(away > self.least) | flying
             if not opened[-2] and (thrown or away[-1] < -self.least):
-                return End(leaving, wall, 0.0, 0.0, 0.0, off.memory)
+                return End(leaving, wall, 0.0, 0.0, 0.0, state.memory)
             back = closes(outwards * gap, probes[opened]) if opened[-2] else None
             across = None
             if cell.room is not None:
                 room = nodes.function(cell.room, cell.ends) - outwards * gap
                 across = closes(room, probes)
-            stops = [each for each in (back, across) if each is not None]
+            stops = [stop for stop in (back, across) if stop is not None]
             end = min(stops, default=high)
+            # The gap is largest where its rate changes sign, or at an end.
             turning = bracketed_roots(speed, *sign_changes(probes, speed(probes)))
             far = outwards * gap(np.append(turning[turning < end], [low, end]))
             most = max(most, float(np.max(far)))
-            last = Off(float(gap(end)), float(speed(end)), memory(end))
+            last = FreeState(float(gap(end)), float(speed(end)), memory(end))
             if stops:
+                # Of the two walls it hits the one that it reaches first.
                 hit = wall if across is None or end == back else 1 - wall
                 return self._ended(wall, hit, end, last, most)
-            off, flying = last, bool(opened[-1])
+            state, flying = last, bool(opened[-1])
         return None
 
     def _leap(self, angle: float) -> float:
         """What the rate of d gains at `angle` [rad], where the velocity of the wall may jump."""
-        apart = np.abs(np.mod(angle - self.jumps + 0.5 * TURN, TURN) - 0.5 * TURN)
-        return sum(self.jump(each) for each in self.jumps[apart <= SAME].tolist())
+        distances = np.abs(np.mod(angle - self.jumps + 0.5 * TURN, TURN) - 0.5 * TURN)
+        return sum(self.jump(jump_angle) for jump_angle in self.jumps[distances <= SAME].tolist())
 
-    def _ended(self, wall: int, hit: int, angle: float, last: Off, most: float) -> End:
+    def _ended(self, wall: int, hit: int, angle: float, last: FreeState, most: float) -> End:
         """The end on the wall `hit`, with the largest gap until then."""
         here = np.array([angle % TURN])
-        own, met = (self.walls[each].motion(here, "left")[:, 0] for each in (wall, hit))
+        left, met = (self.walls[number].motion(here, "left")[:, 0] for number in (wall, hit))
         omega = float(self.course.rates(here)[0, 0])
-        place, pace = float(own[0]), omega * float(met[1] - own[1])
+        place, pace = float(left[0]), omega * float(met[1] - left[1])
         return End(angle, hit, place + last.gap, last.rate - pace, most, last.memory)
 
     def on_wall(
@@ -296,11 +320,12 @@ class FreeFollower:
         """
         jet, rates = wall.motion(phi, side), self.course.rates(phi, side)
         omega, alpha = rates[0], rates[1]
+        # From derivatives over the cam angle to those in time.
         timed = np.stack((jet[0], jet[1] * omega, jet[2] * omega * omega + jet[1] * alpha))
         mass, free = self._free(phi, timed[0], timed[1])
         needed = mass * timed[2] - free
         if self.bearings is not None:
-            needed = needed + self.bearings.alone(phi, side, rates)
+            needed = needed + self.bearings.noncontact_friction(phi, side, rates)
         if self.carried is not None:
             needed = needed + self.carried.steady(phi, side)
         return timed, mass, free, needed
@@ -309,60 +334,65 @@ class FreeFollower:
         self, phi: FloatArray, q: FloatArray, rate: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
         """M and F (n,) of a free follower, see the module."""
-        mass, half = self.inertia.at(phi, q)
+        mass, half = self.inertia.mass_terms(phi, q)
         free = -half * rate * rate
-        for each in self.forces:
-            assert each.off is not None  # see the class
-            free = free + each.off(phi, q, rate)
+        for force in self.forces:
+            assert force.free_force is not None  # see the class
+            free = free + force.free_force(phi, q, rate)
         return mass, free
 
     def _sampled(
-        self, wall: int, outwards: float, leaving: float, nodes: Nodes, halvings: int
+        self, wall: int, outwards: float, leaving: float, nodes: ChebyshevNodes, halvings: int
     ) -> Iterator[Cell]:
         """The cells of a flight; many are evaluated at a time, the more the longer the flight."""
-        cells = cells_from(leaving, self.edges, 0.5**halvings, MOST_TURNS)
-        own, size = self.walls[wall], 1
+        cells = flight_cells(leaving, self.edges, 0.5**halvings, MOST_TURNS)
+        left_wall, size = self.walls[wall], 1
         while block := list(itertools.islice(cells, size)):
             lows, highs = np.array(block).T[:, :, None]
             angles = 0.5 * (lows + highs) + 0.5 * (highs - lows) * nodes.places
             phi = np.mod(angles, TURN).ravel()
-            timed, *forces = self.on_wall(own, phi, "right")
-            found = [phi, self.course.rates(phi)[0], *timed, *forces]
+            timed, *forces = self.on_wall(left_wall, phi, "right")
+            columns = [phi, self.course.rates(phi)[0], *timed, *forces]
             if len(self.walls) > 1:
                 other = self.walls[1 - wall].motion(phi, "right")[0]
-                found.append(outwards * (other - timed[0]))
-            rows = np.reshape(found, (len(found), *angles.shape))
+                columns.append(outwards * (other - timed[0]))
+            rows = np.reshape(columns, (len(columns), *angles.shape))
             for number, ends in enumerate(block):
                 yield Cell(ends, angles[number], *rows[:, number])
             size = min(2 * size, MOST_AT_ONCE)
 
     def _solved(
-        self, cell: Cell, nodes: Nodes, off: Off
+        self, cell: Cell, nodes: ChebyshevNodes, state: FreeState
     ) -> tuple[Polynomial, Polynomial, Callable[[float], ComplexArray]]:
         """d, its rate and the memory of the train in a cell, which at its start are those of
-        `off`.
+        the `state`.
         """
         count = len(cell.phi)
+        # Rounding of the forces moves the gap by about their acceleration times the square of the
+        # time in the cell.
         time = (cell.ends[1] - cell.ends[0]) / np.min(cell.omega)
         sizes = np.abs(cell.free) + np.abs(cell.mass * cell.pull)
         size = np.max(np.maximum(sizes, np.abs(cell.needed)) / cell.mass)
         noise = NOISE * float(size) * time * time
-        over_time = nodes.over(cell.ends, cell.omega)
-        moved = None if self.carried is None else self.carried.moved(cell, over_time, off)
-        d, v = np.full(count, off.gap), np.full(count, off.rate)
+        time_integral = nodes.time_integral(cell.ends, cell.omega)
+        moved = None if self.carried is None else self.carried.couple(cell, time_integral, state)
+        # The iteration starts from a follower that keeps its state.
+        d, v = np.full(count, state.gap), np.full(count, state.rate)
         for _ in range(MOST_ITERATIONS):
             mass, free = self._free(cell.phi, cell.lift + d, cell.pace + v)
             if not np.all(mass > 0.0):
                 raise StiffError("the follower flies beyond the end of its linkage's motion")
             push = free - cell.free - cell.needed + (cell.mass - mass) * cell.pull
             push = push / mass if moved is None else moved.acceleration(push)
-            v = off.rate + over_time @ push
-            last, d = d, off.gap + over_time @ v
+            v = state.rate + time_integral @ push
+            last, d = d, state.gap + time_integral @ v
             if np.max(np.abs(d - last)) <= max(CLOSE * float(np.max(np.abs(d))), noise):
-                speed = nodes.integral(push / cell.omega, off.rate, cell.ends)
-                gap = nodes.integral(v / cell.omega, off.gap, cell.ends)
-                kept = (lambda _: off.memory) if moved is None else moved.memory(nodes, v)
-                return gap, speed, kept
+                speed = nodes.integral(push / cell.omega, state.rate, cell.ends)
+                gap = nodes.integral(v / cell.omega, state.gap, cell.ends)
+                memory_function = (
+                    (lambda _: state.memory) if moved is None else moved.memory(nodes, v)
+                )
+                return gap, speed, memory_function
         rate = cell.pace + v
         raise StiffError(
             why_stiff(cell.ends[0], rate, lambda v: self._free(cell.phi, cell.lift + d, v)[1])
@@ -373,7 +403,7 @@ class FreeFollower:
 # Where a gap closes in a cell.
 
 
-EVEN: Final = np.linspace(0.0, 1.0, 65)
+UNIFORM: Final = np.linspace(0.0, 1.0, 65)
 EARLY: Final = np.append(0.0, np.geomspace(1e-9, 1.0, 128))
 """Places in a cell at which the landing is searched for; early ones where a flight begins with a
 speed, which may last but a moment.
@@ -394,17 +424,20 @@ def closes(gap: Polynomial, probes: FloatArray) -> float | None:
     """
     values = gap(probes)
     width = np.diff(probes)
+    # Chebyshev polynomials are at most 1, so the sum of the coefficients bounds the second
+    # derivative.
     bend = float(np.sum(np.abs(gap.deriv(2).coef)))
     least = np.minimum(values[:-1], values[1:])
+    # A function is at most an eighth of its second derivative times width^2 below its chord.
     doubtful = (least <= 0.0) | (least < 0.125 * bend * width * width)
     for piece in np.flatnonzero(doubtful).tolist():
         low, high = float(probes[piece]), float(probes[piece + 1])
         if values[piece] <= 0.0:
             return low
         if high - low > FINEST * TURN:
-            found = closes(gap, low + (high - low) * FINER)
-            if found is not None:
-                return found
+            place = closes(gap, low + (high - low) * FINER)
+            if place is not None:
+                return place
         elif values[piece + 1] <= 0.0:
             return float(bracketed_roots(gap, np.array([low]), np.array([high]))[0])
     return None
@@ -452,7 +485,7 @@ class Wall:
             return subject.state.motion.jet(phi, side, 2)[:LIFTS]
 
         def leverage(phi: FloatArray, side: Side) -> FloatArray:
-            return leverage_of(subject, phi, side, sense)
+            return contact_leverage(subject, phi, side, sense)
 
         return cls(sense, motion, leverage, subject.state.motion.borders)
 
@@ -486,9 +519,9 @@ def _opposite(subject: Subject, breadth: Breadth) -> Wall:
     highest = breadth.reach * (cam.yoke_breadth - 2.0 * breadth.height)
 
     def motion(phi: FloatArray, side: Side) -> FloatArray:
-        found = -state.motion.jet(phi + math.pi, side, 2)[:LIFTS]
-        found[0] += highest
-        return np.asarray(found)
+        jet = -state.motion.jet(phi + math.pi, side, 2)[:LIFTS]
+        jet[0] += highest
+        return np.asarray(jet)
 
     def leverage(phi: FloatArray, side: Side) -> FloatArray:
         return -state.curve.leverage(phi + math.pi, side)
@@ -510,20 +543,20 @@ def _played(subject: Subject, distance: float, sense: int, flank: int) -> Wall:
     return Wall(sense, lift.jet, leverage, lift.borders)
 
 
-# -- flown ----------------------------------------------------------------------------------------
+# -- flights --------------------------------------------------------------------------------------
 # What is known of a follower off the cam: where it leaves, its flights, and the cells of one.
 
 
 MOST_FLIGHTS: Final = 256
-"""In these turns; more come from nodes that are too few."""
+"""Most flights in these turns; more result from too few nodes."""
 
 SAME: Final = 1e-11
 """Landings this close [rad], modulo a turn, are one place."""
 
 
 UNSETTLED: Final = (
-    "finer and finer steps come to no flights that stay the same: off the cam it moves too fast for"
-    " them, or the smallest difference decides where it lands"
+    "the flights did not converge with finer and finer steps: off the cam the follower moves too"
+    " fast for them, or the smallest difference decides where it lands"
 )
 
 
@@ -604,7 +637,7 @@ def no_train() -> ComplexArray:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Off:
+class FreeState:
     """The state of a free follower.
 
     Attributes
@@ -666,24 +699,27 @@ def next_leaving(
 ) -> tuple[Leaving | None, float]:
     """Where a follower that rests on `wall` at `angle` [rad] leaves it."""
     soonest: tuple[Leaving | None, float] = (None, math.inf)
-    for each in leavings:
-        if each.wall != wall:
+    for leaving in leavings:
+        if leaving.wall != wall:
             continue
-        ahead = (each.begin - angle) % TURN
-        if TURN - ahead < each.end - each.begin:
+        ahead = (leaving.begin - angle) % TURN
+        # It is within the range already, and leaves at once.
+        if TURN - ahead < leaving.end - leaving.begin:
             ahead = 0.0
         if angle + ahead < soonest[1]:
-            soonest = each, angle + ahead
+            soonest = leaving, angle + ahead
     return soonest
 
 
 def in_turns(flown: list[Flight], turns: int) -> tuple[Flight, ...]:
-    """All flights of so many `turns`, each begun in them, by ascending cam angle."""
-    found = []
-    for each in flown:
-        shift = TURN * turns * math.floor(each.leaving / (TURN * turns))
-        found.append(replace(each, leaving=each.leaving - shift, landing=each.landing - shift))
-    return tuple(sorted(found, key=lambda each: each.leaving))
+    """All flights of a period of `turns`, each begun in it, by ascending cam angle."""
+    flights = []
+    for flight in flown:
+        shift = TURN * turns * math.floor(flight.leaving / (TURN * turns))
+        flights.append(
+            replace(flight, leaving=flight.leaving - shift, landing=flight.landing - shift)
+        )
+    return tuple(sorted(flights, key=lambda flight: flight.leaving))
 
 
 def refined(
@@ -714,22 +750,23 @@ def refined(
         whys.append("")
         error = 1.0
         if len(rough.flights) == len(fine.flights) and rough.turns == fine.turns:
-            told = _told(rough.flights, fine.flights)
-            error = worst(told) if told else 0.0
+            flights = _with_errors(rough.flights, fine.flights)
+            error = worst(flights) if flights else 0.0
             if error <= max(tolerance, ROUNDING):
-                return replace(fine, flights=told)
+                return replace(fine, flights=flights)
     if whys[-1]:
         raise EffectError(whys[-1])
     if error < 1.0:
-        raise missed("the impact speed of a flight", error, "itself", tolerance)
+        raise tolerance_error("the impact speed of a flight", error, "itself", tolerance)
     raise EffectError(UNSETTLED)
 
 
-def apart(rough: Flight, fine: Flight) -> float:
+def flight_difference(rough: Flight, fine: Flight) -> float:
     """The relative difference of gap, speed and energy; 1 if they end on different walls."""
     if rough.met != fine.met:
         return 1.0
     pairs = (rough.speed, fine.speed), (rough.gap, fine.gap)
+    # Relative differences; an energy goes with the square of a speed.
     speed, gap = (abs(a - b) / max(a, b) if a != b else 0.0 for a, b in pairs)
     return max(2.0 * speed, gap)
 
@@ -778,8 +815,8 @@ SLOW: Final = 1e-6
 
 
 def why_stiff(angle: float, rate: FloatArray, force: Callable[[FloatArray], FloatArray]) -> str:
-    """That a follower turns round near a cam `angle` [rad], and that the `force` on it, at a rate
-    (n,), jumps with the sign of this; empty if it does not.
+    """Why shorter cells do not help: the follower reverses near the cam `angle` [rad], and the
+    `force` on it at a rate (n,) jumps with the sign of that rate. Empty if it does not jump.
     """
     least, most = float(np.min(rate)), float(np.max(rate))
     if not least < 0.0 < most:
@@ -788,13 +825,13 @@ def why_stiff(angle: float, rate: FloatArray, force: Callable[[FloatArray], Floa
     if np.allclose(back, ahead, rtol=SLOW, atol=0.0):
         return ""
     return (
-        f"off the cam it turns round near cam angle {cam_angle(angle, '.0f')} deg, and friction"
-        " that jumps there to the other side is not followed"
+        f"off the cam the follower reverses near cam angle {cam_angle(angle, '.0f')} deg, and the"
+        " jump of its friction to the other side is not computed"
     )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Nodes:
+class ChebyshevNodes:
     """The Chebyshev nodes of a cell.
 
     Attributes
@@ -810,30 +847,32 @@ class Nodes:
     gain: FloatArray
 
     @classmethod
-    def of(cls, count: int) -> Self:
-        """So many nodes."""
+    def with_count(cls, count: int) -> Self:
+        """`count` nodes."""
         places = np.cos(np.pi * (np.arange(count) + 0.5) / count)[::-1]
         matrix = np.polynomial.chebyshev.chebvander(places, count - 1)
         fit = np.asarray(np.linalg.inv(matrix), dtype=np.float64)
         grown = np.polynomial.chebyshev.chebint(fit, lbnd=-1.0)
         return cls(places, fit, np.polynomial.chebyshev.chebvander(places, count) @ grown)
 
-    def over(self, ends: tuple[float, float], pace: FloatArray) -> FloatArray:
+    def time_integral(self, ends: tuple[float, float], pace: FloatArray) -> FloatArray:
         """(n, n) from values at the nodes of the cell with these `ends` to their integral over time
         to each node, where the cell is passed with the `pace` (n,) [rad/s].
         """
         return np.asarray(0.5 * (ends[1] - ends[0]) * self.gain / pace)
 
     def function(self, values: FloatArray, ends: tuple[float, float]) -> Polynomial:
-        """With these `values` (n,) at the nodes of the cell with these `ends`."""
+        """The polynomial with these `values` (n,) at the nodes of the cell with these `ends`."""
         return Polynomial(self.fit @ values, ends)
 
     def integral(self, values: FloatArray, start: float, ends: tuple[float, float]) -> Polynomial:
-        """The integral of that, which is `start` where the cell starts."""
+        """The integral of the polynomial with these `values` (n,), which is `start` where the cell
+        starts.
+        """
         return self.function(values, ends).integ(lbnd=ends[0]) + start
 
 
-def cells_from(
+def flight_cells(
     start: float, edges: FloatArray, share: float, turns: int = 1
 ) -> Iterator[tuple[float, float]]:
     """Cells [rad] over so many `turns` from `start`, short at first, none across one of `edges`.
@@ -841,6 +880,7 @@ def cells_from(
     `share` scales their lengths.
     """
     first, end = math.floor(start / TURN), start + turns * TURN
+    # The edges of a turn, in all turns that the flight may take.
     ahead = np.concatenate([edges[:-1] + (first + turn) * TURN for turn in range(turns + 1)])
     stops = [start, *ahead[(ahead > start) & (ahead < end)], end]
     size = share * FIRST_CELL
@@ -851,6 +891,7 @@ def cells_from(
         place = low
         while place < high:
             end = min(place + max(size * length, math.ulp(high)), high)
+            # No sliver is left at the end of a piece.
             if high - end < 0.5 * size * length:
                 end = high
             yield float(place), float(end)
@@ -858,7 +899,7 @@ def cells_from(
             size = min(2.0 * size, share * LONGEST_CELL)
 
 
-# -- carried --------------------------------------------------------------------------------------
+# -- carried train --------------------------------------------------------------------------------
 # The elastic train that a follower carries along, off the cam and after it has landed.
 #
 # The base of the train has the motion y = h + d, that of a follower on its flank and its gap, and
@@ -884,7 +925,7 @@ def cells_from(
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Carried:
+class CarriedTrain:
     """The elastic train behind a follower, whose first spring is on the follower itself.
 
     Attributes
@@ -936,71 +977,77 @@ class Carried:
         damp = abs(force.slope - float(np.sum(force.weights.real))) / mass
         return math.hypot(float(np.max(np.abs(rates))), math.sqrt(stiff)) + damp
 
-    def moved(self, cell: Cell, over_time: FloatArray, off: Off) -> Moved:
-        """How the follower moves with it in a `cell`, from the state `off` on; for `over_time` see
-        `Moved`.
+    def couple(self, cell: Cell, time_integral: FloatArray, state: FreeState) -> CoupledCell:
+        """The follower coupled with the train in a `cell`, from the `state` at its start; for
+        `time_integral` see `CoupledCell`.
         """
         force, rates = self.behind.train.force(0), self.behind.train.rates
         one = np.eye(len(cell.phi))
-        steps = one - rates[:, np.newaxis, np.newaxis] * over_time
+        # (m, n, n) 1 - lambda B of each mode.
+        steps = one - rates[:, np.newaxis, np.newaxis] * time_integral
         alone: ComplexArray = np.linalg.inv(steps).astype(np.complex128)
-        of_each = force.weights[:, np.newaxis, np.newaxis] * alone
-        per_rate = force.slope * one - np.sum(of_each.real, axis=0) + force.lift * over_time
-        kept = np.tensordot(off.memory, of_each, 1).real
-        still = np.sum(kept + off.rate * per_rate, axis=1) + force.lift * off.gap
-        inverse = np.linalg.inv(np.diag(cell.mass) + per_rate @ over_time)
-        return Moved(self, cell, off, inverse, still, over_time, alone)
+        mode_forces = force.weights[:, np.newaxis, np.newaxis] * alone
+        per_rate = force.slope * one - np.sum(mode_forces.real, axis=0) + force.lift * time_integral
+        memory_force = np.tensordot(state.memory, mode_forces, 1).real
+        # The force of the train on a follower that keeps its rate.
+        still = np.sum(memory_force + state.rate * per_rate, axis=1) + force.lift * state.gap
+        # The train takes per_rate B d'' besides, so that (M + per_rate B) d'' is what is left of
+        # the push.
+        inverse = np.linalg.inv(np.diag(cell.mass) + per_rate @ time_integral)
+        return CoupledCell(self, cell, state, inverse, still, time_integral, alone)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Moved:
+class CoupledCell:
     """A follower with its train at the n nodes of a cell.
 
     Attributes
     ----------
-    carried, cell, off : the train, the cell, and the state at its start.
+    carried, cell, start : the train, the cell, and the state at its start.
     inverse : (n, n) from forces to d''.
     still : (n,) force of the train with d'' = 0 [N or N mm].
-    over_time : (n, n) B [s].
+    time_integral : (n, n) B [s].
     alone : (m, n, n) S.
     """
 
-    carried: Carried
+    carried: CarriedTrain
     cell: Cell
-    off: Off
+    start: FreeState
     inverse: FloatArray
     still: FloatArray
-    over_time: FloatArray
+    time_integral: FloatArray
     alone: ComplexArray
 
     def acceleration(self, push: FloatArray) -> FloatArray:
         """(n,) d'' with all other forces `push` (n,)."""
         return np.asarray(self.inverse @ (push - self.still))
 
-    def memory(self, nodes: Nodes, rate: FloatArray) -> Callable[[float], ComplexArray]:
+    def memory(self, nodes: ChebyshevNodes, rate: FloatArray) -> Callable[[float], ComplexArray]:
         """z (m,) as a function of the cam angle [rad] in the cell, with d' `rate` (n,)."""
         rates = self.carried.behind.train.rates[:, np.newaxis]
-        forced = self.off.memory[:, np.newaxis] - rates * (self.over_time @ rate)
+        forced = self.start.memory[:, np.newaxis] - rates * (self.time_integral @ rate)
+        # S of each mode m, applied to its forcing at the nodes j.
         z = np.einsum("mij,mj->mi", self.alone, forced)
         low, high = self.cell.ends
         half = 0.5 * (high - low)
+        # z' = lambda (z - d') in time, by the place in the cell from -1 to 1.
         series = nodes.fit @ (half * rates * (z - rate) / self.cell.omega).T
         grown = np.polynomial.chebyshev.chebint(series, lbnd=-1.0)
 
-        def at(angle: float) -> ComplexArray:
+        def evaluate(angle: float) -> ComplexArray:
             place = (angle - low) / half - 1.0
-            return np.asarray(self.off.memory + np.polynomial.chebyshev.chebval(place, grown))
+            return np.asarray(self.start.memory + np.polynomial.chebyshev.chebval(place, grown))
 
-        return at
+        return evaluate
 
 
 # -- elastic ------------------------------------------------------------------------------------
 # The flights of a follower with an elastic train, until they repeat.
 #
 # A landing moves the train, which goes on vibrating: on the flank as in the steady state and a free
-# vibration besides, see "carried" above. So the follower leaves where the flank would have to pull
-# with both of them. It begins as if nothing had been before the first place where it does so in the
-# steady state, and what is told are the flights that repeat after that.
+# vibration besides, see "carried train" above. So the follower leaves where the flank would have to
+# pull with both of them. It begins as if nothing had been before the first place where it does so
+# in the steady state, and what is reported are the flights that repeat after that.
 #
 # They do so in the limit only. With the change c of their figures from one repetition to the next,
 # and c_0 that before, what is left of the way is c r / (1 - r), r = c / c_0, if it shrinks alike.
@@ -1035,7 +1082,7 @@ State = tuple[float, ComplexArray]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Repeated:
-    """What a series of flights has come to.
+    """The result of a series of flights.
 
     Attributes
     ----------
@@ -1059,7 +1106,7 @@ class ElasticFollower:
     """
 
     free: FreeFollower
-    carried: Carried
+    carried: CarriedTrain
     leaps: tuple[Leaving, ...]
     limit: float
 
@@ -1083,13 +1130,13 @@ class ElasticFollower:
         contact, mass = flank.contact, behind.mass
 
         def in_front(phi: FloatArray, q: FloatArray) -> FloatArray:
-            both = free.inertia.at(phi, q)
+            both = free.inertia.mass_terms(phi, q)
             both[0] -= mass
             return both
 
-        forces = tuple(each for each in free.forces if not each.present)
-        inertia = replace(free.inertia, at=in_front)
-        carried = Carried(behind, free.course)
+        forces = tuple(force for force in free.forces if not force.present)
+        inertia = replace(free.inertia, mass_terms=in_front)
+        carried = CarriedTrain(behind, free.course)
         least = float(np.min(in_front(free.edges, free.walls[0].motion(free.edges, "right")[0])[0]))
         periods = carried.fastest(least) * period(free.course) / TURN
         if periods > MOST_PERIODS:
@@ -1101,10 +1148,12 @@ class ElasticFollower:
         smooth = flank.base_edges if contact.bearings is None else contact.edges
         count = math.ceil(periods / PER_PIECE) + 1
         edges = merged(np.concatenate((smooth, np.linspace(0.0, TURN, count + 1))))
-        own = replace(free, forces=forces, inertia=inertia, carried=carried, edges=edges)
-        wall = own.walls[0]
-        push = piecewise_extremes(lambda phi, side: own.on_wall(wall, phi, side)[3], contact.edges)
-        return cls(own, carried, leaps, TOUCH * push.magnitude)
+        follower = replace(free, forces=forces, inertia=inertia, carried=carried, edges=edges)
+        wall = follower.walls[0]
+        push = piecewise_extremes(
+            lambda phi, side: follower.on_wall(wall, phi, side)[3], contact.edges
+        )
+        return cls(follower, carried, leaps, TOUCH * push.magnitude)
 
     def steady(
         self, leavings: tuple[Leaving, ...], restitution: float, tolerance: float
@@ -1116,76 +1165,85 @@ class ElasticFollower:
         EffectError
             If they cannot be computed to the `tolerance`.
         """
-        begin = min(each.begin for each in leavings), self.carried.at_rest
-        off = replace(self.carried, more=self.carried.behind.error)
-        rougher = replace(self, free=replace(self.free, carried=off), carried=off)
+        begin = min(leaving.begin for leaving in leavings), self.carried.at_rest
+        # With the force of the train off by its error: what this changes is part of the error.
+        perturbed = replace(self.carried, more=self.carried.behind.error)
+        rougher = replace(self, free=replace(self.free, carried=perturbed), carried=perturbed)
 
         def solved(halvings: int) -> tuple[Flights, ...]:
-            found = self.repeated(begin, restitution, tolerance, Nodes.of(ORDERS[1]), halvings)
-            if not found.flights.turns:
-                return found.flights, found.flights
-            nodes = Nodes.of(ORDERS[0])
-            rough = rougher.repeated(found.end, restitution, tolerance, nodes, halvings)
-            return rough.flights, found.flights
+            fine = self.repeated(
+                begin, restitution, tolerance, ChebyshevNodes.with_count(ORDERS[1]), halvings
+            )
+            if not fine.flights.turns:
+                return fine.flights, fine.flights
+            nodes = ChebyshevNodes.with_count(ORDERS[0])
+            rough = rougher.repeated(fine.end, restitution, tolerance, nodes, halvings)
+            return rough.flights, fine.flights
 
         # A stiff train may need all of them.
         return refined(solved, _share, tolerance, MOST_HALVINGS + 1)
 
     def repeated(
-        self, begin: State, restitution: float, tolerance: float, nodes: Nodes, halvings: int
+        self,
+        begin: State,
+        restitution: float,
+        tolerance: float,
+        nodes: ChebyshevNodes,
+        halvings: int,
     ) -> Repeated:
         """The flights from `begin` on until they repeat, with these `nodes` in each cell, and cells
         halved so often; those before that if they do not.
         """
         angle, memory = begin
         last = angle + MOST_ELASTIC_TURNS * TURN
-        flown: list[Flight] = []
+        all_flights: list[Flight] = []
         begun: list[tuple[float, int]] = []
-        while angle <= last and len(flown) < MOST_FLIGHTS:
+        while angle <= last and len(all_flights) < MOST_FLIGHTS:
             leaving = self._leaving(angle, memory)
             if leaving is None:
                 break
             start = leaving.begin
-            for each, count in reversed(begun):
-                turns = round((start - each) / TURN)
-                if turns and abs(start - each - turns * TURN) <= NEAR:
-                    slow = _slow(flown, [*begun, (start, len(flown))], turns, tolerance)
+            for earlier, count in reversed(begun):
+                turns = round((start - earlier) / TURN)
+                # It leaves where it has left whole turns before: the flights may repeat from there.
+                if turns and abs(start - earlier - turns * TURN) <= NEAR:
+                    slow = _slow(all_flights, [*begun, (start, len(all_flights))], turns, tolerance)
                     if slow is not None:
-                        settled = _settled(flown, count, turns, slow)
+                        settled = _settled(all_flights, count, turns, slow)
                         return Repeated(Flights(in_turns(settled, turns), turns), (angle, memory))
-            begun.append((start, len(flown)))
+            begun.append((start, len(all_flights)))
             memory = self.carried.left(memory, angle, np.array([start]))[:, 0]
-            off = Off(0.0, leaving.rate, memory)
-            flights, end = self.free.flown_from(0, start, off, restitution, nodes, halvings)
-            flown += flights
+            state = FreeState(0.0, leaving.rate, memory)
+            flights, end = self.free.follow_flight(0, start, state, restitution, nodes, halvings)
+            all_flights += flights
             if end is None:
                 since = flights[-1].landing if flights else start
-                return Repeated(Flights(tuple(flown), 0, since % TURN), (angle, memory))
+                return Repeated(Flights(tuple(all_flights), 0, since % TURN), (angle, memory))
             angle, memory = end.angle, end.memory
             if angle == start:  # nothing has opened: it has not left
                 angle = max(leaving.end, start + SAME)
                 memory = self.carried.left(memory, start, np.array([angle]))[:, 0]
-        return Repeated(Flights(tuple(flown), 0), (angle, memory))
+        return Repeated(Flights(tuple(all_flights), 0), (angle, memory))
 
     def _leaving(self, angle: float, memory: ComplexArray) -> Leaving | None:
-        """Where it leaves its flank after `angle` [rad], where z is `memory`; None if it stays for
-        `MOST_ELASTIC_TURNS`.
+        """Where the follower leaves its flank after `angle` [rad], where z is `memory`; None if it
+        stays for `MOST_ELASTIC_TURNS`.
         """
         wall, size = self.free.walls[0], 1
         outwards = wall.outwards(angle % TURN)
         leaps = [
-            replace(each, begin=begin, end=begin)
-            for each in self.leaps
-            for begin in (each.begin + TURN * math.ceil((angle - each.begin) / TURN),)
+            replace(leap, begin=begin, end=begin)
+            for leap in self.leaps
+            for begin in (leap.begin + TURN * math.ceil((angle - leap.begin) / TURN),)
         ]
-        leap = min(leaps, key=lambda each: each.begin, default=None)
+        leap = min(leaps, key=lambda leap: leap.begin, default=None)
 
         def reserve(phi: FloatArray) -> FloatArray:
             needed = self.free.on_wall(wall, np.mod(phi, TURN), "right")[3]
             vibrating = self.carried.pushed(self.carried.left(memory, angle, phi))
             return np.asarray(outwards * (needed + vibrating) + self.limit)
 
-        cells = cells_from(angle, self.free.edges, 1.0, MOST_ELASTIC_TURNS)
+        cells = flight_cells(angle, self.free.edges, 1.0, MOST_ELASTIC_TURNS)
         while block := list(itertools.islice(cells, size)):
             cuts = np.array([block[0][0], *(high for _, high in block)])
             cuts = merged(np.concatenate((cuts, dips(reserve, sample_grid(cuts)))))
@@ -1194,8 +1252,8 @@ class ElasticFollower:
             if np.any(below):
                 piece = int(np.argmax(below))
                 end = piece + int(np.argmin(below[piece:]))
-                found = Leaving(0, float(cuts[piece]), float(cuts[end]))
-                return found if leap is None or found.begin < leap.begin else leap
+                leaving = Leaving(0, float(cuts[piece]), float(cuts[end]))
+                return leaving if leap is None or leaving.begin < leap.begin else leap
             if leap is not None and leap.begin <= cuts[-1]:
                 return leap
             size = min(2 * size, MOST_AT_ONCE)
@@ -1212,17 +1270,18 @@ def _slow(
     """
     ends = [begun[-1]]
     for _ in range(REPEATED):
-        before = ends[-1][0] - turns * TURN
-        near = min(begun, key=lambda each: abs(each[0] - before))
-        if not abs(near[0] - before) <= NEAR:
+        expected = ends[-1][0] - turns * TURN
+        near = min(begun, key=lambda pair: abs(pair[0] - expected))
+        if not abs(near[0] - expected) <= NEAR:
             break
         ends.append(near)
     series = [flown[low:high] for (_, high), (_, low) in itertools.pairwise(ends)]
-    changes = [_change(*each, turns) for each in itertools.pairwise(series)]
+    changes = [_change(*pair, turns) for pair in itertools.pairwise(series)]
     if changes and changes[0] <= STILL:
         return 1.0
     if len(changes) <= 1 or not changes[0] < changes[1] < math.inf:
         return None
+    # The changes of a geometric series: share / (1 - share) of the last one is still to come.
     share = changes[0] / changes[1]
     slow = max(1.0, share / (1.0 - share))
     return slow if slow * changes[0] <= SETTLED * tolerance else None
@@ -1231,14 +1290,14 @@ def _slow(
 def _settled(flown: list[Flight], count: int, turns: int, slow: float) -> list[Flight]:
     """The last flights, from number `count` on, with the errors that their series leaves."""
     last = flown[count:]
-    before = flown[count - len(last) : count]
+    previous = flown[count - len(last) : count]
     return [
         replace(
             new,
-            error=slow * apart(old, new),
+            error=slow * flight_difference(old, new),
             late=slow * abs(new.landing - old.landing - turns * TURN),
         )
-        for old, new in zip(before, last, strict=True)
+        for old, new in zip(previous, last, strict=True)
     ]
 
 
@@ -1261,15 +1320,15 @@ def _change(after: list[Flight], before: list[Flight], turns: int) -> float:
 
 def _largest(flights: Sequence[Flight]) -> tuple[float, float]:
     """The largest speed and gap."""
-    return max(each.speed for each in flights), max(each.gap for each in flights)
+    return max(flight.speed for flight in flights), max(flight.gap for flight in flights)
 
 
-def _told(rough: tuple[Flight, ...], fine: tuple[Flight, ...]) -> tuple[Flight, ...]:
+def _with_errors(rough: tuple[Flight, ...], fine: tuple[Flight, ...]) -> tuple[Flight, ...]:
     """The `fine` flights with their errors: what they differ by, and what their series leaves."""
     return tuple(
         replace(
             better,
-            error=better.error + max(apart(worse, better), ROUNDING),
+            error=better.error + max(flight_difference(worse, better), ROUNDING),
             late=better.late + max(abs(worse.landing - better.landing), ROUNDING * TURN),
         )
         for worse, better in zip(rough, fine, strict=True)
@@ -1279,4 +1338,4 @@ def _told(rough: tuple[Flight, ...], fine: tuple[Flight, ...]) -> tuple[Flight, 
 def _share(flights: tuple[Flight, ...]) -> float:
     """The largest error of a figure, as a share of the largest of its kind."""
     speed, gap = _largest(flights)
-    return max(each.error * max(each.speed / speed, each.gap / gap) for each in flights)
+    return max(flight.error * max(flight.speed / speed, flight.gap / gap) for flight in flights)

@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 
 from camgeo.check.finding import STATED, Finding
-from camgeo.dynamics.effects.contact import FLANKS, holds_both_ways, sides_of
+from camgeo.dynamics.effects.contact import FLANKS, holds_both_ways, side_names
 from camgeo.dynamics.effects.effect import Bound, Subject
 from camgeo.dynamics.effects.lift_off.flank import Flank
 from camgeo.dynamics.effects.lift_off.flight import (
@@ -23,7 +23,7 @@ from camgeo.dynamics.effects.lift_off.flight import (
     Wall,
 )
 from camgeo.dynamics.effects.results import ContactForce, Inertia
-from camgeo.dynamics.effects.wording import N_M, at, between, degrees, placed
+from camgeo.dynamics.effects.wording import N_M, at_angle, degrees, over_range, placed
 from camgeo.errors import EffectError, GeometryError
 from camgeo.numeric.extremes import Extreme, piecewise_highest, piecewise_lowest
 from camgeo.units import TURN, counted, listed
@@ -39,7 +39,7 @@ difference."""
 
 
 @dataclass(frozen=True, slots=True)
-class Flown:
+class FlightReport:
     """The flights with their findings and the errors of these.
 
     Attributes
@@ -57,18 +57,18 @@ class Flown:
         """Over which the follower is free, with flights that follow at once as one; a turn at
         most each.
         """
-        found: list[tuple[float, float]] = []
-        for each in self.flights:
-            if found and found[-1][1] == each.leaving:
-                found[-1] = (found[-1][0], each.landing)
+        spans: list[tuple[float, float]] = []
+        for flight in self.flights:
+            if spans and spans[-1][1] == flight.leaving:
+                spans[-1] = (spans[-1][0], flight.landing)
             else:
-                found.append((each.leaving, each.landing))
-        return tuple((start % TURN, start % TURN + min(end - start, TURN)) for start, end in found)
+                spans.append((flight.leaving, flight.landing))
+        return tuple((start % TURN, start % TURN + min(end - start, TURN)) for start, end in spans)
 
 
 @dataclass(frozen=True, slots=True)
-class Told:
-    """How the flights of one design are told.
+class FlightWording:
+    """The words for the flights of one design.
 
     Attributes
     ----------
@@ -90,11 +90,13 @@ class Told:
     def flight(
         self, flight: Flight, bounces: Sequence[Flight], subject: Subject
     ) -> tuple[Finding, ...]:
-        """Where and how far it flies, how it lands, and how it then bounces."""
+        """The findings on one flight: its range and its gap, its landing, and the bounces
+        after it.
+        """
         start, end = flight.leaving % TURN, flight.landing % TURN
         then = ""
         if bounces:
-            fastest = max(each.speed for each in bounces)
+            fastest = max(bounce.speed for bounce in bounces)
             then = f", and bounces {counted(len(bounces), 'time')}, at up to {fastest:.6g} mm/s,"
             then += f" until {degrees(bounces[-1].landing)}"
         if self.clearance is not None:
@@ -110,13 +112,13 @@ class Told:
         gap = factor * flight.gap
         begins = "rebounds from" if flight.rebound else "is off"
         later = int((flight.landing - flight.leaving) / TURN)
-        over = between((start, end)) + (f", {counted(later, 'turn')} later" if later else "")
+        where = over_range((start, end)) + (f", {counted(later, 'turn')} later" if later else "")
         return (
             Finding(
                 name="flight",
                 severity="warning",
                 sentence=(
-                    f"the {self.who} {begins} {self.side(flight.left)} {over}, up to {gap:.6g}"
+                    f"the {self.who} {begins} {self.side(flight.left)} {where}, up to {gap:.6g}"
                     f" {unit} of lift beyond it"
                 ),
                 value=gap,
@@ -125,7 +127,7 @@ class Told:
                 cam_angle=start,
                 cam_range=(start, end),
             ),
-            self._impact(flight, f"it lands {at(end)}, at {flight.speed:.6g} mm/s{then}"),
+            self._impact(flight, f"it lands {at_angle(end)}, at {flight.speed:.6g} mm/s{then}"),
         )
 
     @staticmethod
@@ -140,7 +142,7 @@ class Told:
         )
 
     def fastest(self, flights: tuple[Flight, ...], tail: str) -> Finding:
-        """The fastest impact."""
+        """The finding on the fastest impact."""
         fastest = max(flights, key=lambda flight: flight.speed)
         end = Extreme(fastest.speed, fastest.landing % TURN)
         how = f"lands at up to {end.value:.6g} mm/s"
@@ -149,58 +151,58 @@ class Told:
                 f"crosses its clearance of {self.clearance} and hits the {self.noun} at up to"
                 f" {end.value:.6g} mm/s"
             )
-        sentence = f"the {self.who} {how}, {at(end.place)}{tail}"
+        sentence = f"the {self.who} {how}, {at_angle(end.place)}{tail}"
         return placed("largest-impact-speed", sentence, end, "mm/s", severity="warning")
 
 
-def flown_from(
+def flank_flights(
     flank: Flank, inertia: Inertia | None, restitution: float, tolerance: float
-) -> Flown:
+) -> FlightReport:
     """The flights from `flank`, which the follower leaves, at the speed of the scene; none, as a
     finding says, if they cannot be computed to the `tolerance`.
     """
     subject, contact = flank.subject, flank.contact
     why, course = _why_not(subject, contact, inertia), subject.state.course
     lost = contact.lost_contact
-    if any(each.end - each.start == TURN for each in lost.ranges):
+    if any(stretch.end - stretch.start == TURN for stretch in lost.ranges):
         why = why or f"the {flank.toucher} is off the cam over the whole turn"
-    told = Told(flank.toucher, FLANKS, "flank")
+    wording = FlightWording(flank.toucher, FLANKS, "flank")
     if why or inertia is None or course is None:
         return _none("flight", why)
     walls = (Wall.of_state(subject, flank.sense),)
     free = FreeFollower.with_forces(contact, inertia, course, walls, subject.state.shocks)
-    found = [Leaving(0, angle, angle, free.jump(angle)) for angle in lost.leaps]
-    for each in lost.ranges:
-        length = (each.end - each.start) % TURN
+    leavings = [Leaving(0, angle, angle, free.jump(angle)) for angle in lost.leaps]
+    for stretch in lost.ranges:
+        length = (stretch.end - stretch.start) % TURN
         if length > 0.0:
-            found.append(Leaving(0, each.start, each.start + length))
+            leavings.append(Leaving(0, stretch.start, stretch.start + length))
     if contact.behind is not None:
-        leaps = tuple(each for each in found if each.begin == each.end)
+        leaps = tuple(leaving for leaving in leavings if leaving.begin == leaving.end)
         try:
             elastic = ElasticFollower.with_train(free, flank, contact.behind, leaps)
         except EffectError as error:
             return _none("flight", error.message + RIGID)
-        return _told(told, subject, elastic, tuple(found), restitution, tolerance)
-    return _told(told, subject, free, tuple(found), restitution, tolerance)
+        return _report_flights(wording, subject, elastic, tuple(leavings), restitution, tolerance)
+    return _report_flights(wording, subject, free, tuple(leavings), restitution, tolerance)
 
 
-def crossed_by(
+def clearance_flights(
     subject: Subject,
     contact: ContactForce,
     inertia: Inertia | None,
     clearance: float,
     restitution: float,
     tolerance: float,
-) -> Flown:
-    """The flights across the `clearance` [mm] of a groove or between two discs, as `flown_from`; of
-    a yoke it is the least one of the turn.
+) -> FlightReport:
+    """The flights across the `clearance` [mm] of a groove or between two discs, as `flank_flights`;
+    of a yoke it is the least one of the turn.
     """
     why, course = _why_not(subject, contact, inertia), subject.state.course
     if clearance < 0.0:
         why = why or "the cam squeezes the yoke"
-    names, noun = sides_of(subject)
+    names, noun = side_names(subject)
     who = "roller" if subject.returning is None else "follower"
-    told = Told(who, names, noun, _clearance_in_words(subject, clearance))
+    wording = FlightWording(who, names, noun, _clearance_in_words(subject, clearance))
     if subject.state.sense:
         why = why or (
             "the contours are given as they are written, and flights between these are not"
@@ -210,7 +212,7 @@ def crossed_by(
         return _none("impact-speed", why)
     jumps = subject.state.shocks
     if jumps:
-        why = f"the velocity jumps {at(jumps[0])}, which is itself a shock"
+        why = f"the velocity jumps {at_angle(jumps[0])}, which is itself a shock"
         return _none("impact-speed", why)
     try:
         walls = Wall.with_clearance(subject, clearance)
@@ -219,8 +221,8 @@ def crossed_by(
     except GeometryError as error:
         return _none("impact-speed", error.message)
     if not leavings:
-        return Flown()
-    return _told(told, subject, free, leavings, restitution, tolerance)
+        return FlightReport()
+    return _report_flights(wording, subject, free, leavings, restitution, tolerance)
 
 
 def _clearance_in_words(subject: Subject, clearance: float) -> str:
@@ -230,30 +232,32 @@ def _clearance_in_words(subject: Subject, clearance: float) -> str:
 
 
 def _why_not(subject: Subject, contact: ContactForce, inertia: Inertia | None) -> str:
-    """Why no landing can be given; empty if it can."""
+    """Why no landing can be computed; empty if it can."""
     if inertia is None or subject.state.course is None:
-        return "it needs [effects.inertia]; without mass a landing is no impact"
+        return "it needs [effects.inertia], as without mass a landing is no impact"
     if not piecewise_lowest(inertia.to_follower, contact.edges).value > 0.0:
         return "the follower has no mass, and its landing is no impact"
     if contact.behind is not None and (why := _why_not_elastic(subject, contact, inertia)):
         return why + RIGID
     unknown = [
-        each.name
-        for each in contact.forces
-        if each.off is None and each is not inertia.force and not each.present
+        force.name
+        for force in contact.forces
+        if force.free_force is None and force is not inertia.force and not force.present
     ]
-    return f"{listed(unknown)} off the cam is not known" if unknown else ""
+    return (
+        f"the force of {listed(unknown)} on a follower off the cam is not known" if unknown else ""
+    )
 
 
 def _why_not_elastic(subject: Subject, contact: ContactForce, inertia: Inertia) -> str:
-    """The same for an elastic train."""
+    """Why no landing can be computed with an elastic train; empty if it can."""
     if holds_both_ways(subject):
         return "the flights of an elastic train across a clearance are not computed"
     if subject.drive.linkage is not None:
         return "the flights of an elastic train behind a linkage are not computed"
     assert contact.struck is not None  # there are masses
-    own = piecewise_lowest(contact.struck, contact.edges).value
-    if not own > NOTHING * piecewise_highest(inertia.to_follower, contact.edges).value:
+    front_mass = piecewise_lowest(contact.struck, contact.edges).value
+    if not front_mass > NOTHING * piecewise_highest(inertia.to_follower, contact.edges).value:
         return (
             "all of its mass is behind the elastic train, and no impact is known without some in"
             " front of it; [effects.vibration] masses or moments of less than [effects.inertia]"
@@ -262,20 +266,20 @@ def _why_not_elastic(subject: Subject, contact: ContactForce, inertia: Inertia) 
     return ""
 
 
-def _none(name: str, why: str) -> Flown:
-    return Flown(findings=(Finding(name, "warning", f"no landing is given: {why}"),))
+def _none(name: str, why: str) -> FlightReport:
+    return FlightReport(findings=(Finding(name, "warning", f"no landing is computed: {why}"),))
 
 
-def _told(
-    told: Told,
+def _report_flights(
+    wording: FlightWording,
     subject: Subject,
     free: FreeFollower | ElasticFollower,
     leavings: tuple[Leaving, ...],
     restitution: float,
     tolerance: float,
-) -> Flown:
-    """The flights of `free`, in words."""
-    single = told.clearance is None
+) -> FlightReport:
+    """The flights of `free` with their findings."""
+    single = wording.clearance is None
     none = partial(_none, "flight" if single else "impact-speed")
     try:
         steady = free.steady(leavings, restitution, tolerance)
@@ -283,63 +287,70 @@ def _told(
         return none(error.message)
     if steady.unlanded is not None:
         return none(
-            f"the flight from cam angle {degrees(steady.unlanded)} on lasts longer than"
+            f"the flight that begins at cam angle {degrees(steady.unlanded)} lasts longer than"
             f" {counted(FreeFollower.most_turns, 'turn')}"
         )
     if not steady.turns:
         return none(f"the flights do not repeat within {counted(free.most_turns, 'turn')}")
     flights, turns = steady.flights, steady.turns
     if not flights:
-        return Flown()
-    found: list[Finding] = []
+        return FlightReport()
+    findings: list[Finding] = []
     for first, *bounces in with_bounces(flights):
-        found += told.flight(first, bounces, subject)
+        findings += wording.flight(first, bounces, subject)
     tail = ""
     if restitution > 0.0 and _longest_run(flights) > MOST_REBOUNDS:
-        tail = f"; of each flight {MOST_REBOUNDS} rebounds are followed"
-    found.append(told.fastest(flights, tail))
-    energy = N_M * sum(each.energy for each in flights) / turns
-    found.append(
+        tail = f"; only {MOST_REBOUNDS} rebounds of each flight are computed"
+    findings.append(wording.fastest(flights, tail))
+    energy = N_M * sum(flight.energy for flight in flights) / turns
+    findings.append(
         Finding(
             name="impact-energy",
             severity="ok",
-            sentence=f"the impacts take {energy:.6g} J from the {told.who} in a turn",
+            sentence=f"the impacts take {energy:.6g} J per turn from the {wording.who}",
             value=energy,
             unit="J",
         )
     )
-    late = max(each.late for each in flights)
+    late = max(flight.late for flight in flights)
     if late > ANGLE_SHOWN:
         degree = math.degrees(late)
-        sentence = f"the cam angles of the landings have an error of up to {degree:.2g} deg, more"
-        sentence += " than their digits show"
+        sentence = (
+            f"the cam angles of the landings have an error of up to {degree:.2g} deg, which is more"
+            " than half of the last digit shown"
+        )
         limit = math.degrees(ANGLE_SHOWN)
-        found.append(Finding("landing-angle", "warning", sentence, degree, limit, "deg"))
+        findings.append(Finding("landing-angle", "warning", sentence, degree, limit, "deg"))
     if turns > 1:
-        sentence = f"the {told.who} does not fly alike in every turn: its flights repeat after"
-        sentence += f" {counted(turns, 'turn')}"
-        found.append(Finding("flight-turns", "warning", sentence, float(turns)))
-    return Flown(flights, turns, tuple(found), _errors(flights, turns, subject, single=single))
+        sentence = (
+            f"the flights of the {wording.who} differ from turn to turn and repeat after"
+            f" {counted(turns, 'turn')}"
+        )
+        findings.append(Finding("flight-turns", "warning", sentence, float(turns)))
+    return FlightReport(
+        flights, turns, tuple(findings), _errors(flights, turns, subject, single=single)
+    )
 
 
 def with_bounces(flights: tuple[Flight, ...]) -> list[list[Flight]]:
     """Each flight, with the rebounds after it that stay behind it in speed and gap and end on the
     side where they begin.
     """
-    first = next((k for k, each in enumerate(flights) if not each.rebound), 0)
-    found: list[list[Flight]] = []
-    for each in (*flights[first:], *flights[:first]):
-        over = found[-1][0] if found else None
-        if over is None or each.crossed or not each.rebound or not each.behind(over):
-            found.append([each])
+    # The first flight of the turn may be the rebound of one that has begun in the turn before.
+    first = next((k for k, flight in enumerate(flights) if not flight.rebound), 0)
+    groups: list[list[Flight]] = []
+    for flight in (*flights[first:], *flights[:first]):
+        leading = groups[-1][0] if groups else None
+        if leading is None or flight.crossed or not flight.rebound or not flight.behind(leading):
+            groups.append([flight])
         else:
-            found[-1].append(each)
-    return found
+            groups[-1].append(flight)
+    return groups
 
 
 def _longest_run(flights: tuple[Flight, ...]) -> int:
     """Flights that follow each other as rebounds, at most."""
-    ends = [0, *(k for k, each in enumerate(flights) if not each.rebound), len(flights)]
+    ends = [0, *(k for k, flight in enumerate(flights) if not flight.rebound), len(flights)]
     return int(np.max(np.diff(ends)))
 
 
@@ -347,15 +358,15 @@ def _errors(
     flights: tuple[Flight, ...], turns: int, subject: Subject, *, single: bool
 ) -> Mapping[str, Bound]:
     """The errors of the findings, by their names."""
-    fastest = max(each.speed for each in flights)
-    hits = Bound(max(each.error * each.speed for each in flights), fastest)
+    fastest = max(flight.speed for flight in flights)
+    hits = Bound(max(flight.error * flight.speed for flight in flights), fastest)
     errors = dict.fromkeys(("impact-speed", "largest-impact-speed"), hits)
-    losses = [each.energy for each in flights]
-    lost = sum(each.error * each.energy for each in flights)
+    losses = [flight.energy for flight in flights]
+    lost = sum(flight.error * flight.energy for flight in flights)
     errors["impact-energy"] = Bound(lost, sum(losses)).times(N_M / turns)
     if single:
         factor, _ = STATED[subject.cam.lift_unit]
-        farthest = max(each.gap for each in flights)
-        gaps = Bound(max(each.error * each.gap for each in flights), farthest)
+        farthest = max(flight.gap for flight in flights)
+        gaps = Bound(max(flight.error * flight.gap for flight in flights), farthest)
         errors["flight"] = gaps.times(factor)
     return errors

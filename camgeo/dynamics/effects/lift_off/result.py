@@ -20,21 +20,28 @@ from camgeo.dynamics.effects.contact import (
     holds_both_ways,
     lost_contact,
     runs,
-    sides_of,
+    side_names,
 )
-from camgeo.dynamics.effects.effect import Bound, Request, Subject, data_of
+from camgeo.dynamics.effects.effect import Bound, Request, Subject, build_data
 from camgeo.dynamics.effects.lift_off.flank import Flank
 from camgeo.dynamics.effects.results import (
     CONTACT_FORCE,
     INERTIA,
     SPRING,
     ContactForce,
+    Flying,
     Inertia,
-    Leaving,
-    Range,
+    LowRange,
     Spring,
 )
-from camgeo.dynamics.effects.wording import angles, at, by_place, degrees, placed, scale_of
+from camgeo.dynamics.effects.wording import (
+    at_angle,
+    at_angles,
+    by_place,
+    degrees,
+    placed,
+    spring_scale,
+)
 from camgeo.errors import GeometryError
 from camgeo.kinematics.time_course import TimeCourse, period
 from camgeo.numeric.extremes import Extreme
@@ -74,7 +81,7 @@ def compute(request: Request[Mapping[str, Any]]) -> ForceClosed | FormClosed:
         If the scene gives a margin for a roller in a groove, which changes flanks in operation, a
         backlash for a roller on a single flank, or one that differs from the side clearance.
     """
-    subject, data = request.subject, data_of(ContactMargin, request.data)
+    subject, data = request.subject, build_data(ContactMargin, request.data)
     contact = request.results[CONTACT_FORCE]
     inertia = request.results.get(INERTIA)
     if holds_both_ways(subject):
@@ -89,7 +96,7 @@ def compute(request: Request[Mapping[str, Any]]) -> ForceClosed | FormClosed:
         backlash = _backlash(data, cam.clearance)
         if cam.breadth is not None:
             backlash = cam.breadth.play(cam.yoke_breadth)
-        return of_groove(subject, contact, inertia, backlash, data.restitution, request.tolerance)
+        return form_closed(subject, contact, inertia, backlash, data.restitution, request.tolerance)
     if data.backlash is not None:
         raise GeometryError(
             'a backlash is for a roller in a groove, contact = "groove", or between two discs',
@@ -97,18 +104,20 @@ def compute(request: Request[Mapping[str, Any]]) -> ForceClosed | FormClosed:
             value=f"{data.backlash:g}",
         )
     flank = Flank(subject, contact, subject.cam.contact.push, data.margin)
-    closed = of_flank(flank, request.results.get(SPRING), request.near)
+    closed = force_closed(flank, request.results.get(SPRING), request.near)
     if not contact.lost_contact:
         return closed
-    from camgeo.dynamics.effects.lift_off.landing import flown_from  # few followers leave the flank
+    from camgeo.dynamics.effects.lift_off.landing import (
+        flank_flights,  # few followers leave the flank
+    )
 
-    flown = flown_from(flank, inertia, data.restitution, request.tolerance)
+    report = flank_flights(flank, inertia, data.restitution, request.tolerance)
     return replace(
         closed,
-        findings=(*closed.findings, *flown.findings),
-        flights=flown.flights,
-        flown=flown.ranges,
-        errors={**closed.errors, **flown.errors},
+        findings=(*closed.findings, *report.findings),
+        flights=report.flights,
+        flight_ranges=report.ranges,
+        errors={**closed.errors, **report.errors},
     )
 
 
@@ -134,7 +143,7 @@ def _backlash(data: ContactMargin, side_clearance: float) -> float:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class ForceClosed(Leaving):
+class ForceClosed(Flying):
     """The contact of a roller on one flank.
 
     Attributes
@@ -149,14 +158,16 @@ class ForceClosed(Leaving):
     """
 
     lowest: Extreme
-    lost: tuple[Range, ...]
+    lost: tuple[LowRange, ...]
     speed: Extreme | None
     preload: Extreme | None
     stiffness: Extreme | None
     flights: tuple[Flight, ...] = ()
 
 
-def of_flank(flank: Flank, spring: Spring | None, near: ForceClosed | None = None) -> ForceClosed:
+def force_closed(
+    flank: Flank, spring: Spring | None, near: ForceClosed | None = None
+) -> ForceClosed:
     """The findings for `flank`, with the spring of the scene if it has one; `near` those of one
     that hardly differs.
     """
@@ -165,63 +176,69 @@ def of_flank(flank: Flank, spring: Spring | None, near: ForceClosed | None = Non
     if abs(lowest.value) <= least:
         lowest = Extreme(0.0, lowest.place)
     contact = flank.contact
-    off = lost_contact(
+    separation = lost_contact(
         flank.subject, contact.normal, contact.extremes, edges, contact.struck, flank.margin
     )
-    lost, leaps = off.ranges, off.leaps
-    found = [_lost(flank, each) for each in lost] + [_leap(flank, each) for each in by_place(leaps)]
-    if not found:
-        found.append(_kept(flank, lowest))
+    lost, leaps = separation.ranges, separation.leaps
+    findings = [_lost_finding(flank, place) for place in lost] + [
+        _leap_finding(flank, place) for place in by_place(leaps)
+    ]
+    if not findings:
+        findings.append(_holding_finding(flank, lowest))
     if not lost and flank.margin == 0.0 and lowest.value <= least:
-        found.append(_touching(lowest, flank.toucher))
+        findings.append(_touching(lowest, flank.toucher))
     speed, errors = None, {}
     if course is not None:
         rigid = Extreme(0.0, leaps[0]) if leaps else flank.lift_off_speed(edges)
         speed = rigid
         if contact.behind is None or leaps:
-            found.append(_speed(flank, rigid, course, bool(lost or leaps)))
+            findings.append(_speed_finding(flank, rigid, course, bool(lost or leaps)))
         else:
             from camgeo.dynamics.effects.lift_off.elastic_speed import ElasticSpeed
 
             if near is not None and near.speed is None:  # so no more is known of this one
-                searched = ElasticSpeed(why="nor is one given for a train that hardly differs")
+                searched = ElasticSpeed(why="nor was one found for a train that hardly differs")
             else:
-                beside = None if near is None else near.speed
+                near_speed = None if near is None else near.speed
                 searched = ElasticSpeed.searched(
-                    flank, contact.behind, flank.base_edges, rigid.value, beside
+                    flank, contact.behind, flank.base_edges, rigid.value, near_speed
                 )
             speed = searched.speed
-            found.append(_elastic(flank, searched, rigid, course, bool(lost)))
+            findings.append(_elastic_speed_finding(flank, searched, rigid, course, bool(lost)))
             if speed is not None:
                 mean = _mean(course)
                 errors = {"lift-off-speed": Bound(searched.error * mean, speed.value * mean)}
     preload = stiffness = None
     if spring is not None:
-        kept, rate = flank.toucher, spring.stiffness
+        toucher, rate = flank.toucher, spring.stiffness
         preload, stiffness = flank.least_spring(spring, leaps)
-        found.append(
-            _least("preload", preload, spring.preload, spring.unit_of_preload, "stiffness", kept)
+        findings.append(
+            _spring_finding(
+                "preload", preload, spring.preload, spring.unit_of_preload, "stiffness", toucher
+            )
         )
-        found.append(
-            _least("stiffness", stiffness, rate, spring.unit_of_stiffness, "preload", kept)
+        findings.append(
+            _spring_finding(
+                "stiffness", stiffness, rate, spring.unit_of_stiffness, "preload", toucher
+            )
         )
     return ForceClosed(
-        lowest, lost, speed, preload, stiffness, findings=tuple(found), errors=errors
+        lowest, lost, speed, preload, stiffness, findings=tuple(findings), errors=errors
     )
 
 
-def _leaves(flank: Flank) -> str:
+def _leaving_clause(flank: Flank) -> str:
     return f"leaves the {FLANKS[flank.sense]} flank"
 
 
-def _short(flank: Flank) -> str:
-    """What the roller does where less than the margin remains."""
+def _shortfall_clause(flank: Flank) -> str:
+    """What the follower does where less than the margin remains, as a clause."""
     if not flank.margin:
-        return _leaves(flank)
+        return _leaving_clause(flank)
     return f"keeps less than {flank.margin:g} N on the {FLANKS[flank.sense]} flank"
 
 
-def _lost(flank: Flank, stretch: Range) -> Finding:
+def _lost_finding(flank: Flank, stretch: LowRange) -> Finding:
     low = stretch.lowest
     whole = stretch.end - stretch.start == TURN
     where = (
@@ -229,7 +246,7 @@ def _lost(flank: Flank, stretch: Range) -> Finding:
         if whole
         else f"from cam angle {degrees(stretch.start)} to {degrees(stretch.end)}"
     )
-    lost = _leaves(flank) if low.value < 0.0 else _short(flank)
+    lost = _leaving_clause(flank) if low.value < 0.0 else _shortfall_clause(flank)
     return Finding(
         name="lift-off",
         severity="broken",
@@ -245,13 +262,13 @@ def _lost(flank: Flank, stretch: Range) -> Finding:
     )
 
 
-def _leap(flank: Flank, places: Sequence[float]) -> Finding:
+def _leap_finding(flank: Flank, places: Sequence[float]) -> Finding:
     return Finding(
         name="lift-off",
         severity="broken",
         sentence=(
-            f"the {flank.toucher} {_leaves(flank)} {angles(places)}: the velocity jumps away from"
-            " it, and no force can hold it at that instant"
+            f"the {flank.toucher} {_leaving_clause(flank)} {at_angles(places)}: the velocity jumps"
+            " away from it, and no force can hold it at that instant"
         ),
         limit=flank.margin,
         unit="N",
@@ -259,18 +276,18 @@ def _leap(flank: Flank, places: Sequence[float]) -> Finding:
     )
 
 
-def _kept(flank: Flank, low: Extreme) -> Finding:
+def _holding_finding(flank: Flank, low: Extreme) -> Finding:
     sentence = (
         f"the {flank.toucher} stays on the {FLANKS[flank.sense]} flank: smallest contact force"
-        f" {low.value:.6g} N {at(low.place)}, at least {flank.margin:g} N"
+        f" {low.value:.6g} N {at_angle(low.place)}, at least {flank.margin:g} N"
     )
     return placed("lift-off", sentence, low, "N", flank.margin)
 
 
 def _touching(low: Extreme, what: str) -> Finding:
     sentence = (
-        f"the contact force falls to 0 N {at(low.place)} and not below: nothing holds the {what}"
-        " there"
+        f"the contact force falls to 0 N {at_angle(low.place)} and not below: nothing holds the"
+        f" {what} there"
     )
     return placed("contact-touches-zero", sentence, Extreme(0.0, low.place), "N", 0.0, "warning")
 
@@ -280,19 +297,19 @@ def _mean(course: TimeCourse) -> float:
     return TURN / period(course) / RPM
 
 
-def _elastic(
-    flank: Flank, found: ElasticSpeed, rigid: Extreme, course: TimeCourse, lost: bool
+def _elastic_speed_finding(
+    flank: Flank, search: ElasticSpeed, rigid: Extreme, course: TimeCourse, lost: bool
 ) -> Finding:
     """The lift-off speed with an elastic train, or how far it was searched for."""
     mean = _mean(course)
-    if found.speed is not None:
-        own = _speed(flank, found.speed, course, lost)
+    if search.speed is not None:
+        finding = _speed_finding(flank, search.speed, course, lost)
         there = "at no speed"
         if not math.isinf(rigid.value):
             there = f"at {rigid.value * mean:.6g} rev/min"
-        return replace(own, sentence=f"{own.sentence}; with a rigid train {there}")
-    until = f"the {flank.toucher} keeps its flank up to {found.kept * mean:.6g} rev/min"
-    if not found.why:
+        return replace(finding, sentence=f"{finding.sentence}; with a rigid train {there}")
+    until = f"the {flank.toucher} stays on its flank up to {search.safe_factor * mean:.6g} rev/min"
+    if not search.why:
         return Finding(
             name="lift-off-speed",
             severity="ok",
@@ -300,60 +317,64 @@ def _elastic(
             limit=mean,
             unit="rev/min",
         )
-    known = f"{until}; beyond, " if found.kept > 0.0 else ""
+    known = f"{until}; beyond, " if search.safe_factor > 0.0 else ""
     return Finding(
         name="lift-off-speed",
         severity="warning",
-        sentence=f"{known}no lift-off speed is given for the elastic train: {found.why}",
+        sentence=f"{known}no lift-off speed was found for the elastic train: {search.why}",
         limit=mean,
         unit="rev/min",
     )
 
 
-def _speed(flank: Flank, found: Extreme, course: TimeCourse, lost: bool) -> Finding:
+def _speed_finding(flank: Flank, speed: Extreme, course: TimeCourse, lost: bool) -> Finding:
     """The lift-off speed compared with the speed of the scene, both as means over a turn."""
     mean = _mean(course)
-    if math.isinf(found.value):
+    if math.isinf(speed.value):
         massless = flank.contact.struck is None
         why = ", as the scene states no mass that its speed could throw off" if massless else ""
         return Finding(
             name="lift-off-speed",
             severity="ok",
-            sentence=f"there is no speed at which the {flank.toucher} {_short(flank)}{why}",
+            sentence=(
+                f"there is no speed at which the {flank.toucher} {_shortfall_clause(flank)}{why}"
+            ),
             limit=None if massless else mean,
             unit="rev/min",
         )
-    value = found.value * mean
+    value = speed.value * mean
     if value == 0.0:
-        sentence = f"the {flank.toucher} {_short(flank)} at any speed,"
+        sentence = f"the {flank.toucher} {_shortfall_clause(flank)} at any speed,"
     else:
-        sentence = f"the {flank.toucher} first {_short(flank)} at {value:.6g} rev/min,"
-    early = found.value <= 1.0
+        sentence = f"the {flank.toucher} first {_shortfall_clause(flank)} at {value:.6g} rev/min,"
+    early = speed.value <= 1.0
     tail = f"; the cam turns at {mean:.6g} rev/min"
     if early and not lost:
         tail += ", above a range of speeds in which contact is lost"
     return placed(
         "lift-off-speed",
-        f"{sentence} {at(found.place)}{tail}",
-        Extreme(value, found.place),
+        f"{sentence} {at_angle(speed.place)}{tail}",
+        Extreme(value, speed.place),
         "rev/min",
         mean,
         "broken" if lost else "warning" if early else "ok",
     )
 
 
-def _least(what: str, least: Extreme, now: float, unit: str, other: str, kept: str) -> Finding:
-    scale = scale_of(unit)
-    given = scale * now
+def _spring_finding(
+    what: str, least: Extreme, now: float, unit: str, other: str, kept: str
+) -> Finding:
+    scale = spring_scale(unit)
+    stated = scale * now
     if math.isinf(least.value):
         return Finding(
             name=f"least-{what}",
             severity="warning",
             sentence=(
-                f"no {what} of the spring keeps the {kept} on its flank {at(least.place)} with the"
-                f" given {other}"
+                f"no {what} of the spring keeps the {kept} on its flank {at_angle(least.place)}"
+                f" with the given {other}"
             ),
-            limit=given,
+            limit=stated,
             unit=unit,
             cam_angle=least.place,
         )
@@ -364,13 +385,13 @@ def _least(what: str, least: Extreme, now: float, unit: str, other: str, kept: s
         severity="broken" if short else "ok",
         sentence=(
             f"least {what} of the spring {value:.6g} {unit}, needed"
-            f" {at(least.place)}; it has {given:.6g} {unit}"
+            f" {at_angle(least.place)}; it has {stated:.6g} {unit}"
             if value > 0.0
             else f"the {kept} stays on its flank even without {what} of the spring; it has"
-            f" {given:.6g} {unit}"
+            f" {stated:.6g} {unit}"
         ),
         value=value,
-        limit=given,
+        limit=stated,
         unit=unit,
         cam_angle=least.place if value > 0.0 else None,
     )
@@ -381,7 +402,7 @@ def _least(what: str, least: Extreme, now: float, unit: str, other: str, kept: s
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class FormClosed(Leaving):
+class FormClosed(Flying):
     """The contact of a roller in a groove, or of a follower between two discs or in a yoke.
 
     Attributes
@@ -396,7 +417,7 @@ class FormClosed(Leaving):
     flights: tuple[Flight, ...]
 
 
-def of_groove(
+def form_closed(
     subject: Subject,
     contact: ContactForce,
     inertia: Inertia | None,
@@ -405,33 +426,33 @@ def of_groove(
     tolerance: float,
 ) -> FormClosed:
     """The findings for a groove, pair or yoke; impact speeds to the relative `tolerance`."""
-    who, (names, noun) = "roller" if subject.returning is None else "follower", sides_of(subject)
+    who, (names, noun) = "roller" if subject.returning is None else "follower", side_names(subject)
     first, changes = flank_changes(contact)
-    found = [_moves(change, who, names, noun) for change in changes]
+    findings = [_change_finding(change, who, names, noun) for change in changes]
     if not changes:
         steady = f"there is no force on either {noun}"
         if first:
             steady = f"the {names[first]} {noun} carries over the whole turn"
-        found.append(Finding("flank-change", "ok", steady, 0.0))
+        findings.append(Finding("flank-change", "ok", steady, 0.0))
     if not changes or backlash == 0.0:
-        return FormClosed(first, changes, (), findings=tuple(found))
+        return FormClosed(first, changes, (), findings=tuple(findings))
     from camgeo.dynamics.effects.lift_off.landing import (
-        crossed_by,  # many grooves are stated without play
+        clearance_flights,  # many grooves are stated without play
     )
 
-    flown = crossed_by(subject, contact, inertia, backlash, restitution, tolerance)
+    report = clearance_flights(subject, contact, inertia, backlash, restitution, tolerance)
     return FormClosed(
         first,
         changes,
-        flown.flights,
-        findings=(*found, *flown.findings),
-        flown=flown.ranges,
-        errors=flown.errors,
+        report.flights,
+        findings=(*findings, *report.findings),
+        flight_ranges=report.ranges,
+        errors=report.errors,
     )
 
 
-def _moves(change: Change, who: str, names: Mapping[int, str], noun: str) -> Finding:
-    """That the roller or follower, `who`, changes sides, which are each a `noun`."""
+def _change_finding(change: Change, who: str, names: Mapping[int, str], noun: str) -> Finding:
+    """The finding that the roller or follower, `who`, changes sides, each of which is a `noun`."""
     free = change.leaving != change.carrying
     until = f", with no force on either until {degrees(change.carrying)}" if free else ""
     return Finding(
@@ -473,15 +494,16 @@ def flank_changes(contact: ContactForce) -> tuple[int, tuple[Change, ...]]:
     no flank.
     """
     edges = contact.edges
+    # The force keeps its sign between edges, so that in the middle is that of the piece.
     sign = np.sign(contact.normal(0.5 * (edges[:-1] + edges[1:]), "right")).astype(int)
     both = [(pieces, sense) for sense in (1, -1) for pieces in runs(sign == sense)]
     if not both:
         return 0, ()
-    both.sort(key=lambda each: each[0][0])
-    found = []
+    both.sort(key=lambda run: run[0][0])
+    changes = []
     for (pieces, sense), (others, other) in zip(both, both[1:] + both[:1], strict=True):
         if sense != other:
             leaving, carrying = edges[pieces[-1] + 1], edges[others[0]]
-            found.append(Change(float(leaving % edges[-1]), float(carrying), sense))
-    found.sort(key=lambda change: change.leaving)
-    return both[0][1], tuple(found)
+            changes.append(Change(float(leaving % edges[-1]), float(carrying), sense))
+    changes.sort(key=lambda change: change.leaving)
+    return both[0][1], tuple(changes)
