@@ -22,7 +22,7 @@ from camgeo.app.answers.report import STEP, Report, triangles
 from camgeo.design.value_table import Table
 from camgeo.pictures import accuracy
 from camgeo.pictures.model import figure_data
-from camgeo.pictures.motion import plain, shown
+from camgeo.pictures.motion import format_value, plain
 from camgeo.pictures.plots import Chart
 from camgeo.studies.accuracy.benefit import advice
 from camgeo.studies.accuracy.survey import Survey
@@ -211,10 +211,10 @@ def _readings(chart: Chart) -> str:
     heads = ("curve", "smallest", "at", "largest", "at", "limits drawn")
     rows = []
     for each in chart.readings:
-        limits = "; ".join(f"{name}: {shown(value)}" for name, value in each.limits)
+        limits = "; ".join(f"{name}: {format_value(value)}" for name, value in each.limits)
         numbers = (
-            shown(each.low), f"{math.degrees(each.low_at):.1f}°",
-            shown(each.high), f"{math.degrees(each.high_at):.1f}°",
+            format_value(each.low), f"{math.degrees(each.low_angle):.1f}°",
+            format_value(each.high), f"{math.degrees(each.high_angle):.1f}°",
         )  # fmt: skip
         rows.append(f"<tr><td>{escape(plain(each.name))}</td>{_numbers(numbers)}"
                     f"<td>{escape(limits)}</td></tr>")  # fmt: skip

@@ -19,8 +19,8 @@ from camgeo.design.design import Design
 from camgeo.errors import GeometryError, UnknownNameError
 from camgeo.pictures.model import Figure
 from camgeo.scene.keys import KeyPath, spelled
-from camgeo.studies.sweep.family import names_in
-from camgeo.studies.sweep.rows import asked_of, canonical, read
+from camgeo.studies.sweep.family import split_names
+from camgeo.studies.sweep.rows import canonical, parse_questions, read
 from camgeo.units import LengthUnit, counted, in_unit, shortened
 
 MOST: Final = 8
@@ -164,7 +164,7 @@ def _answers(
     found: dict[str, Cell] = {}
     for word in ask:
         try:
-            (asked,) = asked_of(design, [word])
+            (asked,) = parse_questions(design, [word])
         except (UnknownNameError, GeometryError) as error:
             if not any(_knows(other, word) for _, other in designs):
                 raise
@@ -179,7 +179,7 @@ def _answers(
 
 def _knows(design: Design, word: str) -> bool:
     try:
-        asked_of(design, [word])
+        parse_questions(design, [word])
     except (UnknownNameError, GeometryError):
         return False
     return True
@@ -345,7 +345,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Compare, and print or draw the results."""
     designs = [design_in(name, arguments) for name in arguments.scenes]
     labels = labels_of(arguments.scenes)
-    found = compare(list(zip(labels, designs, strict=True)), names_in(arguments.ask))
+    found = compare(list(zip(labels, designs, strict=True)), split_names(arguments.ask))
     return show(found, arguments, contents="flanks, motion, acceleration, mu")
 
 

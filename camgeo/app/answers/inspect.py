@@ -58,9 +58,9 @@ from camgeo.studies.inspection import (
     Deviations,
     LiftErrors,
     false_share,
-    off_radius,
+    measured_points,
     other_axes,
-    places_of,
+    radius_angles,
     stated_normals,
 )
 from camgeo.units import (
@@ -237,8 +237,8 @@ def of_points(
     """Compare `measured` points of a flank with it; `name` is that of their file."""
     cam = disc.cam
     exact = ExactFlank(cam.disc.outline(side).path, side)
-    alignment = Alignment.of(exact, measured.points, align, ball, robust=robust)
-    deviations = Deviations.of(exact, alignment.feet, alignment.deviations)
+    alignment = Alignment.from_points(exact, measured.points, align, ball, robust=robust)
+    deviations = Deviations.from_feet(exact, alignment.feet, alignment.deviations)
     findings = [
         _profile(deviations, tolerance),
         _coverage(deviations),
@@ -285,7 +285,7 @@ def _measured(design: Design, stem: str, flank: str | None) -> tuple[Product, Fl
 def _effect(disc: Product, exact: ExactFlank, deviations: Deviations) -> LiftEffect:
     """The effect on the follower, in the unit of the scene."""
     cam = disc.cam
-    errors = LiftErrors.of(exact, deviations, clearance=cam.clearance)
+    errors = LiftErrors.from_deviations(exact, deviations, clearance=cam.clearance)
     unit, factor = unit_of(disc.scene.unit, is_angle=cam.lift_unit == "rad")
     low, high = (scaled(each, factor) for each in (errors.extremes.lowest, errors.extremes.highest))
     worst = high if high.value >= -low.value else low
@@ -389,7 +389,7 @@ def _normals(alignment: Alignment, measured: MeasuredPoints) -> Iterator[Finding
     off, limit = math.degrees(found.largest.value), math.degrees(TELLING)
     place = found.largest.place
     if found.radial:
-        share = float(np.max(false_share(off_radius(feet))))
+        share = float(np.max(false_share(radius_angles(feet))))
         sentence = (
             f"those of the file point along the radius, up to {off:.3g} deg off the true ones at"
             f" cam angle {cam_angle(place)} deg: if the ball was compensated along them, the flank"
@@ -459,7 +459,7 @@ def read_points(data: bytes | str, file: str, unit: LengthUnit = "mm") -> Measur
         coordinate is too large or a normal is zero, or there are fewer than 12 different points.
     """
     found = read_columns(data, file, ASKED)
-    points = places_of(found, file, unit)
+    points = measured_points(found, file, unit)
     stated = found.values[len(LENGTHS) :]
     if len(np.unique(points)) < FEWEST:
         message = f"fewer than {FEWEST} different points; allowed: {FEWEST} or more"

@@ -34,8 +34,8 @@ from camgeo.app.cli.command import (
 from camgeo.pictures.model import Figure
 from camgeo.scene.scene import Scene, load_scene
 from camgeo.scene.values import Value
-from camgeo.studies.optimise.optimise import Found, Trial, optimise, task_of
-from camgeo.studies.sweep.family import Range, Variable, names_in
+from camgeo.studies.optimise.optimise import OptimisationResult, Trial, optimise, task_of
+from camgeo.studies.sweep.family import Range, Variable, split_names
 from camgeo.units import counted, shortened, unit_in
 
 
@@ -85,7 +85,7 @@ class Optimum(Answer):
     found : the task, all trials and the best.
     """
 
-    found: Found
+    found: OptimisationResult
 
     @property
     def scene(self) -> Scene:
@@ -95,16 +95,16 @@ class Optimum(Answer):
     @property
     def objectives(self) -> tuple[Objective, ...]:
         """In their order."""
-        asked = self.found.task.asked
+        asked = self.found.task.questions
         return tuple(
-            Objective(goal.asked.word, goal.sense, self.units[asked.index(goal.asked)])
+            Objective(goal.question.word, goal.sense, self.units[asked.index(goal.question)])
             for goal in self.found.task.goals
         )
 
     @property
     def units(self) -> tuple[str, ...]:
         """Of what was asked; empty where no design has an answer."""
-        places = range(len(self.found.task.asked))
+        places = range(len(self.found.task.questions))
         rows = [each.units for each in self.found.trials if each.units]
         return tuple(next((row[place] for row in rows if row[place]), "") for place in places)
 
@@ -166,7 +166,7 @@ class Optimum(Answer):
 
     def tried(self, trial: Trial) -> Tried:
         """A design with its keys and what was asked."""
-        words = [each.word for each in self.found.task.asked]
+        words = [each.word for each in self.found.task.questions]
         values = self.found.task.family.edits(trial.point)
         answers = dict(zip(words, trial.values, strict=True))
         return Tried(trial.number, values, answers, trial.broken)
@@ -176,7 +176,7 @@ def _bound(variable: Variable) -> Bound:
     values = variable.values
     if isinstance(values, Range) and values.steps is None:
         return Bound(variable.keys, float(values.start), float(values.stop), ())
-    listed = tuple(values.at(place) for place in range(values.count))
+    listed = tuple(values.row(place) for place in range(values.count))
     return Bound(variable.keys, None, None, listed)
 
 
@@ -355,7 +355,7 @@ def _bounds(bound: Bound) -> str:
 
 def comma_separated(answer: Optimum) -> bytes:
     """All designs that were tried as CSV in UTF-8, in their order."""
-    words = [each.word for each in answer.found.task.asked]
+    words = [each.word for each in answer.found.task.questions]
     heads = [f"{word} [{unit}]" if unit else word
              for word, unit in zip(words, answer.units, strict=True)]  # fmt: skip
     family = answer.found.task.family
@@ -368,9 +368,9 @@ def comma_separated(answer: Optimum) -> bytes:
 
 def figure(answer: Optimum) -> Figure:
     """The front of several objectives, or how one became better."""
-    from camgeo.pictures.sweep import of_search
+    from camgeo.pictures.sweep import search_figure
 
-    return of_search(answer.found, answer.units)
+    return search_figure(answer.found, answer.units)
 
 
 # -- command line ----------------------------------------------------------------------------------
@@ -444,10 +444,10 @@ def run(arguments: argparse.Namespace) -> int:
     task = task_of(
         scene,
         arguments.vary,
-        least=names_in(arguments.least),
-        largest=names_in(arguments.largest),
+        least=split_names(arguments.least),
+        largest=split_names(arguments.largest),
         keep=arguments.keep,
-        ignore=names_in(arguments.ignore),
+        ignore=split_names(arguments.ignore),
     )
     found = optimise(
         task,

@@ -44,7 +44,7 @@ from camgeo.studies.tolerancing.linear import (
     Sampled,
     contact_forces,
 )
-from camgeo.studies.tolerancing.stated import SIGMAS, Stated
+from camgeo.studies.tolerancing.stated import SIGMAS, StatedTolerances
 from camgeo.units import at_cam_angles, cam_angle, counted, small
 
 
@@ -232,7 +232,7 @@ class ToleranceAnalysis(Answer):
         if found is None:
             return None
         forces = _ends(None if found.contact is None else found.contact.nominal, found.forces)
-        at_rest = None if self.between is None else self.between.at_rest
+        at_rest = None if self.between is None else self.between.nominal_values
         plays = _ends(at_rest, found.plays, self.play_unit[1])
         return Machines(
             count=found.count,
@@ -240,8 +240,8 @@ class ToleranceAnalysis(Answer):
             quantile=scaled(found.worst, factor),
             three_sigma=scaled(scaled(found.sigma, factor), SIGMAS),
             largest=float(np.quantile(found.largest, QUANTILES[-1])) * factor,
-            kept=found.kept,
-            kept_error=found.kept_error,
+            kept=found.share_in_limit,
+            kept_error=found.share_error,
             acceleration=_spread(found.acceleration * factor, found.accelerations * factor),
             largest_force=forces[1],
             smallest_force=forces[0],
@@ -293,7 +293,7 @@ def tolerance(design: Design, *, count: int = COUNT, seed: int = 0) -> Tolerance
         If its kind of machine, or its flank, cannot be analysed; if there are too few or too many
         machines, or one has no contact near the nominal one.
     """
-    linear = Linear(Stated.of(design))
+    linear = Linear(StatedTolerances.from_design(design))
     contributions = linear.contributions
     found = None
     between = None if linear.stated.second is None else Play(linear.stated)
@@ -301,7 +301,7 @@ def tolerance(design: Design, *, count: int = COUNT, seed: int = 0) -> Tolerance
         contact = None
         if between is None:
             contact = contact_forces(design, linear.stated.machine.flank, linear.angles)
-        found = Sampled.of(linear, count, seed, contact, between)
+        found = Sampled.draw(linear, count, seed, contact, between)
     return ToleranceAnalysis(design.scene, linear, contributions, found, between)
 
 
@@ -373,7 +373,7 @@ DOCUMENT: Final = Key(
         "limit": "Largest error that is allowed, plus or minus; null if the scene states none.",
         "set_at_deg": Key(
             "Cam angle at which the error is set to 0; null if it is not.",
-            of="linear.stated.set_at",
+            of="linear.stated.zero_angle",
         ),
         "within": (
             "Whether mean and three standard deviations keep the limit; null if there is none."
@@ -484,8 +484,8 @@ def text(answer: ToleranceAnalysis) -> str:
         f"{answer.scene.name}: position of the {answer.of} on the {flank} flank, {sources}",
         f"largest error, mean and 3 sigma: {worst}{_verdict(answer)}",
     ]
-    if stated.set_at is not None:
-        lines.append(f"the machine is set {at_cam_angles(stated.set_at)}")
+    if stated.zero_angle is not None:
+        lines.append(f"the machine is set {at_cam_angles(stated.zero_angle)}")
     lines += ["", *_sources(answer.sources), ""]
     lines.append(f"errors in {answer.unit}, cam angles in degrees; {NOTE}")
     room = answer.play
