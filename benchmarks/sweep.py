@@ -54,13 +54,13 @@ from camgeo.studies.sweep.family import Family, Point, family_of
 from camgeo.studies.sweep.pool import Pool
 from camgeo.studies.sweep.rows import (
     Chunks,
+    DesignRow,
     Engine,
     Loop,
-    Row,
     Work,
-    asked_of,
+    compute_rows,
     discs_together,
-    rows_of,
+    parse_questions,
 )
 from camgeo.studies.sweep.sweep import sweep
 from camgeo.units import TURN
@@ -105,19 +105,19 @@ OTHERS: Final = ("cluster",)
 class Pausing(Work):
     """Work whose designs take their time and nothing else."""
 
-    def rows(self, points: Sequence[Point], _ledger: Any = None) -> list[Row]:
+    def rows(self, points: Sequence[Point], _ledger: Any = None) -> list[DesignRow]:
         """After a pause for each."""
         time.sleep(PAUSE * len(points))
-        return [Row(point, (1.0,), ("deg",)) for point in points]
+        return [DesignRow(point, (1.0,), ("deg",)) for point in points]
 
 
 @dataclass(frozen=True)
 class Idle(Work):
     """Work whose designs cost nothing."""
 
-    def rows(self, points: Sequence[Point], _ledger: Any = None) -> list[Row]:
+    def rows(self, points: Sequence[Point], _ledger: Any = None) -> list[DesignRow]:
         """At once."""
-        return [Row(point, (1.0,), ("deg",)) for point in points]
+        return [DesignRow(point, (1.0,), ("deg",)) for point in points]
 
 
 class Free:
@@ -128,7 +128,7 @@ class Free:
     def rows(self, _work: Work, points: Iterator[Point]) -> Chunks:
         """In chunks of 200."""
         while chunk := tuple(islice(points, 200)):
-            yield tuple(Row(point, (float(point[0]),), ("deg",)) for point in chunk)
+            yield tuple(DesignRow(point, (float(point[0]),), ("deg",)) for point in chunk)
 
     def held(self) -> AbstractContextManager[None]:
         """It has no workers."""
@@ -153,13 +153,13 @@ def batch(scene: str, key: str, ask: str, count: int, rounds: int) -> None:
     body, name = key.split(".")
     least = float(base.values[body][name])
     varied = family_of(base, [f"{key}={least}:{1.2 * least}:{count}"])
-    work = Work.of(varied, asked_of(Design(base), ask.split(",")))
+    work = Work.for_family(varied, parse_questions(Design(base), ask.split(",")))
     points = list(varied.points())
     found = []
     for _ in range(rounds):
         alone = cpu(lambda: [work.rows([point]) for point in points])
-        together = cpu(lambda: rows_of(work, points))
-        scenes = cpu(lambda: [work.scene_of(point) for point in points])
+        together = cpu(lambda: compute_rows(work, points))
+        scenes = cpu(lambda: [work.design_scene(point) for point in points])
         found.append((alone, together, scenes, alone / together))
     alone, together, scenes, ratio = (statistics.median(each) for each in zip(*found, strict=True))
     rest = statistics.median((a - s) / (t - s) for a, t, s, _ in found)
@@ -269,7 +269,7 @@ def clustered(work: Work, points: list[Point], rounds: int) -> None:
     sys.path.insert(0, str(ROOT))  # workers import what they do by this name
     here = import_module("benchmarks.sweep")
     idle, free = (
-        kind(work.text, work.contents, work.keys, work.asked, work.versions)
+        kind(work.text, work.contents, work.keys, work.questions, work.versions)
         for kind in (here.Pausing, here.Idle)
     )
     with cluster() as (address, pid):
@@ -340,14 +340,14 @@ def main() -> None:
     print(f"Python {platform.python_version()}, numpy {np.__version__}, {os.cpu_count()} cores")
     designs = family(given.designs)
     points = list(designs.points())
-    work = Work.of(designs, asked_of(Design(designs.scene), ASK))
+    work = Work.for_family(designs, parse_questions(Design(designs.scene), ASK))
     if "batch" in given.only:
         for (scene, key), asks in BATCHES.items():
             for ask in asks:
                 batch(scene, key, ask, given.designs, given.rounds)
         curves(DISCS, given.rounds)
     if "engine" in given.only:
-        idle = Pausing(work.text, work.contents, work.keys, work.asked, work.versions)
+        idle = Pausing(work.text, work.contents, work.keys, work.questions, work.versions)
         ratios = compared(idle, points, given.rounds).items()
         for count, (name, ratio) in enumerate(ratios, start=1):
             print(f"engine: {name} {shares(ratio, count)}")

@@ -15,9 +15,9 @@ from typing import Final
 import camgeo
 from camgeo.geometry.contour.contour import Effort, Form
 from camgeo.pictures.accuracy import figure
-from camgeo.studies.accuracy.benefit import advice, benefit_rows, knee_of
+from camgeo.studies.accuracy.benefit import advice, benefit_rows, find_knee
 from camgeo.studies.accuracy.contours import EFFORTS, FORMS, ContourRow, contour_rows
-from camgeo.studies.accuracy.survey import STEPS, Survey, own_rows, solid_rows, survey, table_rows
+from camgeo.studies.accuracy.survey import STEPS, Survey, scene_rows, solid_rows, survey, table_rows
 from camgeo.units import RPM
 from camgeo_export.plots import render
 
@@ -331,7 +331,7 @@ def measure(name: str) -> Survey:
     rows = rows_of(name, TOLERANCES, timed=detailed)
     bodies = solid_rows(design, TOLERANCES, progress=print) if name in (DETAILED, *PICTURED) else ()
     tables = table_rows(design, STEPS, progress=print) if detailed else ()
-    return Survey(rows, bodies, tables, knee_of(own_rows(design.scene, rows), timed=False))
+    return Survey(rows, bodies, tables, find_knee(scene_rows(design.scene, rows), timed=False))
 
 
 def rows_of(

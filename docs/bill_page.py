@@ -123,7 +123,7 @@ def lines(name: str, rows: Sequence[BenefitRow]) -> list[str]:
 
 
 def _bought(row: BenefitRow) -> list[str]:
-    octave, lift_off = row.strongest_octave, row.lift_off
+    octave, lift_off = row.strongest_octave, row.lift_off_speed
     return [
         f"{row.tolerance:g}",
         _three(None if row.ripple is None else 100.0 * row.ripple),

@@ -156,7 +156,7 @@ def lines(rows: Sequence[BenefitRow]) -> list[str]:
         ]
         found.append(
             f"| {NAMES[first.form]} | {first.tolerance:g} | {number(first.ripple, 100.0)} % |"
-            f" {' | '.join(cells)} | {number(first.lift_off, 1.0 / RPM)} |\n"
+            f" {' | '.join(cells)} | {number(first.lift_off_speed, 1.0 / RPM)} |\n"
         )
     return found
 
@@ -221,7 +221,7 @@ def page(rows: Sequence[BenefitRow]) -> str:
         forces=listed(
             [f"between {number(row.exact_lowest)} and {number(row.exact_highest)}" for row in same]
         ),
-        lift_off=number(same[0].exact_lift_off, 1.0 / RPM),
+        lift_off=number(same[0].exact_lift_off_speed, 1.0 / RPM),
         columns=" | ".join(f"{speed:g} rev/min" for speed in SPEEDS),
     )
     orders = [

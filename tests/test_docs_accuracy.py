@@ -12,7 +12,12 @@ import pytest
 
 import camgeo
 from camgeo.geometry.contour.arcs import ARC
-from camgeo.studies.accuracy.benefit import BenefitRow, benefit_rows, enough, words
+from camgeo.studies.accuracy.benefit import (
+    BenefitRow,
+    benefit_rows,
+    find_sufficient,
+    sufficient_sentence,
+)
 from camgeo.studies.accuracy.contours import CHORD, CUBIC, FORMS, ORDER
 from camgeo.units import RPM
 from tests.pages import page_maker
@@ -92,7 +97,7 @@ def test_the_answer_at_a_speed_is_what_is_measured() -> None:
     )
     listed = ",".join(f"{tolerance:.0e}".replace("e-0", "e-") for tolerance in maker().AT_SPEED)
     assert f"--tolerances {listed} --speed 600\n" in PAGE
-    assert f"at 600 rev/min: {words(enough(rows))}" in " ".join(PAGE.split())
+    assert f"at 600 rev/min: {sufficient_sentence(find_sufficient(rows))}" in " ".join(PAGE.split())
 
 
 def test_the_constants_are_those_of_the_limits() -> None:

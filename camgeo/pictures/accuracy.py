@@ -37,7 +37,7 @@ from camgeo.pictures.model import (
     log_limits,
     over,
 )
-from camgeo.studies.accuracy.benefit import BenefitRow, advice, enough, words
+from camgeo.studies.accuracy.benefit import BenefitRow, advice, find_sufficient, sufficient_sentence
 from camgeo.studies.accuracy.contours import EFFORTS, FORMS, ORDER, ContourRow, in_length
 from camgeo.studies.accuracy.survey import Stage, Survey
 from camgeo.units import MM_PER, RPM, LengthUnit, LiftUnit, in_unit
@@ -48,7 +48,7 @@ WIDTH, HEIGHT = 8.0, 3.2
 LEFT, RIGHT, TOP, BOTTOM, GAP = 0.85, 2.0, 0.4, 0.55, 0.3
 """Margins [inch]; the legends are in the right one. Last the gap between the panels."""
 
-OWN_GAP: Final = 0.75
+AXIS_GAP: Final = 0.75
 """Gap [inch] above a panel that has a horizontal axis of its own."""
 
 COLOURS: Final[dict[Form, str]] = {"polyline": "#c05a00", "arcs": LINE, "spline": "#6a8f3c"}
@@ -73,7 +73,7 @@ STAGE_NAMES: Final[dict[Stage, str]] = {
     "evaluate": "evaluate", "fit": "fit", "prove": "prove", "write": "write", "read": "read back",
 }  # fmt: skip
 
-OFF_STYLES: Final = ((LINE, "o"), ("#8c5aa8", "v"), ("#2f7fc1", "P"))
+DEVIATION_STYLES: Final = ((LINE, "o"), ("#8c5aa8", "v"), ("#2f7fc1", "P"))
 """Of acceleration, contact force and lift-off speed."""
 
 COST_STYLES: Final = (("#c05a00", "s"), ("#6a8f3c", "D"), ("#808080", "^"), ("#404040", "o"))
@@ -107,17 +107,17 @@ ADVICE: Final = Style(LIMIT, 1.0, (5.0, 3.0))
 Value = Callable[[ContourRow], float | None]
 
 
-Marked = tuple[float, str, str]
+KneeMark = tuple[float, str, str]
 """The knee as it is drawn: its tolerance [mm], its name, and its reason in words."""
 
 
-def marked(survey: Survey, benefits: Sequence[BenefitRow]) -> Marked | None:
+def knee_mark(survey: Survey, benefits: Sequence[BenefitRow]) -> KneeMark | None:
     """The knee of the benefits, of one form, if they have one, else that of the costs, or None."""
     if benefits:
-        found = enough(benefits)
-        if found is not None:
-            name = f"enough at {found.row.speed / RPM:g} rev/min"
-            return found.row.tolerance, name, words(found)
+        sufficient = find_sufficient(benefits)
+        if sufficient is not None:
+            name = f"enough at {sufficient.row.speed / RPM:g} rev/min"
+            return sufficient.row.tolerance, name, sufficient_sentence(sufficient)
     knee = survey.knee
     return None if knee is None else (knee.row.tolerance, "advice", advice(knee))
 
@@ -141,26 +141,29 @@ def figure(
     unit : in which the output moves.
     length : unit of length that is shown.
     """
-    knee, mm = marked(survey, [row for row in benefits if row.form == form]), MM_PER[length]
+    knee, mm = knee_mark(survey, [row for row in benefits if row.form == form]), MM_PER[length]
     survey = survey.in_length(length)
     benefits = [in_length(row, mm, mm if unit == "mm" else 1.0) for row in benefits]
-    own = [row for row in benefits if row.form == form]
-    both = _both(survey, own, form, computing=computing)
-    drawn = [(f"{form}: {BOTH}", both)] if both else []
+    form_rows = [row for row in benefits if row.form == form]
+    both = _both(survey, form_rows, form, computing=computing)
+    panel_lines = [(f"{form}: {BOTH}", both)] if both else []
     if len({row.form for row in benefits if row.ripple}) > 1:
-        drawn.append(("acceleration off [% of its peak]", _off(benefits)))
-    drawn += [("pieces, dwells and turns not counted", _pieces(survey)), ("bytes", _bytes(survey))]
+        panel_lines.append(("acceleration off [% of its peak]", _deviation_lines(benefits)))
+    panel_lines += [
+        ("pieces, dwells and turns not counted", _pieces(survey)),
+        ("bytes", _bytes(survey)),
+    ]
     if computing or any(row.round_seconds is not None for row in survey.contours):
-        drawn.append(("seconds", _seconds(survey, computing=computing)))
+        panel_lines.append(("seconds", _seconds(survey, computing=computing)))
     if computing and any(row.stages for row in survey.bill):
-        drawn.append(("seconds of a build", _bill(survey)))
+        panel_lines.append(("seconds of a build", _bill(survey)))
     if any(row.ripple for row in survey.contours):
         ripples = _by_form(survey, lambda row: row.ripple and 100.0 * row.ripple, "ripple, {}, {}")
-        drawn.append(("ripple [% of the demanded peak]", ripples))
-    count = len(drawn)
-    spectrum = [row for row in own if row.octaves]
+        panel_lines.append(("ripple [% of the demanded peak]", ripples))
+    count = len(panel_lines)
+    spectrum = [row for row in form_rows if row.octaves]
     effects = computing and any(row.seconds is not None for row in survey.effects)
-    below_others = (HEIGHT + OWN_GAP) * (bool(spectrum) + effects)
+    below_others = (HEIGHT + AXIS_GAP) * (bool(spectrum) + effects)
     words = []
     if knee is not None:
         sentence = in_unit(": ".join(knee[1:]), length)
@@ -171,7 +174,7 @@ def figure(
     rules = [] if knee is None else [Rule("x", knee[0] / mm, ADVICE)]
     tolerances = [row.tolerance for row in survey.contours]
     panels = []
-    for number, (label, lines) in enumerate(drawn):
+    for number, (label, lines) in enumerate(panel_lines):
         bottom = BOTTOM + below_others + (count - 1 - number) * (HEIGHT + GAP)
         x = _tolerances(tolerances, f"tolerance [{length}]", numbered=number == count - 1)
         if knee is not None and not number:  # its line is in every panel, its name only here
@@ -183,7 +186,7 @@ def figure(
             panel = replace(panel, marks=marks, title=title, title_gap=gap)
         panels.append(panel)
     if spectrum:
-        frame = _frame(BOTTOM + (HEIGHT + OWN_GAP) * effects, height)
+        frame = _frame(BOTTOM + (HEIGHT + AXIS_GAP) * effects, height)
         moves = length if unit == "mm" else unit
         label = f"{form}: off, by octaves [{moves}/s²]"
         panels.append(octaves(spectrum, frame, label, length=length))
@@ -208,11 +211,11 @@ def _panel(bottom: float, height: float, x: Axis, label: str, lines: list[Line])
         wider = math.sqrt(LEAST_RANGE * low / high)
         low, high = low / wider, high * wider
     y = Axis((low, high), label, log=True)
-    legend = _beside(lines) if entries(lines) else None
+    legend = _right_legend(lines) if entries(lines) else None
     return Panel(_frame(bottom, height), x, y, tuple(lines), legend=legend)
 
 
-def _beside(lines: Sequence[Line]) -> Legend:
+def _right_legend(lines: Sequence[Line]) -> Legend:
     """The names of lines, on the right of their panel."""
     return Legend(entries(lines), "upper left", (1.02, 1.0), size=7.5, gap=0.0)
 
@@ -236,13 +239,15 @@ def _both(
     """
     known = [row for row in benefits if row.acceleration is not None]
     lines = []
-    for name, (colour, marker), off in (
-        ("acceleration off", OFF_STYLES[0], [row.ripple for row in known]),
-        ("contact force off", OFF_STYLES[1], [row.force_share for row in known]),
-        ("lift-off speed lost", OFF_STYLES[2], [row.lift_off_share for row in known]),
+    for name, (colour, marker), deviations in (
+        ("acceleration off", DEVIATION_STYLES[0], [row.ripple for row in known]),
+        ("contact force off", DEVIATION_STYLES[1], [row.force_share for row in known]),
+        ("lift-off speed lost", DEVIATION_STYLES[2], [row.lift_off_share for row in known]),
     ):
-        shown = [(row.tolerance, y and 100.0 * y) for row, y in zip(known, off, strict=True)]
-        lines += _course(shown, Style(colour, 1.4, marker=marker, size=5.0), name)
+        points = [
+            (row.tolerance, y and 100.0 * y) for row, y in zip(known, deviations, strict=True)
+        ]
+        lines += _log_line(points, Style(colour, 1.4, marker=marker, size=5.0), name)
     if not lines:
         return []
     fits = [row for row in survey.contours if (row.form, row.effort) == (form, EFFORTS[0])]
@@ -253,20 +258,20 @@ def _both(
         [(row.tolerance, row.total) for row in survey.bill if computing],
     )
     names = ("pieces", "bytes, DXF", "milled round", "seconds of a build")
-    for name, (colour, marker), found in zip(names, COST_STYLES, spent, strict=True):
-        costs = sorted(((x, y) for x, y in found if y), reverse=True)
+    for name, (colour, marker), amounts in zip(names, COST_STYLES, spent, strict=True):
+        costs = sorted(((x, y) for x, y in amounts if y), reverse=True)
         style = Style(colour, 1.0, (4.0, 2.0), marker, 5.0, "white", colour)
-        lines += _course([(x, y / costs[0][1]) for x, y in costs], style, name)
+        lines += _log_line([(x, y / costs[0][1]) for x, y in costs], style, name)
     return lines
 
 
-def _off(benefits: Sequence[BenefitRow]) -> list[Line]:
+def _deviation_lines(benefits: Sequence[BenefitRow]) -> list[Line]:
     """What the acceleration is off on contours of each form, in per cent of its exact peak."""
     lines = []
     for form in FORMS:
-        found = [(row.tolerance, row.ripple and 100.0 * row.ripple) for row in benefits
+        points = [(row.tolerance, row.ripple and 100.0 * row.ripple) for row in benefits
                  if row.form == form]  # fmt: skip
-        lines += _course(found, _style(form, EFFORTS[0]), f"acceleration off, {form}")
+        lines += _log_line(points, _style(form, EFFORTS[0]), f"acceleration off, {form}")
     return lines
 
 
@@ -276,14 +281,16 @@ def _by_form(
     label: str,
     efforts: Sequence[str] = EFFORTS,
     forms: Sequence[Form] = FORMS,
-    **drawn: Any,
+    **style_changes: Any,
 ) -> list[Line]:
     """A value of the contours of each form, with one effort after the other."""
     lines = []
     for form, effort in product(forms, efforts):
-        found = [(row.tolerance, value(row)) for row in survey.contours
+        points = [(row.tolerance, value(row)) for row in survey.contours
                  if (row.form, row.effort) == (form, effort)]  # fmt: skip
-        lines += _course(found, replace(_style(form, effort), **drawn), label.format(form, effort))
+        lines += _log_line(
+            points, replace(_style(form, effort), **style_changes), label.format(form, effort)
+        )
     return lines
 
 
@@ -313,11 +320,11 @@ def _bytes(survey: Survey) -> list[Line]:
     style = replace(_style("arcs", EFFORTS[1]), marker="D", width=0.8, dashes=DOTTED)
     programs = [(row.tolerance, row.program.size) for row in survey.contours
                 if row.effort == EFFORTS[0] and row.program]  # fmt: skip
-    lines += _course(programs, style, "G-code")
+    lines += _log_line(programs, style, "G-code")
     for name, (marker, colour) in SOLID_STYLES.items():
-        found = [(row.tolerance, row.file.size if row.file else None) for row in survey.solids
+        points = [(row.tolerance, row.file.size if row.file else None) for row in survey.solids
                  if row.format == name]  # fmt: skip
-        lines += _course(found, Style(colour, 0.8, (4.0, 2.0), marker, 5.0), name.upper())
+        lines += _log_line(points, Style(colour, 0.8, (4.0, 2.0), marker, 5.0), name.upper())
     return lines
 
 
@@ -353,16 +360,16 @@ def _effects(survey: Survey) -> list[Line]:
     """Computing times of the numerical effects, over their own tolerances."""
     lines = []
     for number, name in enumerate(dict.fromkeys(row.effect for row in survey.effects)):
-        found = [(row.tolerance, row.seconds) for row in survey.effects if row.effect == name]
+        points = [(row.tolerance, row.seconds) for row in survey.effects if row.effect == name]
         marker = EFFECT_MARKERS[number % len(EFFECT_MARKERS)]
-        lines += _course(found, Style(LINE, 0.8, DOTTED, marker, 5.0), name)
+        lines += _log_line(points, Style(LINE, 0.8, DOTTED, marker, 5.0), name)
     return lines
 
 
-def _course(points: Iterable[tuple[float, float | None]], style: Style, label: str) -> list[Line]:
+def _log_line(points: Iterable[tuple[float, float | None]], style: Style, label: str) -> list[Line]:
     """A line through those points that have a place on logarithmic axes, if there are any."""
-    shown = [(x, y) for x, y in points if y is not None and 0.0 < y < math.inf]
-    return [Line(over(*zip(*shown, strict=True)), style, label)] if shown else []
+    visible = [(x, y) for x, y in points if y is not None and 0.0 < y < math.inf]
+    return [Line(over(*zip(*visible, strict=True)), style, label)] if visible else []
 
 
 def _style(form: Form, effort: str) -> Style:
@@ -390,7 +397,7 @@ LOW: Final = 2.6
 DASHES: Final[tuple[tuple[float, ...], ...]] = ((), (4.0, 2.0), (1.0, 1.5))
 """Of the speeds in ascending order, repeated if there are more."""
 
-LIFTS_OFF: Final = "lifts off at [rev/min]"
+LIFT_OFF_LABEL: Final = "lifts off at [rev/min]"
 
 TOLERANCE_COLOURS: Final = ("#08306b", "#2171b5", "#6baed6", "#8c5aa8", "#c27c0e", "#7a7a7a")
 """Of the tolerances, the loosest first; repeated with other markers if there are more."""
@@ -410,48 +417,55 @@ def benefit_figure(rows: Sequence[BenefitRow], *, title: str, unit: LiftUnit = "
     left out.
     """
     speeds = sorted({row.speed for row in rows})
-    drawn: list[tuple[str, list[Line]]] = [
+    panel_lines: list[tuple[str, list[Line]]] = [
         (
             f"acceleration is off [{unit}/s²]",
-            _each(rows, speeds, lambda row: row.acceleration),
+            _speed_lines(rows, speeds, lambda row: row.acceleration),
         ),
-        ("contact force is off [N]", _each(rows, speeds, lambda row: row.force)),
-        (LIFTS_OFF, _each(rows, speeds[:1], lambda row: row.lift_off and row.lift_off / RPM)),
+        ("contact force is off [N]", _speed_lines(rows, speeds, lambda row: row.force)),
+        (
+            LIFT_OFF_LABEL,
+            _speed_lines(
+                rows, speeds[:1], lambda row: row.lift_off_speed and row.lift_off_speed / RPM
+            ),
+        ),
     ]
-    drawn = [(label, lines) for label, lines in drawn if lines]
-    exact = {row.exact_lift_off for row in rows} - {None, math.inf}
-    height, frames = _low_frames(len(drawn))
+    panel_lines = [(label, lines) for label, lines in panel_lines if lines]
+    exact = {row.exact_lift_off_speed for row in rows} - {None, math.inf}
+    height, frames = _low_frames(len(panel_lines))
     panels = []
-    for number, ((label, lines), frame) in enumerate(zip(drawn, frames, strict=True)):
-        last = number == len(drawn) - 1
-        rules = [Rule("y", each / RPM, ADVICE) for each in exact if each and label == LIFTS_OFF]
+    for number, ((label, lines), frame) in enumerate(zip(panel_lines, frames, strict=True)):
+        last = number == len(panel_lines) - 1
+        rules = [
+            Rule("y", speed / RPM, ADVICE) for speed in exact if speed and label == LIFT_OFF_LABEL
+        ]
         tolerances = [row.tolerance for row in rows]
         low, high = log_limits(heights(lines))
         panels.append(
             Panel(
                 frame,
                 _tolerances(tolerances, "tolerance [mm]", numbered=last),
-                Axis((low, max(high, *(1.2 * each.at for each in rules), 0.0)), label, log=True),
+                Axis((low, max(high, *(1.2 * rule.at for rule in rules), 0.0)), label, log=True),
                 (*lines, *rules),
                 title="" if number else title,
-                legend=_beside(lines),
+                legend=_right_legend(lines),
             )
         )
     return Figure((WIDTH, height), tuple(panels))
 
 
-def _each(
+def _speed_lines(
     rows: Sequence[BenefitRow], speeds: Sequence[float], value: Callable[[BenefitRow], float | None]
 ) -> list[Line]:
     lines = []
     for form in FORMS:
         for number, speed in enumerate(speeds):
-            found = [(row.tolerance, value(row)) for row in rows
+            points = [(row.tolerance, value(row)) for row in rows
                      if (row.form, row.speed) == (form, speed)]  # fmt: skip
             colour, dashes = COLOURS[form], DASHES[number % len(DASHES)]
             style = Style(colour, 0.8, dashes, MARKERS[form], 4.0, colour, colour)
-            at = f", {speed / RPM:g} rev/min" if len(speeds) > 1 else ""
-            lines += _course(found, style, f"{form}{at}")
+            suffix = f", {speed / RPM:g} rev/min" if len(speeds) > 1 else ""
+            lines += _log_line(points, style, f"{form}{suffix}")
     return lines
 
 
@@ -464,9 +478,9 @@ def spectrum_figure(rows: Sequence[BenefitRow], *, title: str, unit: LiftUnit = 
     height, frames = _low_frames(len(forms))
     panels = []
     for number, (form, frame) in enumerate(zip(forms, frames, strict=True)):
-        own = [row for row in rows if row.form == form]
+        form_rows = [row for row in rows if row.form == form]
         head, last = "" if number else title, number == len(forms) - 1
-        panels.append(octaves(own, frame, f"{form} [{unit}/s²]", title=head, numbered=last))
+        panels.append(octaves(form_rows, frame, f"{form} [{unit}/s²]", title=head, numbered=last))
     return Figure((WIDTH, height), tuple(panels))
 
 
@@ -485,9 +499,9 @@ def octaves(
     """
     lines = []
     for row, colour, marker in zip(rows, cycle(TOLERANCE_COLOURS), cycle(TOLERANCE_MARKERS)):
-        found = [(2.0**octave, value) for octave, value in enumerate(row.octaves)]
+        points = [(2.0**octave, value) for octave, value in enumerate(row.octaves)]
         style = Style(colour, 1.2, marker=marker, size=4.0)
-        lines += _course(found, style, f"{row.tolerance:.6g} {length}")
+        lines += _log_line(points, style, f"{row.tolerance:.6g} {length}")
     low, high = log_limits(heights(lines))
     count = max((len(row.octaves) for row in rows), default=1)
     ticks = tuple(2.0**octave for octave in range(count))
@@ -504,7 +518,7 @@ def octaves(
         Axis((max(low, high / DECADES), high), label, log=True),
         tuple(lines),
         title=title,
-        legend=_beside(lines),
+        legend=_right_legend(lines),
     )
 
 

@@ -87,23 +87,27 @@ def figure(product: Product, size: Size | None = None) -> Figure:
     """
     if not product.scene.states_milling:
         raise GeometryError("names no tool: there is no program to draw", key="tool")
-    found = [each for side in product_sides(product) for each in _shown(side)]
-    columns = min(2, max(1, len(found)))
-    rows = max(1, math.ceil(len(found) / columns))
+    operations = [
+        operation for side in product_sides(product) for operation in _operation_views(side)
+    ]
+    columns = min(2, max(1, len(operations)))
+    rows = max(1, math.ceil(len(operations) / columns))
     left, right, top, bottom = MARGINS
-    own = (
+    default_size = (
         left + right + SIDE * (columns + GAPS[1] * (columns - 1)),
         top + bottom + SIDE * (rows + GAPS[0] * (rows - 1)),
     )
-    size = own if size is None else size
+    size = default_size if size is None else size
     panels = tuple(
-        _panel(each, frame, product.unit)
-        for each, frame in zip(found, grid(size, MARGINS, rows, columns, GAPS), strict=False)
+        _panel(operation, frame, product.unit)
+        for operation, frame in zip(
+            operations, grid(size, MARGINS, rows, columns, GAPS), strict=False
+        )
     )
-    plots = [each.plot for each in found]
-    kinds = [kind for kind in KINDS if any(each.length(kind) > 0.0 for each in plots)]
+    plots = [operation.plot for operation in operations]
+    kinds = [kind for kind in KINDS if any(plot.length(kind) > 0.0 for plot in plots)]
     entries = [Entry("blank", BLANK), Entry("part", PART)]
-    if any(each.operation.cut.obstacles for each in plots):
+    if any(plot.operation.cut.obstacles for plot in plots):
         entries.append(Entry("clamp or screw", CLAMP))
     entries += [Entry(NAMES[kind], STYLES[kind]) for kind in kinds]
     legend = Legend(tuple(entries), "lower center", (0.5, 0.01), columns=len(entries))
@@ -111,7 +115,7 @@ def figure(product: Product, size: Size | None = None) -> Figure:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Shown:
+class _OperationView:
     """One operation of a side.
 
     Attributes
@@ -122,13 +126,13 @@ class _Shown:
     turned : whether it is on the second side.
     """
 
-    plot: Plotted
+    plot: OperationPlot
     ground: tuple[Area, ...]
     seen: Callable[[ComplexArray], ComplexArray]
     turned: bool
 
 
-def _shown(side: Product) -> Iterator[_Shown]:
+def _operation_views(side: Product) -> Iterator[_OperationView]:
     """The operations of one side."""
     milled = side.milled
     toolpath, spec, scale = milled.toolpath(TOLERANCE), milled.spec, 1.0 / MM_PER[side.unit]
@@ -141,39 +145,39 @@ def _shown(side: Product) -> Iterator[_Shown]:
         return mirrored_all(points, spec.turned) * scale
 
     blank = [seen(contour.points(TOLERANCE)) for contour in setup.blank]
-    layers = [[seen(each.points(TOLERANCE)) for each in body.contours] for body in setup.part]
+    layers = [[seen(contour.points(TOLERANCE)) for contour in body.contours] for body in setup.part]
     ground = (_ground(blank, BLANK), *(_ground(rings, PART) for rings in _distinct(layers)))
-    for each in plotted(toolpath, setup.blank, setup.top, TOLERANCE):
-        yield _Shown(each, ground, seen, bool(spec.turned))
+    for plot in plot_operations(toolpath, setup.blank, setup.top, TOLERANCE):
+        yield _OperationView(plot, ground, seen, bool(spec.turned))
 
 
-def _panel(shown: _Shown, frame: Frame, unit: LengthUnit) -> Panel:
+def _panel(view: _OperationView, frame: Frame, unit: LengthUnit) -> Panel:
     """One operation, with as much around its course as the cutter reaches."""
-    found, scale = shown.plot, 1.0 / MM_PER[unit]
-    marks: list[Mark] = list(shown.ground)
-    for obstacle in found.operation.cut.obstacles:
-        ring = shown.seen(obstacle.outline.arcs(TOLERANCE).contour.points(TOLERANCE))
+    plot, scale = view.plot, 1.0 / MM_PER[unit]
+    marks: list[Mark] = list(view.ground)
+    for obstacle in plot.operation.cut.obstacles:
+        ring = view.seen(obstacle.outline.arcs(TOLERANCE).contour.points(TOLERANCE))
         marks.append(Area((plane(ring),), CLAMP, layer=1.0))
-    drawn = []
+    point_arrays = []
     for kind in KINDS:
-        for trace in found.traces:
-            points = shown.seen(trace.points)
+        for trace in plot.traces:
+            points = view.seen(trace.points)
             if trace.kind == kind:
-                drawn.append(points)
+                point_arrays.append(points)
                 still = bool(np.all(points == points[0]))
                 style = PLUNGE if still else STYLES[kind]
                 if not still or kind == "entry":
                     marks.append(Line(plane(points), style, layer=2.0 + 0.1 * KINDS.index(kind)))
-    every = np.concatenate(drawn)
+    all_points = np.concatenate(point_arrays)
     middle = complex(
-        0.5 * (np.max(every.real) + np.min(every.real)),
-        0.5 * (np.max(every.imag) + np.min(every.imag)),
+        0.5 * (np.max(all_points.real) + np.min(all_points.real)),
+        0.5 * (np.max(all_points.imag) + np.min(all_points.imag)),
     )
-    reach = REACH * found.operation.tool.diameter * scale
-    half = 0.5 * float(max(np.ptp(every.real), np.ptp(every.imag))) + reach
+    reach = REACH * plot.operation.tool.diameter * scale
+    half = 0.5 * float(max(np.ptp(all_points.real), np.ptp(all_points.imag))) + reach
     marks.append(Line(over([0.0], [0.0]), Style("black", 0.0, marker="+"), layer=4.0))
-    tool = found.operation.tool
-    lowest = min(move.end[2] for move in found.operation.travel) * scale
+    tool = plot.operation.tool
+    lowest = min(move.end[2] for move in plot.operation.travel) * scale
     note = f"T{tool.number}, diameter {tool.diameter * scale:g} {unit}\ndown to Z {lowest:g}"
     behind = Box(0.2, 0.8)
     marks.append(Text(note, (0.02, 0.98), 7.5, of="panel", up="top", box=behind, layer=5.0))
@@ -182,7 +186,7 @@ def _panel(shown: _Shown, frame: Frame, unit: LengthUnit) -> Panel:
         Axis((middle.real - half, middle.real + half), f"X [{unit}]"),
         Axis((middle.imag - half, middle.imag + half), f"Y [{unit}]"),
         tuple(marks),
-        f"second side: {found.operation.name}" if shown.turned else found.operation.name,
+        f"second side: {plot.operation.name}" if view.turned else plot.operation.name,
         title_size=10.0,
         equal=True,
     )
@@ -190,8 +194,8 @@ def _panel(shown: _Shown, frame: Frame, unit: LengthUnit) -> Panel:
 
 def _distinct(layers: list[list[ComplexArray]]) -> list[list[ComplexArray]]:
     """Layers with the same rings once."""
-    found = {b"".join(ring.tobytes() for ring in rings): rings for rings in layers}
-    return list(found.values())
+    by_shape = {b"".join(ring.tobytes() for ring in rings): rings for rings in layers}
+    return list(by_shape.values())
 
 
 def _ground(rings: list[ComplexArray], fill: Fill) -> Area:
@@ -228,7 +232,7 @@ class Trace:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Plotted:
+class OperationPlot:
     """The traces of one operation, in order."""
 
     operation: Operation
@@ -236,13 +240,13 @@ class Plotted:
 
     def length(self, kind: Kind) -> float:
         """Length [mm] in the plane of all traces of a kind."""
-        found = (each.points for each in self.traces if each.kind == kind)
-        return float(sum(np.sum(np.abs(np.diff(points))) for points in found))
+        point_arrays = (trace.points for trace in self.traces if trace.kind == kind)
+        return float(sum(np.sum(np.abs(np.diff(points))) for points in point_arrays))
 
 
-def plotted(
+def plot_operations(
     toolpath: Toolpath, blank: Sequence[Contour], top: float, fineness: float
-) -> tuple[Plotted, ...]:
+) -> tuple[OperationPlot, ...]:
     """The traces of each operation.
 
     Parameters
@@ -251,16 +255,16 @@ def plotted(
     top : of the blank, Z [mm].
     fineness : deviation of chords [mm].
     """
-    found = []
+    plots = []
     cleared: list[tuple[Course, float]] = []
     for operation in toolpath.operations:
         course = feed_course(operation.moves)
         radius = operation.tool.radius
         cutting = Cutting(course, radius, tuple(blank), top, tuple(cleared))
         traces = [*_feeds(cutting, fineness), *_rapids(operation)]
-        found.append(Plotted(operation, tuple(traces)))
+        plots.append(OperationPlot(operation, tuple(traces)))
         cleared.append(operation.swept)
-    return tuple(found)
+    return tuple(plots)
 
 
 def _feeds(cutting: Cutting, fineness: float) -> Iterator[Trace]:
@@ -293,11 +297,11 @@ def _kind(cutting: Cutting, piece: int) -> Kind:
 
 def _rapids(operation: Operation) -> Iterator[Trace]:
     """Traverses across; those along Z are no line in the plane."""
-    at = None
+    position = None
     for move in operation.moves:
         if isinstance(move, Stop):
             continue
         end = complex(move.end[0], move.end[1])
-        if isinstance(move, Rapid) and at is not None and at != end:
-            yield Trace("rapid", np.array([at, end]))
-        at = end
+        if isinstance(move, Rapid) and position is not None and position != end:
+            yield Trace("rapid", np.array([position, end]))
+        position = end

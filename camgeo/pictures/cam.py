@@ -81,9 +81,9 @@ def figure(product: Product, size: Size = SIZE) -> Figure:
     """The cam at cam angle 0, to scale, in the product's unit."""
     scale = 1.0 / MM_PER[product.unit]
     part, rolls = _part(product), product.cam.follower.has_pitch_curve
-    found, sketch = product.pictured.trimmed_stretches, product.pictured.follower_sketch
+    cut_offs, sketch = product.pictured.trimmed_stretches, product.pictured.follower_sketch
     if part is None:
-        marks, lines = whole_flanks(product, found, scale)
+        marks, lines = whole_flanks(product, cut_offs, scale)
     else:
         marks, lines = whole_disc(part, scale, SAGITTA * product.cam.follower.base_radius)
     for second in product.others:
@@ -95,8 +95,8 @@ def figure(product: Product, size: Size = SIZE) -> Figure:
     base = product.cam.follower.base_radius * scale
     circle = base * np.exp(1j * cam_angles())
     marks.append(Line(plane(circle), BASE_STYLE))
-    if found:
-        marks += cut_off_marks(found, scale)
+    if cut_offs:
+        marks += cut_off_marks(cut_offs, scale)
     roller, radius = complex(pitch[0]), _size(product) * scale
     if rolls:
         follower, end = _follower(product, sketch, roller, radius, scale)
@@ -106,23 +106,23 @@ def figure(product: Product, size: Size = SIZE) -> Figure:
     cross = 0.1 * base * np.array([-1.0, 1.0, 0.0, 1j, -1j])
     marks += follower
     marks.append(Arrow(plane(arrow[:: product.cam.rotation]), Style("black", 1.0), 12.0, layer=4.0))
-    marks += [Line(plane(each), Style(AUXILIARY, 0.8)) for each in (cross[:2], cross[:2:-1])]
+    marks += [Line(plane(stroke), Style(AUXILIARY, 0.8)) for stroke in (cross[:2], cross[:2:-1])]
     rim = roller + radius * np.exp(1j * cam_angles())
     ends = [point * scale for point in sketch.face or ()]
-    drawn = [*lines, circle, pitch, *(each.course * scale for each in found)]
-    drawn += [np.array([roller, end, *ends]), rim]
-    x, y = _limits(drawn)
+    outlines = [*lines, circle, pitch, *(offcut.course * scale for offcut in cut_offs)]
+    outlines += [np.array([roller, end, *ends]), rim]
+    x, y = _limits(outlines)
     insets: tuple[Inset, ...] = ()
-    if found:
+    if cut_offs:
         breadth = max(float(np.ptp(line.real)) for line in lines) / scale
-        drawn += [cross, arrow, *(note(x, y) if part is None else ())]
+        outlines += [cross, arrow, *(note(x, y) if part is None else ())]
 
         def window(middle: complex, width: float) -> list[Mark]:
             if part is None:
-                return flanks_near(product, found, middle, width)
+                return flanks_near(product, cut_offs, middle, width)
             return disc_near(part, middle, width)
 
-        insets, x = enlarged(x, y, found, drawn, breadth, scale, window)
+        insets, x = enlarged(x, y, cut_offs, outlines, breadth, scale, window)
     frame = grid(size, (LEFT, RIGHT, TOP, BOTTOM))[0]
     panel = Panel(
         frame,
@@ -130,7 +130,7 @@ def figure(product: Product, size: Size = SIZE) -> Figure:
         Axis(y, f"y [{product.unit}]"),
         (*marks, *insets),
         product.name,
-        legend=_legend(product, part, found, _height(size, frame, x, y)),
+        legend=_legend(product, part, cut_offs, _height(size, frame, x, y)),
         equal=True,
     )
     return Figure(size, (panel,))
@@ -165,26 +165,26 @@ def _return_disc(second: Product, scale: float) -> tuple[list[Mark], list[Comple
 
 
 def _legend(
-    product: Product, part: Part | None, found: tuple[TrimmedStretch, ...], height: float
+    product: Product, part: Part | None, cut_offs: tuple[TrimmedStretch, ...], height: float
 ) -> Legend:
     """The legend of axes of that `height` [inch]."""
     if part is None:
-        edges, marked = Entry("flanks", FLANK), flank_names(product, found)
+        edges, marked = Entry("flanks", FLANK), flank_names(product, cut_offs)
     else:
         edges = Entry("edges of the disc", EDGE)
-        marked = cut_off_names("cut off") if found else []
+        marked = cut_off_names("cut off") if cut_offs else []
     if product.others:
         edges = Entry("edges of the main disc", edges.style)
         marked = [Entry("return disc and its roller", RETURN_STYLE), *marked]
     follower, base = product.cam.follower, Entry("base circle", BASE_STYLE)
     if not follower.has_pitch_curve:
-        drawn = [edges, base, Entry("face at φ = 0", FACE), *marked]
+        legend_entries = [edges, base, Entry("face at φ = 0", FACE), *marked]
     else:
         name, marker = ("roller", "o") if follower.roller_radius > 0.0 else ("knife edge", "+")
         style = Style("black", 0.0, marker=marker, size=9.0, face="white")
         roller = Entry(f"{name} at φ = 0", style)
-        drawn = [edges, Entry("pitch curve", PITCH_STYLE), base, roller, *marked]
-    return Legend(tuple(drawn), "upper center", (0.5, -BELOW / height), 4, gap=0.0)
+        legend_entries = [edges, Entry("pitch curve", PITCH_STYLE), base, roller, *marked]
+    return Legend(tuple(legend_entries), "upper center", (0.5, -BELOW / height), 4, gap=0.0)
 
 
 def _height(size: Size, frame: Frame, x: Limits, y: Limits) -> float:
@@ -241,12 +241,14 @@ def _held(sketch: FollowerSketch, contact: complex, end: complex) -> list[Mark]:
     return marks
 
 
-def _limits(drawn: list[ComplexArray]) -> tuple[Limits, Limits]:
+def _limits(outlines: list[ComplexArray]) -> tuple[Limits, Limits]:
     """Limits of x and y around all that is drawn."""
-    points = np.concatenate(drawn)
+    points = np.concatenate(outlines)
     reach = 0.06 * max(float(np.ptp(points.real)), float(np.ptp(points.imag)))
     left, right, low, high = (
-        float(edge(each)) for each in (points.real, points.imag) for edge in (np.min, np.max)
+        float(edge(coordinates))
+        for coordinates in (points.real, points.imag)
+        for edge in (np.min, np.max)
     )
     return (left - reach, right + reach), (low - reach, high + reach)
 
@@ -265,23 +267,23 @@ OF_UNDERCUT, OF_CUSP = "undercut-", "cusp-"
 RANGE = 721
 """Points per range of cam angle."""
 
-BESIDE = 4.0
+WINDOW_RATIO = 4.0
 """How far a window shows a flank on either side of the cut-off part, relative to its cam angle."""
 
 
 def whole_flanks(
-    product: Product, found: tuple[TrimmedStretch, ...], scale: float
+    product: Product, cut_offs: tuple[TrimmedStretch, ...], scale: float
 ) -> tuple[list[Mark], list[ComplexArray]]:
     """The flanks in use with their cusps and loops, the reason that there is no disc."""
     lines = []
     for flank in product.cam.contact.flanks:
-        for start, end in _left(found, flank):
+        for start, end in _remaining_ranges(cut_offs, flank):
             try:
                 lines.append(_points(product, flank, np.linspace(start, end, SAMPLES)) * scale)
             except GeometryError:  # the roller centre stands still in the cam
                 continue
     marks: list[Mark] = [Line(plane(points), FLANK) for points in lines]
-    for what, start, end in _undercut(product) if not found else ():
+    for what, start, end in _undercut(product) if not cut_offs else ():
         points = _points(product, what, np.linspace(start, end, RANGE)) * scale
         marks.append(Line(plane(points), UNDERCUT))
     for what, place in _cusps(product):
@@ -292,14 +294,14 @@ def whole_flanks(
 
 
 def flanks_near(
-    product: Product, found: tuple[TrimmedStretch, ...], middle: complex, width: float
+    product: Product, cut_offs: tuple[TrimmedStretch, ...], middle: complex, width: float
 ) -> list[Mark]:
     """What lies in and near the square of side `width` [mm] around `middle`, in mm."""
     shares = np.linspace(0.0, 1.0, RANGE)
-    reach = BESIDE * max(each.end - each.start for each in found)
+    reach = WINDOW_RATIO * max(offcut.end - offcut.start for offcut in cut_offs)
     marks: list[Mark] = []
-    for flank in {each.flank: None for each in found}:
-        for start, end in _left(found, flank):
+    for flank in {offcut.flank: None for offcut in cut_offs}:
+        for start, end in _remaining_ranges(cut_offs, flank):
             length = min(reach, end - start)
             for phi in (start + length * shares, end - length * shares):
                 line = line_near(_points(product, flank, phi), middle, width)
@@ -307,10 +309,10 @@ def flanks_near(
     return marks
 
 
-def flank_names(product: Product, found: tuple[TrimmedStretch, ...]) -> list[Entry]:
+def flank_names(product: Product, cut_offs: tuple[TrimmedStretch, ...]) -> list[Entry]:
     """Names for the legend: what is marked."""
-    marked = cut_off_names("would be cut off") if found else []
-    if not found and _undercut(product):
+    marked = cut_off_names("would be cut off") if cut_offs else []
+    if not cut_offs and _undercut(product):
         marked.append(Entry("undercut", UNDERCUT))
     if _cusps(product):
         marked.append(Entry("cusp", CUSP))
@@ -324,13 +326,15 @@ def note(x: Limits, y: Limits) -> list[ComplexArray]:
     return [np.array([left, left + 12.0 * height]) + 1j * (high - down) for down in (0.0, height)]
 
 
-def _left(found: tuple[TrimmedStretch, ...], flank: str) -> list[tuple[float, float]]:
+def _remaining_ranges(
+    cut_offs: tuple[TrimmedStretch, ...], flank: str
+) -> list[tuple[float, float]]:
     """Ranges of cam angle [rad] of a flank that would not be cut off."""
-    own = sorted((each.start, each.end) for each in found if each.flank == flank)
-    if not own:
+    cut_ranges = sorted((offcut.start, offcut.end) for offcut in cut_offs if offcut.flank == flank)
+    if not cut_ranges:
         return [(0.0, TURN)]
-    following = [*(start for start, _ in own[1:]), own[0][0] + TURN]
-    pairs = [(end, start) for (_, end), start in zip(own, following, strict=True)]
+    following = [*(start for start, _ in cut_ranges[1:]), cut_ranges[0][0] + TURN]
+    pairs = [(end, start) for (_, end), start in zip(cut_ranges, following, strict=True)]
     return [(start, end) for start, end in pairs if end > start]
 
 
@@ -380,15 +384,15 @@ def whole_disc(
     """
     marks: list[Mark] = []
     edges: list[Mark] = []
-    drawn: list[ComplexArray] = []
+    outlines: list[ComplexArray] = []
     for boundaries, fill in _areas(part):
         rings = [ring * scale for ring in _rings(boundaries, sagitta, sampled=sampled)]
         marks.append(_area(rings, fill))
-        drawn += rings
+        outlines += rings
         for boundary, ring in zip(boundaries, rings, strict=True):
             style = _style(boundary)
             edges.append(Area((plane(ring),), Fill(edge=style.color, width=style.width)))
-    return [*marks, *edges], drawn
+    return [*marks, *edges], outlines
 
 
 def _style(boundary: Boundary) -> Style:
@@ -426,14 +430,16 @@ def _areas(part: Part) -> list[tuple[tuple[Boundary, ...], Fill]]:
     """
     disc = part.outermost
     seen = list(dropwhile(lambda layer: disc not in layer.boundaries, part.layers))
-    found = [(seen[0].boundaries, BODY)]
+    areas = [(seen[0].boundaries, BODY)]
     for lower, upper in pairwise(seen):
         if disc not in upper.boundaries:
-            found.append((upper.boundaries, BODY))
+            areas.append((upper.boundaries, BODY))
             continue
-        begins = tuple(each for each in upper.boundaries if each not in lower.boundaries)
-        found.append((begins, GROOVE))
-    return found
+        begins = tuple(
+            boundary for boundary in upper.boundaries if boundary not in lower.boundaries
+        )
+        areas.append((begins, GROOVE))
+    return areas
 
 
 def _rings(
@@ -449,11 +455,11 @@ def _rings(
 
 def _area(rings: list[ComplexArray], fill: Fill) -> Area:
     """The area between `rings`, one of them the outermost; the others are holes."""
-    outer = max(rings, key=_area_of)
+    outer = max(rings, key=_signed_area)
     return Area(tuple(plane(ring if ring is outer else ring[::-1]) for ring in rings), fill)
 
 
-def _area_of(ring: ComplexArray) -> float:
+def _signed_area(ring: ComplexArray) -> float:
     return 0.5 * float(np.sum((ring.conj() * np.roll(ring, -1)).imag))
 
 
@@ -497,11 +503,11 @@ Window = Callable[[complex, float], list[Mark]]
 """Draws what lies around a point [mm], within a square of the given side [mm]."""
 
 
-def cut_off_marks(found: Sequence[TrimmedStretch], scale: float) -> list[Mark]:
+def cut_off_marks(cut_offs: Sequence[TrimmedStretch], scale: float) -> list[Mark]:
     """What is cut off, and its corners; `scale` units in 1 mm."""
-    corners = np.array([each.corner for each in found]) * scale
+    corners = np.array([offcut.corner for offcut in cut_offs]) * scale
     return [
-        *(Line(plane(each.course * scale), COURSE, layer=2.5) for each in found),
+        *(Line(plane(offcut.course * scale), COURSE, layer=2.5) for offcut in cut_offs),
         Line(plane(corners), CORNER, layer=2.6),
     ]
 
@@ -514,8 +520,8 @@ def cut_off_names(label: str) -> list[Entry]:
 def enlarged(
     x: Limits,
     y: Limits,
-    found: tuple[TrimmedStretch, ...],
-    drawn: list[ComplexArray],
+    cut_offs: tuple[TrimmedStretch, ...],
+    outlines: list[ComplexArray],
     size: float,
     scale: float,
     window: Window,
@@ -525,7 +531,7 @@ def enlarged(
     Parameters
     ----------
     x, y : limits of the picture.
-    drawn : lines [unit of the picture] that must not be covered.
+    outlines : lines [unit of the picture] that must not be covered.
     size : of the disc [mm].
     scale : units of the picture per mm; the inset is drawn in mm.
     window : draws what is not cut off into the inset.
@@ -534,11 +540,11 @@ def enlarged(
     -------
     The inset, if any, and the limits of x, wider if room had to be made.
     """
-    largest = max(found, key=_extent)
+    largest = max(cut_offs, key=_extent)
     extent = _extent(largest)
     if not TINIEST * size < extent < SMALL * size:
         return (), x
-    place, side, x = _room(x, y, drawn, largest.corner * scale)
+    place, side, x = _room(x, y, outlines, largest.corner * scale)
     middle, width = _middle(largest), MARGIN * extent
     times = side / (width * scale)
     corner = (middle - 0.5 * (1 + 1j) * width) * scale
@@ -546,7 +552,7 @@ def enlarged(
         (0.0, 0.0, 1.0, 1.0),
         Axis((middle.real - 0.5 * width, middle.real + 0.5 * width), ticks=()),
         Axis((middle.imag - 0.5 * width, middle.imag + 0.5 * width), ticks=()),
-        (*window(middle, width), *cut_off_marks(found, 1.0)),
+        (*window(middle, width), *cut_off_marks(cut_offs, 1.0)),
         f"{float(f'{times:.2g}'):,.0f} times as large",
         title_size=7.5,
         title_gap=2.5,
@@ -565,8 +571,8 @@ def clipped(ring: ComplexArray, middle: complex, width: float) -> ComplexArray:
         inside = beyond <= 0.0
         crosses = inside != (following <= 0.0)
         share = np.divide(beyond, beyond - following, out=np.zeros_like(beyond), where=crosses)
-        between = ring + share * (np.roll(ring, -1) - ring)
-        pairs = np.column_stack((ring, between)).ravel()
+        border_points = ring + share * (np.roll(ring, -1) - ring)
+        pairs = np.column_stack((ring, border_points)).ravel()
         ring = pairs[np.column_stack((inside, crosses)).ravel()]
     return ring
 
@@ -584,12 +590,15 @@ def _extent(part: TrimmedStretch) -> float:
 
 def _middle(part: TrimmedStretch) -> complex:
     course = part.course
-    x, y = ((np.max(each) + np.min(each)) / 2.0 for each in (course.real, course.imag))
+    x, y = (
+        (np.max(coordinates) + np.min(coordinates)) / 2.0
+        for coordinates in (course.real, course.imag)
+    )
     return complex(x, y)
 
 
 def _room(
-    x_limits: Limits, y_limits: Limits, drawn: list[ComplexArray], towards: complex
+    x_limits: Limits, y_limits: Limits, outlines: list[ComplexArray], target: complex
 ) -> tuple[tuple[float, float], float, Limits]:
     """Lower left corner and side of a square that covers nothing, and the limits of x.
 
@@ -597,21 +606,21 @@ def _room(
     """
     (left, right), (low, high) = x_limits, y_limits
     smaller = min(right - left, high - low)
-    points = np.concatenate([_evenly(line, 0.01 * smaller) for line in drawn])
-    found = []
+    points = np.concatenate([_evenly(line, 0.01 * smaller) for line in outlines])
+    candidates = []
     for side in (share * smaller for share in SIDES):
         rim, title = RIM * side, TITLE * side
         for x in np.linspace(left + rim, right - side - rim, PLACES):
             across = points[(points.real > x - rim) & (points.real < x + side + rim)].imag
             for y in np.linspace(low + rim, high - side - title, PLACES):
                 if not np.any((across > y - rim) & (across < y + side + title)):
-                    distance = abs(complex(x, y) + 0.5 * (1 + 1j) * side - towards)
-                    found.append((distance - WORTH * side, float(x), float(y), side))
-    if found:
-        _, x, y, side = min(found)
+                    distance = abs(complex(x, y) + 0.5 * (1 + 1j) * side - target)
+                    candidates.append((distance - WORTH * side, float(x), float(y), side))
+    if candidates:
+        _, x, y, side = min(candidates)
         return (x, y), side, x_limits
     side = SIDES[0] * smaller
-    y = min(max(towards.imag - 0.5 * side, low + RIM * side), high - (1.0 + TITLE) * side)
+    y = min(max(target.imag - 0.5 * side, low + RIM * side), high - (1.0 + TITLE) * side)
     return (right - RIM * side, y), side, (left, right + side)
 
 

@@ -80,7 +80,7 @@ def replay_figure(
     for order, frame in enumerate(
         grid(REPLAY_SIZE, (*MARGINS[:3], REPLAY_BOTTOM), 3, gaps=(0.12, 0.0))
     ):
-        shown, marks = _replay_panel(replay, order, scale, unit)
+        y_limits, marks = _replay_panel(replay, order, scale, unit)
         marked += marks
         symbol = ("ψ" if unit == "°" else "s") + ("", "′", "″")[order]
         per = ("", "/rad", "/rad²")[order]
@@ -88,7 +88,7 @@ def replay_figure(
             Panel(
                 frame,
                 turn_axis(numbered=order == 2),
-                Axis(shown, f"{symbol} [{unit}{per}]"),
+                Axis(y_limits, f"{symbol} [{unit}{per}]"),
                 (*marks, *joint_marks(joints)),
                 title=title if order == 0 else "",
                 title_size=10.0,
@@ -107,7 +107,7 @@ def _replay_panel(
     phi = np.degrees(replay.phi)
     seen = replay.smooth if order == 2 else np.ones(len(phi), dtype=bool)
     demanded, actual = replay.demanded[order] * scale, replay.actual[order] * scale
-    shown = limits([0.0, actual[seen], demanded])
+    y_limits = limits([0.0, actual[seen], demanded])
     marks: list[Mark] = [
         ZERO,
         Line(over(phi[seen], actual[seen]), ACTUAL, "actual"),
@@ -119,7 +119,7 @@ def _replay_panel(
         marks.append(_note(f"lost stroke up to {loss:.3g} {unit}"))
     elif order == 1 and len(replay.shocks):
         count = len(replay.shocks.phi)
-        foot = shown[0] + FOOT * (shown[1] - shown[0])
+        foot = y_limits[0] + FOOT * (y_limits[1] - y_limits[0])
         places = over(np.degrees(replay.shocks.phi), np.full(count, foot))
         marks.append(Line(places, SHOCK, "shock"))
         marks.append(_note(counted(count, "shock")))
@@ -130,15 +130,15 @@ def _replay_panel(
             marks.append(_note(f"ripple {text} % of the demanded peak"))
         peak = replay.demanded_acceleration * scale
         if peak > 0.0 and float(np.max(np.abs(actual[seen]))) > MOST * peak:
-            shown = -MOST * peak, MOST * peak  # keeps spikes from flattening the curve
-    return shown, marks
+            y_limits = -MOST * peak, MOST * peak  # keeps spikes from flattening the curve
+    return y_limits, marks
 
 
 def _lost(replay: Replay, phi: FloatArray, demanded: FloatArray, actual: FloatArray) -> list[Mark]:
     span = float(np.ptp(demanded))
     if not (span > 0.0 and float(np.max(np.abs(actual - demanded))) > SHARE * span):
         return []
-    low, high = (np.where(replay.lost > 0.0, each, np.nan) for each in (demanded, actual))
+    low, high = (np.where(replay.lost > 0.0, lift, np.nan) for lift in (demanded, actual))
     return [Band("x", phi, low, high, LOST, "lost stroke")]
 
 
@@ -190,11 +190,11 @@ def inspection_figure(
     rules = [] if tolerance is None else [0.5 * tolerance * scale, -0.5 * tolerance * scale]
     phi = np.degrees(deviations.places.phi[order])
     wide = np.flatnonzero(np.diff(phi) > GAP) + 1
-    drawn = over(np.insert(phi, wide, np.nan), np.insert(values, wide, np.nan))
+    points = over(np.insert(phi, wide, np.nan), np.insert(values, wide, np.nan))
     marks: list[Mark] = [
         ZERO,
-        Line(drawn, MEASURED, "measured"),
-        *(Rule("y", at, LIMIT_STYLE, "allowed" * (at > 0.0)) for at in rules),
+        Line(points, MEASURED, "measured"),
+        *(Rule("y", level, LIMIT_STYLE, "allowed" * (level > 0.0)) for level in rules),
     ]
     rows = 1 if lift is None else 2
     size = FLANK_ALONE if lift is None else FLANK_SIZE
@@ -234,7 +234,7 @@ TOLERANCE_SIZE: Final = (8.6, 6.4)
 TOLERANCE_RIGHT: Final = 2.2
 """Margin [inch] with room for the names of the sources."""
 
-WITHIN: Final = Fill(LINE, LINE, 0.0, opacity=0.2)
+SIGMA_BAND: Final = Fill(LINE, LINE, 0.0, opacity=0.2)
 MEAN: Final = Style(LINE, 1.2)
 EDGE: Final = Style(AUXILIARY, 1.0, (1.0, 1.5))
 
@@ -260,21 +260,21 @@ def tolerance_figure(
     upper, lower = grid(TOLERANCE_SIZE, (LEFT, TOLERANCE_RIGHT, *MARGINS[2:]), 2, gaps=(0.12, 0.0))
     joints = linear.stated.machine.cam.drive.joints
     sign = "°" if unit == "deg" else unit
-    shown, marks = _errors(linear, sampled, factor)
+    y_limits, marks = _errors(linear, sampled, factor)
     errors = Panel(
-        upper, turn_axis(numbered=False), Axis(shown, f"error of the position [{sign}]"),
+        upper, turn_axis(numbered=False), Axis(y_limits, f"error of the position [{sign}]"),
         (*marks, *joint_marks(joints)), f"{name}: tolerances", title_size=10.0,
-        legend=_beside(marks),
+        legend=_right_legend(marks),
     )  # fmt: skip
     stack = _shares(linear)
     shares = Panel(
         lower, turn_axis(), Axis((0.0, 100.0), "share of the variance [%]"),
-        (*stack, *joint_marks(joints)), legend=_beside(stack[::-1]),
+        (*stack, *joint_marks(joints)), legend=_right_legend(stack[::-1]),
     )  # fmt: skip
     return Figure(TOLERANCE_SIZE, (errors, shares))
 
 
-def _beside(marks: list[Mark]) -> Legend:
+def _right_legend(marks: list[Mark]) -> Legend:
     return Legend(entries(marks), "upper left", (1.02, 1.0), size=7.5, gap=0.0)
 
 
@@ -287,10 +287,10 @@ def _errors(
     linear: Linear, sampled: Sampled | None, factor: float
 ) -> tuple[tuple[float, float], list[Mark]]:
     phi = np.append(np.degrees(linear.angles), 360.0)
-    mean, low, high = (_round(each) * factor for each in (linear.mean, *linear.band))
+    mean, low, high = (_round(values) * factor for values in (linear.mean, *linear.band))
     marks: list[Mark] = [
         ZERO,
-        Band("x", phi, low, high, WITHIN, "mean ± 3 sigma"),
+        Band("x", phi, low, high, SIGMA_BAND, "mean ± 3 sigma"),
         Line(over(phi, mean), MEAN, "mean"),
     ]
     if sampled is not None:
@@ -316,9 +316,9 @@ def _shares(linear: Linear) -> list[Mark]:
         linear.variances, total, out=np.zeros_like(linear.variances), where=total > 0.0
     )
     edges = 100.0 * np.vstack((np.zeros_like(total), np.cumsum(parts, axis=0)))
-    found: list[Mark] = []
+    bands: list[Mark] = []
     for k, source in enumerate(linear.stated.sources):
         fill = Fill(FACES[k % len(FACES)], "white", 0.4, hatched=k >= HATCHED)
-        low, high = (_round(each) for each in edges[k : k + 2])
-        found.append(Band("x", phi, low, high, fill, source.name))
-    return found
+        low, high = (_round(edge) for edge in edges[k : k + 2])
+        bands.append(Band("x", phi, low, high, fill, source.name))
+    return bands

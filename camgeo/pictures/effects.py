@@ -59,7 +59,7 @@ PANEL: Final = 1.7
 ROWS: Final = 7
 """Most panels one above the other, as many as a screen shows; more stand in further columns."""
 
-NARROW, BETWEEN = 4.2, 1.0
+NARROW, COLUMN_GAP = 4.2, 1.0
 """Width of a panel of several columns, and the gap between two, with room for numbers [inch]."""
 
 GAP: Final = 0.2
@@ -97,12 +97,14 @@ def figure(product: Product, size: Size | None = None) -> Figure:
     columns = -(-count // ROWS)
     rows = -(-count // columns)
     if size is None:
-        across = LEFT + RIGHT + columns * NARROW + (columns - 1) * BETWEEN
+        across = LEFT + RIGHT + columns * NARROW + (columns - 1) * COLUMN_GAP
         width = WIDTH if columns == 1 else across
         size = width, TOP + rows * PANEL + (rows - 1) * GAP + BOTTOM
-    panel = (size[0] - LEFT - RIGHT - (columns - 1) * BETWEEN) / columns
-    found = grid(size, MARGINS, rows, columns, (GAP / PANEL, BETWEEN / panel))
-    frames = [found[row * columns + column] for column in range(columns) for row in range(rows)]
+    panel = (size[0] - LEFT - RIGHT - (columns - 1) * COLUMN_GAP) / columns
+    grid_frames = grid(size, MARGINS, rows, columns, (GAP / PANEL, COLUMN_GAP / panel))
+    frames = [
+        grid_frames[row * columns + column] for column in range(columns) for row in range(rows)
+    ]
     title = f"{product.name}: effects"
     if not groups:
         words = "no effect in the scene has values over the cam angle"
@@ -112,25 +114,27 @@ def figure(product: Product, size: Size | None = None) -> Figure:
     places = np.array([joint.cam_angle for joint in breaks(product.cam.drive.plan)])
     abreast = ABREAST[min(columns, 2) - 1]
     ends = {*range(rows - 1, count, rows), count - 1}
-    made = tuple(
+    effect_panels = tuple(
         _panel(product, frame, group, places, last=number in ends, abreast=abreast)
         for number, (frame, group) in enumerate(zip(frames, groups, strict=False))
     )
     if columns == 1:
-        return Figure(size, (replace(made[0], title=title), *made[1:]))
-    at = 0.5, 1.0 - 0.1 / size[1]
-    return Figure(size, made, (Text(title, at, 11.0, "figure", across="center", up="top"),))
+        return Figure(size, (replace(effect_panels[0], title=title), *effect_panels[1:]))
+    title_place = 0.5, 1.0 - 0.1 / size[1]
+    return Figure(
+        size, effect_panels, (Text(title, title_place, 11.0, "figure", across="center", up="top"),)
+    )
 
 
 def panels(columns: Sequence[Column]) -> list[list[Column]]:
     """The columns in groups of adjacent ones with equal unit, at most one per curve style."""
-    found: list[list[Column]] = []
+    groups: list[list[Column]] = []
     for column in columns:
-        if found and found[-1][0].unit == column.unit and len(found[-1]) < len(CURVES):
-            found[-1].append(column)
+        if groups and groups[-1][0].unit == column.unit and len(groups[-1]) < len(CURVES):
+            groups[-1].append(column)
         else:
-            found.append([column])
-    return found
+            groups.append([column])
+    return groups
 
 
 def _panel(
@@ -142,35 +146,37 @@ def _panel(
     last: bool,
     abreast: int,
 ) -> Panel:
-    shown, scale = shown_unit(group[0].unit, product.unit)
+    unit, scale = display_unit(group[0].unit, product.unit)
     marks: list[Mark] = [ZERO]
-    drawn: list[FloatArray] = []
+    curves: list[FloatArray] = []
     for column, style in zip(group, CURVES, strict=False):
         phi, values = sampled(column, places)
-        drawn.append(values * scale)
-        marks.append(Line(over(np.degrees(phi), drawn[-1]), style, column.name))
-    named = {each.limit: each.name for each in group if each.limit is not None}
+        curves.append(values * scale)
+        marks.append(Line(over(np.degrees(phi), curves[-1]), style, column.name))
+    named = {column.limit: column.name for column in group if column.limit is not None}
     for limit, name in named.items():
         label = f"limit {limit * scale:.5g}" if len(group) == 1 else f"limit, {name}"
         marks.append(Rule("y", limit * scale, LIMIT_STYLE, label))
-    found = entries(marks)
-    low, high = limits([0.0, *drawn], [limit * scale for limit in named])
-    rows = -(-len(found) // abreast)  # of names, in a strip above the curves
+    legend_entries = entries(marks)
+    low, high = limits([0.0, *curves], [limit * scale for limit in named])
+    rows = -(-len(legend_entries) // abreast)  # of names, in a strip above the curves
     return Panel(
         frame,
         turn_axis(numbered=last),
         Axis(
             (low, high + HEADROOM * rows * (high - low)),
-            f"[{shown}]" if shown else "",
+            f"[{unit}]" if unit else "",
             powers=PLAIN,
             label_place=NAME_PLACE,  # aligned over all panels, whatever the width of the numbers
         ),
         (*marks, *joint_marks(product.cam.drive.joints)),
-        legend=Legend(found, "upper right", None, min(len(found), abreast), 7.5, pad=0.3),
+        legend=Legend(
+            legend_entries, "upper right", None, min(len(legend_entries), abreast), 7.5, pad=0.3
+        ),
     )
 
 
-def shown_unit(unit: str, length: LengthUnit) -> tuple[str, float]:
+def display_unit(unit: str, length: LengthUnit) -> tuple[str, float]:
     """The display unit for a column's `unit`, and the factor from `unit` to it."""
     unit, divisor = unit_and_divisor(unit, length)
     for power, raised in (("^2", "²"), ("^3", "³")):
@@ -275,10 +281,10 @@ class Curves:
     @property
     def label(self) -> str:
         """The cam angles of the moves."""
-        return listed([_range(each) for each in self.spectra], 4)
+        return listed([_range(spectrum) for spectrum in self.spectra], 4)
 
 
-def frequency_of(effects: Effects) -> float | None:
+def lowest_frequency(effects: Effects) -> float | None:
     """Lowest natural frequency [Hz] of the train that the scene names; None if none is known."""
     if VIBRATION not in effects.names:
         return None
@@ -286,7 +292,7 @@ def frequency_of(effects: Effects) -> float | None:
         findings = effects.result(VIBRATION).findings
     except EffectError:  # which the findings report
         return None
-    known = [each.value for each in findings if each.name == FREQUENCY and each.value]
+    known = [finding.value for finding in findings if finding.name == FREQUENCY and finding.value]
     return min(known, default=None)
 
 
@@ -311,7 +317,9 @@ def spectrum_figure(
         whole = Axis((0.0, 1.0))
         words = Text("no move is from rest to rest", (0.5, 0.5), 9.0, across="center")
         return Figure(size, (Panel(frame, whole, whole, (words,), title, bare=True),))
-    marked = [] if frequency is None else [each.move.duration * frequency for each in spectra]
+    marked = (
+        [] if frequency is None else [spectrum.move.duration * frequency for spectrum in spectra]
+    )
     end = max(highest_ratio, *(BEYOND * ratio for ratio in marked), 10.0 * LEAST)
     ratios = np.geomspace(LEAST, end, math.ceil(POINTS * math.log10(end / LEAST)))
     marks: list[Mark] = []
@@ -321,7 +329,7 @@ def spectrum_figure(
         marks.append(Line(over(ratios, curves.largest), styles[1], f"largest, {curves.label}"))
         marks.append(Line(over(ratios, remains), styles[0], f"residual, {curves.label}"))
         if frequency is not None:
-            marks += _at_frequency(curves.spectra, frequency, colour)
+            marks += _frequency_marks(curves.spectra, frequency, colour)
     marks.append(Rule("y", 100.0 * QUIET, LIMIT_STYLE, f"{100.0 * QUIET:g} % of the stroke"))
     panel = Panel(
         frame,
@@ -348,17 +356,20 @@ def grouped(spectra: Sequence[Spectrum], ratios: FloatArray) -> list[Curves]:
     return groups
 
 
-def _at_frequency(
+def _frequency_marks(
     spectra: Sequence[Spectrum], frequency: float, colour: str
 ) -> Iterator[Line | Rule]:
     """Where the train with that natural `frequency` [Hz] is, a line for each duration."""
     durations: dict[float, Spectrum] = {}
-    for each in spectra:
-        durations.setdefault(round(each.move.duration * frequency, DIGITS), each)
-    for number, (ratio, each) in enumerate(durations.items()):
+    for spectrum in spectra:
+        durations.setdefault(round(spectrum.move.duration * frequency, DIGITS), spectrum)
+    for number, (ratio, spectrum) in enumerate(durations.items()):
         label = "" if number else f"natural frequency, {frequency:.4g} Hz"
         yield Rule("x", ratio, Style(colour, 0.9, DOTTED), label)
-        heights = [100.0 * float(of(np.array([ratio]))[0]) for of in (each.residual, each.largest)]
+        heights = [
+            100.0 * float(deflection(np.array([ratio]))[0])
+            for deflection in (spectrum.residual, spectrum.largest)
+        ]
         points = Style(colour, 0.0, marker="o", size=5.0, face="white", edge=colour)
         yield Line(over([ratio, ratio], heights), points)
 

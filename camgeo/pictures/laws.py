@@ -85,28 +85,30 @@ UNBOUNDED: Final = Style(LIMIT, 0.0, marker="^", size=5.0)
 
 def figure(compared: Sequence[Compared]) -> Figure:
     """The comparison, one row per law; families that cannot do the task are listed below."""
-    drawn = [(entry, entry.law) for entry in compared if entry.law is not None]
-    left_out = [entry for entry in compared if entry.law is None]
-    rows = max(1, len(drawn))
-    bottom = BOTTOM + 0.18 * len(left_out)
+    possible = [(entry, entry.law) for entry in compared if entry.law is not None]
+    impossible = [entry for entry in compared if entry.law is None]
+    rows = max(1, len(possible))
+    bottom = BOTTOM + 0.18 * len(impossible)
     size = WIDTH, TOP + ROW * rows + bottom
-    marks = [_marks(entry, law) for entry, law in drawn] or [[[] for _ in COLUMNS]]
-    scales = [_scale(column, [own[k] for own in marks]) for k, column in enumerate(COLUMNS)]
+    marks = [_marks(entry, law) for entry, law in possible] or [[[] for _ in COLUMNS]]
+    scales = [
+        _scale(column, [law_marks[k] for law_marks in marks]) for k, column in enumerate(COLUMNS)
+    ]
     frames = iter(grid(size, (LEFT, RIGHT, TOP, bottom), rows, len(COLUMNS), (0.12, GAP)))
     panels = []
-    for row, own in enumerate(marks):
+    for row, law_marks in enumerate(marks):
         x = _share(numbered=row == rows - 1)
-        for column, scale, part in zip(COLUMNS, scales, own, strict=True):
+        for column, scale, part in zip(COLUMNS, scales, law_marks, strict=True):
             title = "" if row else f"{column.heading} {column.symbol} [1]"
             panels.append(Panel(next(frames), x, scale, tuple(part), title, title_size=9.5))
     texts = []
     if compared:
-        at = 0.5, 1.0 - 0.2 / size[1]
+        place = 0.5, 1.0 - 0.2 / size[1]
         title = _title(compared[0].task)
-        texts.append(Text(title, at, 11.0, "figure", across="center", up="top"))
-    for number, entry in enumerate(left_out):
-        at = 0.3 / WIDTH, (0.5 + 0.18 * number) / size[1]
-        texts.append(Text(f"{entry.name}: not possible: {entry.reason}", at, 7.5, "figure"))
+        texts.append(Text(title, place, 11.0, "figure", across="center", up="top"))
+    for number, entry in enumerate(impossible):
+        place = 0.3 / WIDTH, (0.5 + 0.18 * number) / size[1]
+        texts.append(Text(f"{entry.name}: not possible: {entry.reason}", place, 7.5, "figure"))
     return Figure(size, tuple(panels), tuple(texts), _legend(size[1]))
 
 
@@ -140,15 +142,15 @@ def _marks(entry: Compared, law: Law) -> list[list[Mark]]:
     z = np.concatenate([piece[0] for piece in pieces])
     curves = [np.concatenate([piece[1][order] for piece in pieces]) for order in range(4)]
     # The rest or constant velocity that the law joins, where the task states it.
-    before, after = (_neighbour(law, at_end=at_end) for at_end in (False, True))
+    left, right = (_neighbour(law, at_end=at_end) for at_end in (False, True))
     borders = [place for place in (0.0, *law.borders, 1.0) if place != law.inflection]
     rules = [Rule("x", place, BORDER) for place in borders]
     if law.inflection is not None:
         rules.append(Rule("x", law.inflection, PART))
-    found: list[list[Mark]] = []
+    column_marks: list[list[Mark]] = []
     for index, (column, curve) in enumerate(zip(COLUMNS, curves, strict=True)):
         marks: list[Mark] = [ZERO, *rules, Line(over(z, curve), CURVE)]
-        for outside, place, edge in ((before, 0.0, curve[0]), (after, 1.0, curve[-1])):
+        for outside, place, edge in ((left, 0.0, curve[0]), (right, 1.0, curve[-1])):
             if outside is not None:
                 beyond = -OUTSIDE if place == 0.0 else 1.0 + OUTSIDE
                 value = outside[index]
@@ -158,10 +160,10 @@ def _marks(entry: Compared, law: Law) -> list[list[Mark]]:
             marks += _value(entry, quantity, name)
         if index:
             marks += _unbounded(entry, column.heading)
-        found.append(marks)
+        column_marks.append(marks)
     offset = -NAME_PLACE, 0.0
-    found[0].append(Text(_name(entry, law), (0.0, 0.5), 8.0, "panel", offset, up="center"))
-    return found
+    column_marks[0].append(Text(_name(entry, law), (0.0, 0.5), 8.0, "panel", offset, up="center"))
+    return column_marks
 
 
 def _piece(law: Law, index: int) -> tuple[FloatArray, tuple[FloatArray, ...]]:
@@ -204,10 +206,12 @@ def _unbounded(entry: Compared, heading: str) -> list[Mark]:
 def _name(entry: Compared, law: Law) -> str:
     """Name and parameters of the law, and its faults, one per line."""
     symbols = {"inflection": "λ", "curved": "c", "sine": "b", "cosine": "d"}
-    shown = [f"{symbols.get(key, key)} = {value:.4g}" for key, value in law.parameters.items()]
+    parameters = [f"{symbols.get(key, key)} = {value:.4g}" for key, value in law.parameters.items()]
     lines = [entry.name]
-    wide = 1 if len(shown) < 4 else 2
-    lines += [", ".join(shown[first : first + wide]) for first in range(0, len(shown), wide)]
+    wide = 1 if len(parameters) < 4 else 2
+    lines += [
+        ", ".join(parameters[first : first + wide]) for first in range(0, len(parameters), wide)
+    ]
     for word, places in (("shock", entry.shocks), ("jerk", entry.jerks)):
         if places:
             lines.append(counted(len(places), word))

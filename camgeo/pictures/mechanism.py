@@ -71,7 +71,7 @@ MEASURE = Style(AUXILIARY, 0.9, (6.0, 2.0))
 NUMBER = 7.0
 """Size of the numbers of lengths [points]."""
 
-APART = 0.22
+NUMBER_GAP = 0.22
 """Least distance [inch] of these numbers."""
 
 SHARES = (0.5, 0.35, 0.65, 0.25, 0.75, 0.42, 0.58)
@@ -104,18 +104,18 @@ EDGE = 0.15
 
 def figure(product: Product, size: Size | None = None) -> Figure:
     """The mechanism twice, both to the same scale; the panes as high as their contents."""
-    parts = parts_of(product)
+    parts = disc_parts(product)
     sketches = [
         (phi, product.pictured.mechanism_sketch(phi)) for phi in (0.0, product.cam.drive.far_angle)
     ]
     low, high = window(_reach(product, parts), [sketch for _, sketch in sketches])
-    across, up = (high - low).real, (high - low).imag
+    width, height = (high - low).real, (high - low).imag
     dimensions = sketches[0][1].dimensions
     foot = EDGE + LISTED * -(-len(dimensions) // PER_ROW)
     if size is None:
         pane = 0.5 * (WIDTH - 3.0 * EDGE)
-        size = WIDTH, min(max(pane * up / across, HEIGHTS[0]), HEIGHTS[1]) + HEAD + EDGE + foot
-    joint = JOINT * math.sqrt(across * up)
+        size = WIDTH, min(max(pane * height / width, HEIGHTS[0]), HEIGHTS[1]) + HEAD + EDGE + foot
+    joint = JOINT * math.sqrt(width * height)
     sagitta = SAGITTA * product.cam.follower.base_radius
     axis = [_circle(0j, joint), *(_stroke(-way * joint, way * joint) for way in (2.2, 2.2j))]
     panels = []
@@ -126,7 +126,7 @@ def figure(product: Product, size: Size | None = None) -> Figure:
         measures: list[Mark] = []
         if number == 0:
             left, bottom, right, top = frame
-            scale = min((right - left) * size[0] / across, (top - bottom) * size[1] / up)
+            scale = min((right - left) * size[0] / width, (top - bottom) * size[1] / height)
             measures = _measures(dimensions, sketch, scale)
         panels.append(
             Panel(
@@ -139,8 +139,8 @@ def figure(product: Product, size: Size | None = None) -> Figure:
                 bare=True,
             )
         )
-    at = 0.5, 1.0 - 0.1 / size[1]
-    title = Text(product.name, at, 11.0, "figure", across="center", up="top")
+    title_place = 0.5, 1.0 - 0.1 / size[1]
+    title = Text(product.name, title_place, 11.0, "figure", across="center", up="top")
     return Figure(size, tuple(panels), (title, *_listed(dimensions, product.unit, size)))
 
 
@@ -158,14 +158,14 @@ def _reach(product: Product, parts: tuple[Part, ...]) -> float:
     """How far discs and base circle reach [mm]."""
     reach = product.cam.follower.base_radius
     coarse = COARSE * reach
-    found = [largest_radius(part.outermost.arcs(coarse).contour) for part in parts]
-    return max([reach, *found])
+    radii = [largest_radius(part.outermost.arcs(coarse).contour) for part in parts]
+    return max([reach, *radii])
 
 
-def parts_of(product: Product) -> tuple[Part, ...]:
+def disc_parts(product: Product) -> tuple[Part, ...]:
     """The disc and, of a pair, the return disc; none if one or its bore is impossible."""
     try:
-        return tuple(each.drawn.part for each in product.discs)
+        return tuple(disc.drawn.part for disc in product.discs)
     except CamgeoError:
         return ()
 
@@ -190,25 +190,27 @@ def _measures(
     """Each length with its number, at `scale` inches per mm; a dashed line where no link is."""
     links = {frozenset(link) for link in sketch.links}
     marks: list[Mark] = []
-    taken: list[complex] = []
-    for number, each in enumerate(dimensions, start=1):
-        way = each.end - each.start
-        if frozenset((each.start, each.end)) not in links:
-            marks.append(Line(plane([each.start, each.end]), MEASURE, layer=4.5))
+    occupied: list[complex] = []
+    for number, dimension in enumerate(dimensions, start=1):
+        way = dimension.end - dimension.start
+        if frozenset((dimension.start, dimension.end)) not in links:
+            marks.append(Line(plane([dimension.start, dimension.end]), MEASURE, layer=4.5))
         if abs(way) * scale < SHORT:
             along = way / abs(way) if way else 1.0 + 0.0j
-            places = [each.end + step * BEYOND / scale * along for step in (1.0, 2.5, 4.0)]
+            places = [dimension.end + step * BEYOND / scale * along for step in (1.0, 2.5, 4.0)]
         else:
-            places = [each.start + share * way for share in SHARES]
+            places = [dimension.start + share * way for share in SHARES]
 
         def room(place: complex) -> float:
-            return min((abs(place - other) for other in taken), default=math.inf) * scale
+            return min((abs(place - other) for other in occupied), default=math.inf) * scale
 
-        at = next((place for place in places if room(place) >= APART), max(places, key=room))
-        taken.append(at)
+        position = next(
+            (place for place in places if room(place) >= NUMBER_GAP), max(places, key=room)
+        )
+        occupied.append(position)
         marks.append(
             Text(
-                str(number), (at.real, at.imag), NUMBER,
+                str(number), (position.real, position.imag), NUMBER,
                 across="center", up="center", box=Box(0.2, ring=True), layer=7.0,
             )
         )  # fmt: skip
@@ -219,16 +221,16 @@ def _listed(dimensions: Sequence[Dimension[complex]], unit: LengthUnit, size: Si
     """The lengths by their numbers: key of the scene and value, in rows from left to right."""
     rows = -(-len(dimensions) // PER_ROW)
     texts = []
-    for number, each in enumerate(dimensions):
+    for number, dimension in enumerate(dimensions):
         row, column = divmod(number, PER_ROW)
-        values = [f"{value / MM_PER[unit] + 0.0:.6g}" for value in each.value]
-        value = f"[{', '.join(values)}]" if each.vector else values[0]
-        at = (
+        values = [f"{value / MM_PER[unit] + 0.0:.6g}" for value in dimension.value]
+        value = f"[{', '.join(values)}]" if dimension.vector else values[0]
+        place = (
             (EDGE + column * (size[0] - 2.0 * EDGE) / PER_ROW) / size[0],
             (EDGE + (rows - 0.5 - row) * LISTED) / size[1],
         )
-        text = f"{number + 1}  {each.key} = {value} {unit}".replace("-", "−")
-        texts.append(Text(text, at, 8.5, "figure", up="center"))
+        text = f"{number + 1}  {dimension.key} = {value} {unit}".replace("-", "−")
+        texts.append(Text(text, place, 8.5, "figure", up="center"))
     return texts
 
 
@@ -247,7 +249,7 @@ def _guide(guide: Guide[complex], joint: float) -> list[Mark]:
     else:
         across *= 0.5
     # The whole way of a slider, so that the guide is the same wherever the slider is.
-    way = [((at - guide.middle) * guide.direction.conjugate()).real for at in guide.travel]
+    way = [((point - guide.middle) * guide.direction.conjugate()).real for point in guide.travel]
     first, last = (min([0.0, *way]) - PAST * joint, max([0.0, *way]) + PAST * joint)
     count = max(HATCHES, round((last - first) / (STROKE * joint)))
     for side in (1.15, -1.15):
@@ -393,11 +395,11 @@ def _turning(product: Product, *, moving: bool) -> tuple[tuple[Mark, ...], float
     marks = _discs(product, moving=moving)
     if not marks:
         try:
-            drawn = pictured.whole_flanks(product, product.pictured.trimmed_stretches, 1.0)[0]
+            flank_marks = pictured.whole_flanks(product, product.pictured.trimmed_stretches, 1.0)[0]
         except CamgeoError:  # the findings say so
-            drawn = []
-        note = next((mark.text for mark in drawn if isinstance(mark, Text)), "no disc")
-        marks += [mark for mark in drawn if not isinstance(mark, Text)]
+            flank_marks = []
+        note = next((mark.text for mark in flank_marks if isinstance(mark, Text)), "no disc")
+        marks += [mark for mark in flank_marks if not isinstance(mark, Text)]
     if cam.follower.has_pitch_curve:
         marks.append(Line(plane(cam.disc.pitch_curve.point(cam_angles())), PITCH))
     reach = max([base, *map(_farthest, marks)])
@@ -413,11 +415,11 @@ def _discs(product: Product, *, moving: bool) -> list[Mark]:
     sagitta = CHORDS * product.cam.follower.base_radius
     if moving:
         try:
-            parts = tuple(each.drawn.untrimmed for each in product.discs)
+            parts = tuple(disc.drawn.untrimmed for disc in product.discs)
             return _disc_bodies(parts, 1.0, sagitta, sampled=True)
         except CamgeoError:  # undercut, for one: what is left of the disc takes longer
             pass
-    return _disc_bodies(parts_of(product), 1.0, sagitta, sampled=True)
+    return _disc_bodies(disc_parts(product), 1.0, sagitta, sampled=True)
 
 
 def _disc_bodies(
@@ -444,7 +446,7 @@ def _farthest(mark: Mark) -> float:
 def _way(
     middle: complex, direction: complex, travel: tuple[complex, ...], block: bool, past: float
 ) -> Way:
-    ways = [((at - middle) * direction.conjugate()).real for at in travel] or [0.0]
+    ways = [((point - middle) * direction.conjugate()).real for point in travel] or [0.0]
     start, end = min(ways) - past, max(ways) + past
     return Way(middle + start * direction, middle + end * direction, block)
 

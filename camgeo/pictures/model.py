@@ -162,7 +162,7 @@ PLAIN: Final = (str, float, int, bool, type(None))
 @cache
 def _names(kind: Any) -> tuple[str, ...]:
     """Of the fields of a dataclass."""
-    return tuple(each.name for each in fields(kind))
+    return tuple(field.name for field in fields(kind))
 
 
 def listed(array: FloatArray) -> list[Any]:
@@ -173,18 +173,18 @@ def listed(array: FloatArray) -> list[Any]:
         return numbers
     data = array.astype(object)
     data[gaps] = None
-    found: list[Any] = data.tolist()
-    return found
+    rows: list[Any] = data.tolist()
+    return rows
 
 
 @lru_cache(maxsize=512)
 def _styled(style: Style | Fill) -> dict[str, Any]:
     """The data of a style, of which a figure has few, on many marks."""
     kind: Any = type(style)
-    found: dict[str, Any] = {"kind": kind.__name__.lower()}
+    data: dict[str, Any] = {"kind": kind.__name__.lower()}
     for name in _names(kind):
-        found[name] = figure_data(getattr(style, name))
-    return found
+        data[name] = figure_data(getattr(style, name))
+    return data
 
 
 def figure_data(value: Any, array: Callable[[FloatArray], Any] = listed) -> Any:
@@ -198,7 +198,7 @@ def figure_data(value: Any, array: Callable[[FloatArray], Any] = listed) -> Any:
     if kind in PLAIN:
         return value
     if isinstance(value, tuple):
-        return [each if type(each) in PLAIN else figure_data(each, array) for each in value]
+        return [item if type(item) in PLAIN else figure_data(item, array) for item in value]
     if kind is np.ndarray:
         return array(value)
     if kind is Style or kind is Fill:
@@ -206,11 +206,11 @@ def figure_data(value: Any, array: Callable[[FloatArray], Any] = listed) -> Any:
         data["dashes"] = list(value.dashes)
         return data
     if is_dataclass(value):
-        found: dict[str, Any] = {"kind": kind.__name__.lower()}
+        parts: dict[str, Any] = {"kind": kind.__name__.lower()}
         for name in _names(kind):
             part = getattr(value, name)
-            found[name] = part if type(part) in PLAIN else figure_data(part, array)
-        return found
+            parts[name] = part if type(part) in PLAIN else figure_data(part, array)
+        return parts
     if isinstance(value, complex):
         return [value.real, value.imag]
     return value.item() if isinstance(value, np.generic) else value
@@ -475,9 +475,9 @@ def heights(lines: Iterable[Line]) -> list[FloatArray]:
 def _steps(length: float, count: int, gap: float) -> list[tuple[float, float]]:
     """Where each of `count` equal parts of `length` begins and ends."""
     part = length / (count + gap * (count - 1))
-    between = gap * part
+    spacing = gap * part
     part = part * count / count  # keeps the last digits, on which names inside the files depend
-    edges = np.cumsum([0.0, part, *[between, part] * (count - 1)])
+    edges = np.cumsum([0.0, part, *[spacing, part] * (count - 1)])
     return [(float(a), float(b)) for a, b in edges.reshape(-1, 2)]
 
 
@@ -524,7 +524,7 @@ def log_limits(drawn: Iterable[ArrayLike]) -> tuple[float, float]:
 
 def _values(drawn: Iterable[ArrayLike]) -> FloatArray:
     """All finite values."""
-    values = np.concatenate([[], *(np.ravel(each) for each in drawn)])
+    values = np.concatenate([[], *(np.ravel(values) for values in drawn)])
     finite: FloatArray = values[np.isfinite(values)]
     return finite
 

@@ -63,18 +63,18 @@ class Strips:
         self.width, self.height = size
         self.left = left
         self.across = self.width - left - right
-        self.left_over = self.height
+        self.remaining = self.height
 
     def skip(self, height: float) -> None:
         """Leave `height` [inch] free."""
-        self.left_over -= height
+        self.remaining -= height
 
     def frame(self, height: float) -> Frame:
         """The next frame, `height` [inch] high."""
-        self.left_over -= height
+        self.remaining -= height
         return box(
             self.left / self.width,
-            self.left_over / self.height,
+            self.remaining / self.height,
             self.across / self.width,
             height / self.height,
         )
@@ -105,8 +105,8 @@ ANGULAR: Final = ("", "d{}/dt", "d²{}/dt²", "d³{}/dt³")
 """Names of the derivatives over time: of a length, and of an angle by its symbol."""
 
 RAISED: Final = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
-OVER_ANGLE: Final = ("", "/rad", "/rad²", "/rad³")
-OVER_TIME: Final = ("", "/s", "/s²", "/s³")
+PER_ANGLE: Final = ("", "/rad", "/rad²", "/rad³")
+PER_TIME: Final = ("", "/s", "/s²", "/s³")
 
 PANEL, GAP = 1.3, 0.09
 """Heights [inch] of each panel and of the gap between two."""
@@ -156,13 +156,13 @@ class Infinite:
     Attributes
     ----------
     cam_angle : [rad].
-    up, down : whether it is infinite upwards, downwards, or both, where more than the next lower
-        derivative jumps: that of a jump's impulse goes both ways.
+    upwards, downwards : in which direction it is infinite; both are true where the jump is more
+        than one derivative below it, as the derivative of an impulse goes both ways.
     """
 
     cam_angle: float
-    up: bool
-    down: bool
+    upwards: bool
+    downwards: bool
 
 
 def diagram_panels(
@@ -178,59 +178,59 @@ def diagram_panels(
     degrees = np.concatenate(([0.0], np.degrees(phi)))
     near = _near_extremes(phi, jet)
     nearby = motion.jet(near.ravel())[: len(MARKS)].reshape(len(MARKS), *near.shape) * unit.scale
-    found = []
+    panels = []
     for order, mark in enumerate(MARKS):
         if order:
             strips.skip(GAP)
         values = jet[order]
-        infinite = infinite_at(plan, motion, order)
+        infinite = infinite_places(plan, motion, order)
         low, high = _range(values, infinite)
-        shown = low, high + HEADROOM * (high - low)
+        y_limits = low, high + HEADROOM * (high - low)
         # From the value at the end of the turn: a jump at cam angle 0 is drawn like the others.
         curve = over(degrees, np.concatenate((values[-1:], values)))
         marks: list[Mark] = [ZERO, Line(curve, CURVE), *joint_marks(places)]
         marks += _spikes(infinite, low, high)
         closer = list(zip(near[order], nearby[order, order], strict=True))
         marks.append(_extremes(phi, values, closer, infinite))
-        label = f"{unit.symbol}{mark} [{unit.name}{OVER_ANGLE[order]}]"
+        label = f"{unit.symbol}{mark} [{unit.name}{PER_ANGLE[order]}]"
         # A curve that is zero wherever it is finite has no scale: its range is arbitrary.
         ticks = (0.0,) if infinite and not np.any(values) else None
         second = None
         if speed is not None and order:
-            second = _second_scale(shown, unit, order, speed, strips.across)
-        found.append(
+            second = _second_scale(y_limits, unit, order, speed, strips.across)
+        panels.append(
             Panel(
                 strips.frame(PANEL),
                 turn_axis(numbered=order == 3),
                 # aligned down the page, whatever the width of their numbers
-                Axis(shown, label, ticks=ticks, label_place=NAME_PLACE),
+                Axis(y_limits, label, ticks=ticks, label_place=NAME_PLACE),
                 tuple(marks),
                 right=None if second is None else replace(second, ticks=ticks),
             )
         )
-    return found
+    return panels
 
 
-def infinite_at(plan: MotionPlan, motion: Motion, order: int) -> list[Infinite]:
+def infinite_places(plan: MotionPlan, motion: Motion, order: int) -> list[Infinite]:
     """Where the derivative of `motion` is infinite because a lower one jumps."""
-    found = []
+    places = []
     for joint in breaks(plan):
         if joint.order + 1 < order:
             angle = np.array([joint.cam_angle])
-            before, after = motion.jet(angle, "left"), motion.jet(angle)
-            rises = bool(after[joint.order + 1, 0] > before[joint.order + 1, 0])
+            left, right = motion.jet(angle, "left"), motion.jet(angle)
+            rises = bool(right[joint.order + 1, 0] > left[joint.order + 1, 0])
             both = joint.order + 2 < order
-            found.append(Infinite(joint.cam_angle, rises or both, not rises or both))
-    return found
+            places.append(Infinite(joint.cam_angle, rises or both, not rises or both))
+    return places
 
 
 def _range(values: FloatArray, infinite: list[Infinite]) -> tuple[float, float]:
     """Lower and upper end of the curve's range, with room for what is infinite."""
     low, high = limits([values, 0.0])
     room = SPIKES_ROOM * (high - low) / (1.0 - SPIKES_ROOM)
-    if any(each.down for each in infinite):
+    if any(place.downwards for place in infinite):
         low = min(low, -room)
-    if any(each.up for each in infinite):
+    if any(place.upwards for place in infinite):
         high = max(high, room)
     return low, high
 
@@ -239,15 +239,17 @@ def _spikes(infinite: list[Infinite], low: float, high: float) -> list[Mark]:
     """A line from zero to a head at `low` or `high` for each infinite value."""
     marks: list[Mark] = []
     for end, style, angles in (
-        (high, INFINITE, [each.cam_angle for each in infinite if each.up]),
-        (low, DOWNWARDS, [each.cam_angle for each in infinite if each.down]),
+        (high, INFINITE, [place.cam_angle for place in infinite if place.upwards]),
+        (low, DOWNWARDS, [place.cam_angle for place in infinite if place.downwards]),
     ):
-        at = np.degrees(angles)
-        if not len(at):
+        degrees = np.degrees(angles)
+        if not len(degrees):
             continue
-        ends = np.tile([0.0, end, math.nan], len(at))
-        marks.append(Line(over(np.repeat(at, 3), ends), SPIKE, layer=4.0, clipped=False))
-        marks.append(Line(over(at, np.full(len(at), end)), style, layer=4.0, clipped=False))
+        ends = np.tile([0.0, end, math.nan], len(degrees))
+        marks.append(Line(over(np.repeat(degrees, 3), ends), SPIKE, layer=4.0, clipped=False))
+        marks.append(
+            Line(over(degrees, np.full(len(degrees), end)), style, layer=4.0, clipped=False)
+        )
     return marks
 
 
@@ -281,14 +283,18 @@ def _extremes(
     size = float(np.max(np.abs(values)))
     lines = []
     for word, sign, (near, nearby) in zip(("max", "min"), (1.0, -1.0), closer, strict=True):
-        beyond = [each.cam_angle for each in infinite if (each.up if sign > 0.0 else each.down)]
+        beyond = [
+            place.cam_angle
+            for place in infinite
+            if (place.upwards if sign > 0.0 else place.downwards)
+        ]
         if beyond:
             end = "∞" if sign > 0.0 else "−∞"
             lines.append(f"{word} {end} at {math.degrees(min(beyond)):.1f}°")
             continue
-        found, angles = np.concatenate((values, nearby)), np.concatenate((phi, near))
-        extreme = float(np.max(sign * found)) * sign
-        first = float(np.min(angles[np.abs(found - extreme) <= SAME * size]))
+        candidates, angles = np.concatenate((values, nearby)), np.concatenate((phi, near))
+        extreme = float(np.max(sign * candidates)) * sign
+        first = float(np.min(angles[np.abs(candidates - extreme) <= SAME * size]))
         lines.append(f"{word} {number(extreme)} at {math.degrees(first):.1f}°")
     return Text(
         ",  ".join(lines), (0.99, 0.95), SMALL, "panel", across="right", up="top", box=Box(1.0)
@@ -296,18 +302,18 @@ def _extremes(
 
 
 def _second_scale(
-    shown: tuple[float, float], unit: Unit, order: int, speed: float, across: float
+    y_limits: tuple[float, float], unit: Unit, order: int, speed: float, across: float
 ) -> Axis:
     """The derivative over time at a constant speed."""
     factor = speed**order
     name = RATES[order] if unit.symbol == "s" else ANGULAR[order].format(unit.symbol)
-    low, high = (limit * factor for limit in shown)
+    low, high = (limit * factor for limit in y_limits)
     size = max(abs(low), abs(high))
     thousands = max(0, math.floor(math.log10(size) / 3.0)) if size > 0.0 else 0
     power = f"10{str(3 * thousands).translate(RAISED)} " if thousands else ""
     return Axis(
         (low / 1000.0**thousands, high / 1000.0**thousands),
-        f"{name} [{power}{unit.name}{OVER_TIME[order]}]",
+        f"{name} [{power}{unit.name}{PER_TIME[order]}]",
         label_size=8.5,
         label_place=SECOND_PLACE * across,
     )
@@ -384,7 +390,7 @@ class PlanSketch:
 
 def plan_sketch(plan: MotionPlan) -> PlanSketch:
     """What a picture shows of `plan`."""
-    return PlanSketch(joints(plan), tuple(_segment(plan, *each) for each in plan.stretches))
+    return PlanSketch(joints(plan), tuple(_segment(plan, *stretch) for stretch in plan.stretches))
 
 
 def _segment(plan: MotionPlan, segment: Segment, start: float, end: float) -> PlanSegment:
@@ -405,7 +411,7 @@ def plan_panels(strips: Strips, sketch: PlanSketch, unit: Unit, below: float) ->
     return [
         strips.words(band, _names_marks(sketch, names, band)),
         strips.words(NUMBERS, _numbers(sketch, strips.across)),
-        _plan(strips, sketch, unit, strips.left_over - CLASSES - below),
+        _plan(strips, sketch, unit, strips.remaining - CLASSES - below),
         strips.words(CLASSES, _classes(sketch, strips.across)),
     ]
 
@@ -438,8 +444,8 @@ def _names(sketch: PlanSketch, across: float) -> list[_Name]:
         turned[:] = True
         places = spread(middles, gap, 0.0, 360.0)
     return [
-        _Name(f"{task} {s.label}" if up else text, float(place), bool(up))
-        for task, s, text, place, up in zip(
+        _Name(f"{task} {s.label}" if upwards else text, float(place), bool(upwards))
+        for task, s, text, place, upwards in zip(
             tasks, sketch.segments, texts, places, turned, strict=True
         )
     ]
@@ -468,8 +474,8 @@ def spread(places: FloatArray, gap: float, low: float, high: float) -> FloatArra
     for index, place in enumerate(places):
         mean, count = float(place) - index * gap, 1
         while blocks and blocks[-1][0] >= mean:
-            before, many = blocks.pop()
-            mean, count = (mean * count + before * many) / (count + many), count + many
+            earlier, many = blocks.pop()
+            mean, count = (mean * count + earlier * many) / (count + many), count + many
         blocks.append((mean, count))
     levels = np.repeat([mean for mean, _ in blocks], [count for _, count in blocks])
     levels = np.clip(levels, low, high - gap * (len(places) - 1))
@@ -485,8 +491,8 @@ def _names_marks(sketch: PlanSketch, names: list[_Name], band: float) -> list[Ma
         if name.turned:
             points = over([middle, name.place], [0.0, leader])
             marks.append(Line(points, Style(AUXILIARY, 0.5)))
-        at = name.place, leader + 0.02 if name.turned else 0.02
-        text = Text(name.text, at, SMALL, across="center", up="bottom", spacing=1.0)
+        place = name.place, leader + 0.02 if name.turned else 0.02
+        text = Text(name.text, place, SMALL, across="center", up="bottom", spacing=1.0)
         marks.append(replace(text, turned=name.turned))
     return marks
 
@@ -502,9 +508,11 @@ def _numbers(sketch: PlanSketch, across: float) -> list[Mark]:
     places = spread(angles, NUMBER_GAP * 360.0 / across, 0.0, 360.0)
     marks: list[Mark] = []
     for index, (angle, place) in enumerate(zip(angles, places, strict=True)):
-        text, at = str(index % len(sketch.joints) + 1), (float(place), 0.58)
+        text, name_place = str(index % len(sketch.joints) + 1), (float(place), 0.58)
         marks.append(Line(over([angle, place], [0.0, 0.3]), LEADER, clipped=False))
-        marks.append(Text(text, at, 6.5, across="center", up="center", box=Box(0.22, ring=True)))
+        marks.append(
+            Text(text, name_place, 6.5, across="center", up="center", box=Box(0.22, ring=True))
+        )
     return marks
 
 
@@ -527,8 +535,8 @@ def _plan(strips: Strips, sketch: PlanSketch, unit: Unit, height: float) -> Pane
     low, high = (float(limit(np.concatenate(extent))) for limit in (np.min, np.max))
     room = 0.15 * (high - low) or 1.0
     levels = np.unique(np.round(positions, 9))
-    apart = np.min(np.diff(levels), initial=math.inf) / (high - low + 2.0 * room) * height
-    at_levels = bool(apart > TICK_GAP) and len(extent) == 1
+    spacing = np.min(np.diff(levels), initial=math.inf) / (high - low + 2.0 * room) * height
+    at_levels = bool(spacing > TICK_GAP) and len(extent) == 1
     return Panel(
         strips.frame(height),
         turn_axis(numbered=False),
@@ -593,10 +601,10 @@ NAMES: Final = (
 
 def figure(product: Product, size: Size | None = None) -> Figure:
     """The motion plan above s, s', s'', s''' of what is prescribed, and of the follower."""
-    return of_drive(product.name, product.unit, product.cam.drive, product.cam.lift_unit, size)
+    return drive_figure(product.name, product.unit, product.cam.drive, product.cam.lift_unit, size)
 
 
-def of_drive(
+def drive_figure(
     name: str, length: LengthUnit, drive: Drive, lift_unit: LiftUnit, size: Size | None = None
 ) -> Figure:
     """The same for the design `name` without any cam.
@@ -621,18 +629,18 @@ def of_drive(
     panels = plan_panels(strips, sketch, unit, below)
     titles = [_title(strips, f"{name}: motion plan of the {drive.demanded_member}", 0.14)]
     right = "" if speed is None else f" (right: at {speed / RPM:.4g} rev/min)"
-    for number, (whose, motion, own) in enumerate(ends):
+    for number, (whose, motion, motion_unit) in enumerate(ends):
         strips.skip(NUMBERED if number else 0.0)
         behind = " behind the linkage" if number else ""
-        what = WHAT.get((own.symbol, whose), "angle")
-        heading = f"motion diagram: {what} {own.symbol} of the {whose}{behind}{right}"
-        titles.append(_title(strips, heading, size[1] - strips.left_over + 0.2))
+        what = WHAT.get((motion_unit.symbol, whose), "angle")
+        heading = f"motion diagram: {what} {motion_unit.symbol} of the {whose}{behind}{right}"
+        titles.append(_title(strips, heading, size[1] - strips.remaining + 0.2))
         strips.skip(HEADING)
-        panels += diagram_panels(strips, drive.plan, motion, own, speed)
-    drawn = {segment.style for segment in sketch.segments}
-    entries = [Entry(name, style) for style, name in NAMES if style in drawn]
+        panels += diagram_panels(strips, drive.plan, motion, motion_unit, speed)
+    styles = {segment.style for segment in sketch.segments}
+    entries = [Entry(name, style) for style, name in NAMES if style in styles]
     entries.append(Entry("joint", JOINT))
-    shocks, jerks = (infinite_at(drive.plan, drive.plan, order) for order in (2, 3))
+    shocks, jerks = (infinite_places(drive.plan, drive.plan, order) for order in (2, 3))
     if jerks:
         text = f"infinite: {'shock or ' if shocks else ''}jerk"
         entries.append(Entry(text, INFINITE))
@@ -643,8 +651,8 @@ def of_drive(
 
 def _title(strips: Strips, text: str, below_top: float) -> Text:
     """A title, its middle `below_top` [inch] below the figure's upper edge."""
-    at = _middle(strips), 1.0 - below_top / strips.height
-    return Text(text, at, 10.0, "figure", across="center", up="center")
+    place = _middle(strips), 1.0 - below_top / strips.height
+    return Text(text, place, 10.0, "figure", across="center", up="center")
 
 
 def _middle(strips: Strips) -> float:
@@ -692,12 +700,12 @@ def curvature(product: Product, size: Size = DIAGRAM_SIZE) -> Figure:
     if follower.roller_radius == 0.0:  # a knife edge or a face, which fits any radius
         flanks = ()
     ratios = [RATIO[flank] * limit * scale / follower.roller_radius for flank in flanks]
-    for number, at in enumerate(ratios):
+    for number, level in enumerate(ratios):
         label = "" if number else f"limit r$_R$/r$_K$ = {limit:g}"
-        marks.append(Rule("y", at, RATIO_STYLE, label))
-    shown = Axis(limits([kappa], [*cusps, *ratios, 0.0]), f"curvature κ [1/{product.unit}]")
+        marks.append(Rule("y", level, RATIO_STYLE, label))
+    y_axis = Axis(limits([kappa], [*cusps, *ratios, 0.0]), f"curvature κ [1/{product.unit}]")
     title = f"{product.name}: curvature of the {what}"
-    return diagram(size, title, shown, [*marks, ZERO], joints)
+    return diagram(size, title, y_axis, [*marks, ZERO], joints)
 
 
 def transmission_angle(product: Product, size: Size = DIAGRAM_SIZE) -> Figure:
@@ -710,8 +718,8 @@ def transmission_angle(product: Product, size: Size = DIAGRAM_SIZE) -> Figure:
     marks.append(Rule("y", limit, LIMIT_STYLE, f"limit {limit:g}°"))
     low = min(float(angle.min()), limit)
     floor = max(0.0, 10.0 * float(np.floor(low / 10.0)) - 5.0)
-    shown = Axis((floor, 95.0), "transmission angle μ [°]")
-    return diagram(size, f"{product.name}: transmission angle", shown, marks, joints)
+    y_axis = Axis((floor, 95.0), "transmission angle μ [°]")
+    return diagram(size, f"{product.name}: transmission angle", y_axis, marks, joints)
 
 
 # -- readings -------------------------------------------------------------------------------------
@@ -721,36 +729,36 @@ def transmission_angle(product: Product, size: Size = DIAGRAM_SIZE) -> Figure:
 CURVE_POINTS: Final = 100
 """A line of fewer points is no curve over the turn but a joint, a spike, or part of a plan."""
 
-TOLD: Final = 4
+MOST_CURVES: Final = 4
 """Most curves of a diagram in its sentence; the table has all."""
 
 
 @dataclass(frozen=True, slots=True)
-class Reading:
+class CurveExtremes:
     """The extremes of one curve.
 
     Attributes
     ----------
     name : of the quantity, with its unit in brackets.
     low, high : smallest and largest value, infinite where the diagram says so.
-    low_at, high_at : cam angles of the first of each [rad].
+    low_angle, high_angle : cam angle [rad] of the first place of each.
     limits : with which it is compared, and what the diagram calls them.
     """
 
     name: str
     low: float
-    low_at: float
+    low_angle: float
     high: float
-    high_at: float
+    high_angle: float
     limits: tuple[tuple[str, float], ...] = ()
 
 
-def readings(figure: Figure) -> tuple[Reading, ...]:
+def readings(figure: Figure) -> tuple[CurveExtremes, ...]:
     """Those of all curves of a figure over the cam angle, from the top."""
-    return tuple(each for panel in figure.panels for each in _of_panel(panel))
+    return tuple(reading for panel in figure.panels for reading in _panel_readings(panel))
 
 
-def shown(value: float) -> str:
+def format_value(value: float) -> str:
     """Five digits, with a minus that is one."""
     if math.isinf(value):
         return "∞" if value > 0.0 else "−∞"
@@ -762,7 +770,7 @@ def plain(text: str) -> str:
     return text.replace("$_", "").replace("$", "")
 
 
-def _of_panel(panel: Panel) -> Iterator[Reading]:
+def _panel_readings(panel: Panel) -> Iterator[CurveExtremes]:
     if panel.bare or panel.x.limits != (0.0, 360.0):
         return
     limits = tuple(
@@ -789,9 +797,9 @@ def _of_panel(panel: Panel) -> Iterator[Reading]:
             if math.inf in beyond:
                 ends[1] = math.inf, beyond[math.inf]
             name = _named(mark.label, panel.y.label)
-            (lowest, low_at), (highest, high_at) = ends
-            angles = math.radians(low_at), math.radians(high_at)
-            yield Reading(name, lowest, angles[0], highest, angles[1], limits)
+            (lowest, lowest_degrees), (highest, highest_degrees) = ends
+            angles = math.radians(lowest_degrees), math.radians(highest_degrees)
+            yield CurveExtremes(name, lowest, angles[0], highest, angles[1], limits)
 
 
 def _named(label: str, axis: str) -> str:

@@ -17,7 +17,7 @@ from camgeo.design.product import Product
 from camgeo.errors import Fault, SceneError, UnknownNameError, meant
 from camgeo.pictures import effects, motion
 from camgeo.pictures.model import Figure, Size
-from camgeo.pictures.motion import TOLD, Reading, plain, shown
+from camgeo.pictures.motion import MOST_CURVES, CurveExtremes, format_value, plain
 
 if TYPE_CHECKING:
     from camgeo.design.design import Design
@@ -66,8 +66,8 @@ def find(name: str) -> Builder:
     """The plot of that name; UnknownNameError if there is none."""
     if name in OWN:
         module, _, builder = OWN[name].partition(":")
-        own: Builder = getattr(import_module(f"camgeo.pictures.{module}"), builder)
-        return own
+        figure_builder: Builder = getattr(import_module(f"camgeo.pictures.{module}"), builder)
+        return figure_builder
     for entry in entry_points(group=GROUP, name=name):
         other: Builder = entry.load()
         return other
@@ -109,33 +109,37 @@ def of_design(design: Design, what: Sequence[str] = ()) -> tuple[Figure, list[st
     wanted = list(what) or possible
     if wanted == possible == [MOTION]:
         return motion_diagram(design), wanted
-    own: dict[str, Builder] = {}
+    extra_builders: dict[str, Builder] = {}
     if SPECTRUM in wanted:
 
         def spectra(product: Product, size: Size = effects.SIZE, /) -> Figure:
-            found = design.effect(SPECTRUM)
-            frequency = effects.frequency_of(design.effects)
-            ends = found.spectra, found.highest_ratio
+            spectrum = design.effect(SPECTRUM)
+            frequency = effects.lowest_frequency(design.effects)
+            ends = spectrum.spectra, spectrum.highest_ratio
             return effects.spectrum_figure(product.name, *ends, frequency, size)
 
-        own[SPECTRUM] = spectra
-    return stacked(design.disc, wanted, own), wanted
+        extra_builders[SPECTRUM] = spectra
+    return stacked(design.disc, wanted, extra_builders), wanted
 
 
 def stacked(
-    product: Product, wanted: Sequence[str], own: Mapping[str, Builder] = MappingProxyType({})
+    product: Product,
+    wanted: Sequence[str],
+    extra_builders: Mapping[str, Builder] = MappingProxyType({}),
 ) -> Figure:
     """The plots `wanted` of `product`, one above the other, all as wide as the widest.
 
-    `own` are builders by name that take more than a product.
+    `extra_builders` are builders by name that need more than a product.
     """
-    builders = [own.get(name) or find(name) for name in wanted]
+    builders = [extra_builders.get(name) or find(name) for name in wanted]
     figures = [build(product) for build in builders]
-    width = max(each.size[0] for each in figures)
-    heights = [each.size[1] for each in figures]
+    width = max(figure.size[0] for figure in figures)
+    heights = [figure.size[1] for figure in figures]
     rows = [
-        each if each.size == room else replace(build(product, room), size=(width, each.size[1]))
-        for each, build, room in zip(figures, builders, rooms(width, heights), strict=True)
+        figure
+        if figure.size == room
+        else replace(build(product, room), size=(width, figure.size[1]))
+        for figure, build, room in zip(figures, builders, rooms(width, heights), strict=True)
     ]
     return Figure((width, sum(heights)), rows=tuple(rows))
 
@@ -176,33 +180,34 @@ class Chart:
 
     title: str
     figure: Figure
-    readings: tuple[Reading, ...]
+    readings: tuple[CurveExtremes, ...]
 
     @property
     def sentence(self) -> str:
         """The first curves in words."""
-        told = [
-            f"{plain(each.name)} from {shown(each.low)} at {math.degrees(each.low_at):.1f}° to"
-            f" {shown(each.high)} at {math.degrees(each.high_at):.1f}°"
-            for each in self.readings[:TOLD]
+        extremes = [
+            f"{plain(reading.name)} from {format_value(reading.low)} at"
+            f" {math.degrees(reading.low_angle):.1f}° to {format_value(reading.high)} at"
+            f" {math.degrees(reading.high_angle):.1f}°"
+            for reading in self.readings[:MOST_CURVES]
         ]
-        more = len(self.readings) - TOLD
-        return "; ".join(told) + (f"; {more} more in the table" if more > 0 else "") + "."
+        more = len(self.readings) - MOST_CURVES
+        return "; ".join(extremes) + (f"; {more} more in the table" if more > 0 else "") + "."
 
 
 def motion_diagram(design: Design) -> Figure:
     """The motion plan, and the motion over the cam angle."""
     scene = design.scene
-    return motion.of_drive(design.name, scene.unit, design.drive, scene.lift_unit)
+    return motion.drive_figure(design.name, scene.unit, design.drive, scene.lift_unit)
 
 
 def disc_diagrams(design: Design) -> Iterator[tuple[str, str, partial[Figure]]]:
     """Name, title and maker of each diagram that shows a disc, one after the other."""
     for disc in design.discs:
-        name, of = ("", "") if disc is design.disc else ("-return", f" of {disc.name}")
+        name, suffix = ("", "") if disc is design.disc else ("-return", f" of {disc.name}")
         angle = partial(motion.transmission_angle, disc)
-        yield f"transmission{name}", f"transmission angle{of}", angle
-        yield f"curvature{name}", f"curvature{of}", partial(motion.curvature, disc)
+        yield f"transmission{name}", f"transmission angle{suffix}", angle
+        yield f"curvature{name}", f"curvature{suffix}", partial(motion.curvature, disc)
 
 
 def of_effects(disc: Product) -> Iterator[tuple[str, partial[Figure]]]:

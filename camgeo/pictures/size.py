@@ -68,22 +68,22 @@ Window = tuple[FloatArray, FloatArray]
 
 def figure(name: str, sides: Sides, length: LengthUnit = "mm") -> Figure:
     """The region; lengths in mm, origin in the roller's start (guide) or in the pivot (rocker)."""
-    shown = window(sides)
+    picture_window = window(sides)
     marks: list[Mark] = []
     for task, sizing in sides:
-        marks += _regions(task, sizing, shown)
-    task, own = sides[0]
+        marks += _regions(task, sizing, picture_window)
+    task, main_sizing = sides[0]
     marks += _follower(task)
     marks += places(task, "present design", task.present, Style(AUXILIARY, 0.0, marker="s"))
-    if own.flocke is not None:
-        marks += places(task, "Flocke", own.flocke.place, Style("black", 0.0, marker="^"))
+    if main_sizing.flocke is not None:
+        marks += places(task, "Flocke", main_sizing.flocke.place, Style("black", 0.0, marker="^"))
     marks += answers(sides)
-    return framed(name, marks, shown, length)
+    return framed(name, marks, picture_window, length)
 
 
-def framed(name: str, marks: Sequence[Mark], shown: Window, length: LengthUnit) -> Figure:
+def framed(name: str, marks: Sequence[Mark], picture_window: Window, length: LengthUnit) -> Figure:
     """The figure of these marks, with numbers in a unit of length."""
-    x, y = shown
+    x, y = picture_window
     panel = Panel(
         grid(SIZE, MARGINS)[0],
         _axis(x, "x", length),
@@ -105,14 +105,14 @@ def _axis(ends: FloatArray, name: str, length: LengthUnit) -> Axis:
     decade = 10.0 ** math.floor(math.log10((high - low) / mm))
     step = decade * (1.0 if high - low > 4.0 * decade * mm else 0.25)
     numbers = np.arange(math.ceil(low / mm / step), math.floor(high / mm / step) + 1) * step
-    names = tuple(f"{each:.6g}" for each in numbers.tolist())
+    names = tuple(f"{number:.6g}" for number in numbers.tolist())
     return Axis((low, high), label, ticks=tuple((mm * numbers).tolist()), names=names)
 
 
 def seen(task: Placing, real: FloatArray, imag: FloatArray) -> tuple[FloatArray, FloatArray]:
     """x, y of the picture [mm] from real and imaginary part of places, see `Placing`."""
-    across, up = task.seen
-    return across * real, up * imag
+    x_sign, y_sign = task.seen
+    return x_sign * real, y_sign * imag
 
 
 def window(sides: Sides) -> Window:
@@ -120,14 +120,14 @@ def window(sides: Sides) -> Window:
     across, depths, room = [], [0.0, 0.0], 0.0
     for task, sizing in sides:
         rated = (sizing.flocke, sizing.for_angle, sizing.answer)
-        shown = [task.start, *(each.place for each in rated if each is not None)]
+        visible_places = [task.start, *(rating.place for rating in rated if rating is not None)]
         if task is sides[0][0]:
-            shown.append(task.present)
+            visible_places.append(task.present)
         if task.held is not None:
-            shown.append(task.held)
-        across += [task.seen[0] * each.real for each in shown]
+            visible_places.append(task.held)
+        across += [task.seen[0] * place.real for place in visible_places]
         below = 0 if task.seen[1] > 0 else 1
-        depths[below] = max(depths[below], -DEEPER * min(each.imag for each in shown))
+        depths[below] = max(depths[below], -DEEPER * min(place.imag for place in visible_places))
         room = 1.4 * task.follower.roller_radius
         if sizing.answer is not None:  # with its base circle
             x, y = task.seen[0] * sizing.answer.place.real, task.seen[1] * sizing.answer.place.imag
@@ -150,9 +150,9 @@ def square(across: FloatArray, low: float, high: float, room: float) -> Window:
     )
 
 
-def _regions(task: Task, sizing: Sizing, shown: Window) -> list[Mark]:
-    across, up = task.seen
-    columns, heights = np.sort(across * shown[0]), np.sort(up * shown[1])
+def _regions(task: Task, sizing: Sizing, picture_window: Window) -> list[Mark]:
+    x_sign, y_sign = task.seen
+    columns, heights = np.sort(x_sign * picture_window[0]), np.sort(y_sign * picture_window[1])
     depths = np.linspace(min(heights[0], 0.0), 0.0, ROWS)
     angle = f"μ ≥ {np.degrees(sizing.angle):g}°"
     low, high = row_limits(task, np.tan(sizing.angle), depths)
@@ -165,10 +165,10 @@ def _regions(task: Task, sizing: Sizing, shown: Window) -> list[Mark]:
     y = np.linspace(depths[0], 0.0, CELLS)
     ratios = ratio_map(task, x, y, MOST * sizing.ratio)
     if _reaches(exact, seen(task, x, y), ratios > sizing.ratio):
-        over_x, over_y = seen(task, x, y)
+        picture_x, picture_y = seen(task, x, y)
         levels = sizing.ratio, MOST * sizing.ratio
         label = f"there r$_R$/r$_K$ > {sizing.ratio:g}"
-        marks.append(Field(over_x, over_y, ratios, levels, TOO_BENT, exact, label, layer=2.0))
+        marks.append(Field(picture_x, picture_y, ratios, levels, TOO_BENT, exact, label, layer=2.0))
     return marks
 
 
@@ -203,7 +203,7 @@ def band(
     left, y = seen(task, low, rows)
     right, _ = seen(task, high, rows)
     inside = met & (low <= columns[1]) & (high >= columns[0])
-    left, right = (np.where(met, each, np.nan) for each in (left, right))
+    left, right = (np.where(met, end, np.nan) for end in (left, right))
     return Band("y", y, left, right, style, label if np.any(inside) else "")
 
 
@@ -224,20 +224,20 @@ def pivot() -> Line:
 
 def places(task: Placing, label: str, place: complex, style: Style) -> list[Mark]:
     """A place with its name."""
-    at = seen(task, np.array([place.real]), np.array([place.imag]))
-    return [Line(over(*at), style, label, layer=5.0)]
+    point = seen(task, np.array([place.real]), np.array([place.imag]))
+    return [Line(over(*point), style, label, layer=5.0)]
 
 
 def answers(sides: Sequence[tuple[Placing, Sizing]]) -> list[Mark]:
     """The answer of each side, with its base circle; the smallest first."""
-    found: list[tuple[Rating, Placing]] = [
+    rated: list[tuple[Rating, Placing]] = [
         (sizing.answer, task) for task, sizing in sides if sizing.answer is not None
     ]
-    found.sort(key=lambda each: each[0].base_radius)
+    rated.sort(key=lambda each: each[0].base_radius)
     marks: list[Mark] = []
     labels = "smallest", "smallest on the other side"
     fills = (LIMIT, "white")
-    for (rating, task), label, face in zip(found, labels, fills, strict=False):
+    for (rating, task), label, face in zip(rated, labels, fills, strict=False):
         style = Style(LIMIT, 0.0, marker="o", face=face, edge=LIMIT)
         marks += places(task, label, rating.place, style)
         (x,), (y,) = seen(task, np.array([rating.place.real]), np.array([rating.place.imag]))
@@ -263,7 +263,7 @@ OTHER: Final = Fill(edge=AUXILIARY, width=0.6, hatched=True)
 FACE: Final = Style("black", 2.0)
 THIN: Final = Style(AUXILIARY, 1.0)
 LINE: Final = Style("black", 0.8, (8.0, 3.0, 2.0, 3.0))
-KEPT: Final = Fill(edge=AUXILIARY, width=0.8, dashes=(2.0, 2.0))
+PIVOT_CIRCLE: Final = Fill(edge=AUXILIARY, width=0.8, dashes=(2.0, 2.0))
 
 FaceSides = Sequence[tuple[FaceTask, Sizing]]
 """What was sized, and its sizing: the scene's own side first."""
@@ -271,35 +271,35 @@ FaceSides = Sequence[tuple[FaceTask, Sizing]]
 
 def face_figure(name: str, sides: FaceSides, length: LengthUnit = "mm") -> Figure:
     """The region; lengths in mm, origin below the face on the guide, or in the pivot (rocker)."""
-    shown = face_window(sides)
+    picture_window = face_window(sides)
     marks: list[Mark] = []
     for number, (task, sizing) in enumerate(sides):
-        marks += _region(task, sizing, shown, other=number > 0)
+        marks += _region(task, sizing, picture_window, other=number > 0)
         marks += _face_follower(task, sizing, THIN if number else FACE)
     task = sides[0][0]
     marks += places(task, "present design", task.present, Style(AUXILIARY, 0.0, marker="s"))
     marks += answers(sides)
-    return framed(name, marks, shown, length)
+    return framed(name, marks, picture_window, length)
 
 
 def face_window(sides: FaceSides) -> Window:
     """Ends of x and y [mm]: all places and base circles, as wide as high."""
     across, low, high = [0.0], 0.0, 0.0
     for task, sizing in sides:
-        shown = [task.present] if task is sides[0][0] else []
-        shown += [] if sizing.answer is None else [sizing.answer.place]
-        for each in shown:
-            radius = task.base_radius(each)
-            across += [each.real - radius, each.real + radius]
-            y = task.seen[1] * each.imag
+        visible_places = [task.present] if task is sides[0][0] else []
+        visible_places += [] if sizing.answer is None else [sizing.answer.place]
+        for place in visible_places:
+            radius = task.base_radius(place)
+            across += [place.real - radius, place.real + radius]
+            y = task.seen[1] * place.imag
             low, high = max(low, radius - y), max(high, radius + y)
         high = max(high, task.top)
     room = ROOM * (low + high)
     return square(np.array(across), low + room, high + room, 0.0)
 
 
-def _region(task: FaceTask, sizing: Sizing, shown: Window, *, other: bool) -> list[Mark]:
-    heights = np.sort(task.seen[1] * shown[1])
+def _region(task: FaceTask, sizing: Sizing, picture_window: Window, *, other: bool) -> list[Mark]:
+    heights = np.sort(task.seen[1] * picture_window[1])
     top = task.top
     rows = np.linspace(min(heights[0], top), top, ROWS)
     low, high = region_limits(task, sizing, rows)
@@ -308,7 +308,7 @@ def _region(task: FaceTask, sizing: Sizing, shown: Window, *, other: bool) -> li
         label += f", μ ≥ {np.degrees(sizing.angle):g}°"
     if other:
         label += ", face on the other side"
-    return [band(task, rows, low, high, shown[0], OTHER if other else REGION, label)]
+    return [band(task, rows, low, high, picture_window[0], OTHER if other else REGION, label)]
 
 
 def region_limits(
@@ -343,9 +343,9 @@ def _face_follower(task: FaceTask, sizing: Sizing, style: Style) -> list[Mark]:
     answer, y = sizing.answer, task.seen[1] * task.top
     marks: list[Mark] = []
     if answer is not None and answer.face is not None:
-        ends = [each.value for each in answer.face]
+        ends = [end.value for end in answer.face]
         marks.append(Line(over(ends, [y, y]), style, layer=3.0))
     if task.held is None:
         return [*marks, Rule("x", 0.0, LINE)]
     arm = Line(over([0.0, 0.0], [0.0, y]), style)
-    return [Circle((0.0, 0.0), abs(task.present), KEPT), arm, *marks, pivot()]
+    return [Circle((0.0, 0.0), abs(task.present), PIVOT_CIRCLE), arm, *marks, pivot()]

@@ -69,7 +69,8 @@ def figure(driven: DrivenLever) -> Figure:
     size = WIDTH, HEIGHT
     theta = crank_angles(driven)
     strokes = [
-        Rule("x", float(np.degrees(each.start)), STROKE, layer=1.5) for each in driven.strokes or ()
+        Rule("x", float(np.degrees(stroke.start)), STROKE, layer=1.5)
+        for stroke in driven.strokes or ()
     ]
     panels = []
     for frame, curve, (quantity, name, unit) in zip(
@@ -87,19 +88,19 @@ def figure(driven: DrivenLever) -> Figure:
         if first and not driven.extremes:  # R = a: phi has only limits at 0 and 360 degrees
             marks.append(Line(over([0.0, 360.0], [-90.0, 90.0]), OPEN, clipped=False))
         lines = [mark for mark in marks if isinstance(mark, Line)]
-        shown = limits([0.0, *heights(lines)], margin=HEADROOM)
-        ticks = round_ticks(shown, DEGREE_STEPS, MOST_TICKS) if first else None
+        y_limits = limits([0.0, *heights(lines)], margin=HEADROOM)
+        ticks = round_ticks(y_limits, DEGREE_STEPS, MOST_TICKS) if first else None
         panels.append(
             Panel(
                 frame,
                 turn_axis(label="crank angle θ [°]", numbered=last),
-                Axis(shown, f"{name} [{unit}]", ticks=ticks, powers=POWERS),
+                Axis(y_limits, f"{name} [{unit}]", ticks=ticks, powers=POWERS),
                 tuple(marks),
                 above=Axis((0.0, driven.turn_time), "time t [s]") if first else None,
             )
         )
-    at = 0.5, 1.0 - 0.18 / HEIGHT
-    title = Text(_title(driven), at, 11.0, "figure", across="center", up="top")
+    title_place = 0.5, 1.0 - 0.18 / HEIGHT
+    title = Text(_title(driven), title_place, 11.0, "figure", across="center", up="top")
     return Figure(size, tuple(panels), (title,), aligned=True)
 
 
@@ -110,14 +111,14 @@ def crank_angles(driven: DrivenLever) -> FloatArray:
     angle at which the acceleration is largest, which may be far less than the step elsewhere. For
     R = a without the ends, where phi is undefined.
     """
-    even = np.linspace(0.0, TURN, SAMPLES)
+    uniform = np.linspace(0.0, TURN, SAMPLES)
     if not driven.extremes:
-        return even[1:-1]
+        return uniform[1:-1]
     peak = driven.lever.largest_acceleration.place
     near = peak * np.geomspace(1e-2, 1e3, 401)
     near = near[near < np.pi]
     places = [extreme.crank for extreme in driven.extremes]
-    return np.unique(np.concatenate((even, near, TURN - near, places)))
+    return np.unique(np.concatenate((uniform, near, TURN - near, places)))
 
 
 def _marked(extreme: LeverExtreme, scale: float, unit: str) -> list[Mark]:
@@ -164,6 +165,6 @@ def round_ticks(
     low, high = limits
     least = (high - low) / parts
     power = 10.0 ** math.floor(math.log10(least))
-    step = next(each * power for each in steps if each * power >= least)
+    step = next(factor * power for factor in steps if factor * power >= least)
     first, last = math.ceil(low / step), math.floor(high / step)
     return tuple(number * step for number in range(first, last + 1))

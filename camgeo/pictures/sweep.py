@@ -40,7 +40,7 @@ from camgeo.pictures.model import (
     plane,
     turn_axis,
 )
-from camgeo.studies.optimise.optimise import Found, Trial, front
+from camgeo.studies.optimise.optimise import OptimisationResult, Trial, front
 from camgeo.studies.sweep.family import Family
 from camgeo.studies.sweep.rows import canonical
 from camgeo.studies.sweep.sweep import Result
@@ -66,18 +66,18 @@ FRONT: Final = Style(LIMIT, 1.2, marker="o", size=5.0)
 OTHERS: Final = Style(LINE, 0.0, marker="o", size=3.5)
 
 
-def map_of(result: Result) -> Figure:
+def map_figure(result: Result) -> Figure:
     """Each answer over the two keys that vary: cells of a grid, or the points of samples.
 
     Over one key the answers are curves.
     """
-    keys, asked = columns_of(result)
+    keys, answers = sweep_columns(result)
     variables = result.family.variables
     firsts = [keys[result.family.keys.index(variable.keys[0])] for variable in variables]
     if len(firsts) == 1:
-        rows = [_curve(firsts[0], each, result) for each in asked]
+        rows = [_curve(firsts[0], answer, result) for answer in answers]
     else:
-        rows = [_map(firsts[0], firsts[1], each, result) for each in asked]
+        rows = [_map(firsts[0], firsts[1], answer, result) for answer in answers]
     if len(rows) == 1:
         return rows[0]
     width = max(row.size[0] for row in rows)
@@ -108,39 +108,39 @@ def _page(
     return Figure((width, HEIGHT), (panel,))
 
 
-def _curve(key: Column, asked: Column, result: Result) -> Figure:
+def _curve(key: Column, answer: Column, result: Result) -> Figure:
     order = np.argsort(key.values, kind="stable")
-    points = over(key.values[order], asked.values[order])
-    width = 0.0 if key.words or asked.words else 1.2
+    points = over(key.values[order], answer.values[order])
+    width = 0.0 if key.words or answer.words else 1.2
     line = Line(points, Style(LINE, width, marker="o", size=3.5))
-    title = f"{result.family.scene.name}: {asked.label}"
-    return _page((key.axis, asked.axis), [line], title, asked.room)
+    title = f"{result.family.scene.name}: {answer.label}"
+    return _page((key.axis, answer.axis), [line], title, answer.room)
 
 
-def _map(x: Column, y: Column, asked: Column, result: Result) -> Figure:
+def _map(x: Column, y: Column, answer: Column, result: Result) -> Figure:
     if result.family.sample is None:
-        marks, axes = _cells(x, y, asked)
+        marks, axes = _cells(x, y, answer)
     else:
-        marks, axes = _dots(x, y, asked), (x.axis, y.axis)
-    title = f"{result.family.scene.name}: {asked.label}"
-    return _page(axes, marks, title, y.room, asked.legend)
+        marks, axes = _dots(x, y, answer), (x.axis, y.axis)
+    title = f"{result.family.scene.name}: {answer.label}"
+    return _page(axes, marks, title, y.room, answer.legend)
 
 
-def _cells(x: Column, y: Column, asked: Column) -> tuple[list[Mark], tuple[Axis, Axis]]:
+def _cells(x: Column, y: Column, answer: Column) -> tuple[list[Mark], tuple[Axis, Axis]]:
     """A rectangle for each design; its borders lie half way to its neighbours."""
-    (left, right, across), (low, high, up) = _borders(x), _borders(y)
+    (left, right, x_places), (low, high, y_places) = _borders(x), _borders(y)
     marks: list[Mark] = []
-    for column, row, value in zip(x.values, y.values, asked.values, strict=True):
-        i, k = int(np.searchsorted(across, column)), int(np.searchsorted(up, row))
+    for column, row, value in zip(x.values, y.values, answer.values, strict=True):
+        i, k = int(np.searchsorted(x_places, column)), int(np.searchsorted(y_places, row))
         corners = [(left[i], low[k]), (right[i], low[k]), (right[i], high[k]), (left[i], high[k])]
         missing = np.isnan(value)
-        fill = FAILED if missing else Fill(asked.colour(asked.level(value)), width=0.0)
+        fill = FAILED if missing else Fill(answer.colour(answer.level(value)), width=0.0)
         marks.append(Area((np.array(corners),), fill, layer=1.2 if missing else 1.0))
-    axes = (_within(x, left, right), _within(y, low, high))
+    axes = (_cell_axis(x, left, right), _cell_axis(y, low, high))
     return marks, axes
 
 
-def _within(column: Column, low: FloatArray, high: FloatArray) -> Axis:
+def _cell_axis(column: Column, low: FloatArray, high: FloatArray) -> Axis:
     axis = column.axis
     return Axis((float(low[0]), float(high[-1])), axis.label, ticks=axis.ticks, names=axis.names)
 
@@ -155,17 +155,17 @@ def _borders(column: Column) -> tuple[FloatArray, FloatArray, FloatArray]:
     return np.concatenate(([first], middle)), np.concatenate((middle, [last])), places
 
 
-def _dots(x: Column, y: Column, asked: Column) -> list[Mark]:
+def _dots(x: Column, y: Column, answer: Column) -> list[Mark]:
     """A point for each design, in the colour of its answer."""
     marks: list[Mark] = []
-    missing = np.isnan(asked.values)
+    missing = np.isnan(answer.values)
     if missing.any():
         style = Style(LIMIT, 0.0, marker="x", size=POINT)
         marks.append(Line(over(x.values[missing], y.values[missing]), style, layer=2.5))
-    levels = np.array([-1 if np.isnan(each) else asked.level(each) for each in asked.values])
+    levels = np.array([-1 if np.isnan(value) else answer.level(value) for value in answer.values])
     for level in np.unique(levels[levels >= 0]):
         here = levels == level
-        style = Style(asked.colour(int(level)), 0.0, marker="o", size=POINT, edge=AUXILIARY,
+        style = Style(answer.colour(int(level)), 0.0, marker="o", size=POINT, edge=AUXILIARY,
                       edge_width=0.3)  # fmt: skip
         marks.append(Line(over(x.values[here], y.values[here]), style))
     return marks
@@ -176,8 +176,8 @@ def parallel(result: Result) -> Figure:
 
     Colours are those of the last answer. Designs that lack an answer are left out.
     """
-    keys, asked = columns_of(result)
-    columns = [*keys, *asked]
+    keys, answers = sweep_columns(result)
+    columns = [*keys, *answers]
     last = columns[-1]
     width = LEFT + AXIS * len(columns) + RIGHT
     whole = np.flatnonzero(~np.isnan([column.values for column in columns]).any(axis=0))
@@ -218,8 +218,8 @@ def _scale(place: float, column: Column) -> list[Mark]:
     else:
         named = [(end, f"{end:.4g}") for end in dict.fromkeys(column.extent or ())]
     marks: list[Mark] = []
-    for at, text in named:
-        spot = (place, (at - low) / (high - low))
+    for level, text in named:
+        spot = (place, (level - low) / (high - low))
         behind = Box(0.5, 0.7)
         marks.append(Text(text, spot, 7.0, offset=(3.0, 0.0), up="center", box=behind, layer=4.0))
     name = column.label.replace(" [", "\n[")
@@ -235,11 +235,11 @@ def pareto(result: Result, least: Sequence[str], largest: Sequence[str]) -> Figu
     least, largest : the objectives, by the names that were asked: what should be small, and what
         large; at least two together, of which the first two are the axes.
     """
-    _, asked = columns_of(result)
-    chosen = objectives([each.word for each in result.asked], least, largest)
-    mask = front(np.column_stack([sense * asked[place].values for place, sense in chosen]))
-    (across, _), (up, _) = chosen[:2]
-    x, y = asked[across], asked[up]
+    _, answers = sweep_columns(result)
+    chosen = objectives([question.word for question in result.questions], least, largest)
+    mask = front(np.column_stack([sense * answers[place].values for place, sense in chosen]))
+    (x_index, _), (y_index, _) = chosen[:2]
+    x, y = answers[x_index], answers[y_index]
     order = np.flatnonzero(mask)[np.argsort(x.values[mask], kind="stable")]
     style = FRONT if len(chosen) == 2 else Style(LIMIT, 0.0, marker="o", size=5.0)
     marks: list[Mark] = [
@@ -253,36 +253,36 @@ def pareto(result: Result, least: Sequence[str], largest: Sequence[str]) -> Figu
 
 
 def objectives(
-    asked: Sequence[str], least: Sequence[str], largest: Sequence[str]
+    questions: Sequence[str], least: Sequence[str], largest: Sequence[str]
 ) -> list[tuple[int, float]]:
     """The places of the objectives among what was asked, each with 1 if small is good, else -1.
 
     Raises UnknownNameError for one that was not asked, GeometryError for fewer than two.
     """
-    words = [canonical(word) for word in asked]
-    found = []
+    words = [canonical(word) for word in questions]
+    chosen = []
     for names, sense in ((least, 1.0), (largest, -1.0)):
         for name in map(canonical, names):
             if name not in words:
                 raise UnknownNameError("answer", name, words)
-            found.append((words.index(name), sense))
-    if len({place for place, _ in found}) < max(2, len(found)):
+            chosen.append((words.index(name), sense))
+    if len({place for place, _ in chosen}) < max(2, len(chosen)):
         raise GeometryError("a front needs two objectives or more, each once")
-    return found
+    return chosen
 
 
 def require(family: Family, kind: str) -> None:
     """GeometryError unless a picture of that kind can show a family, before that is computed."""
     if family.count > MOST:
-        found = counted(family.count, "design")
-        raise GeometryError(f"a picture has at most {counted(MOST, 'design')}, not {found}")
+        size = counted(family.count, "design")
+        raise GeometryError(f"a picture has at most {counted(MOST, 'design')}, not {size}")
     count = len(family.variables)
     if kind == "map" and count > 2:
         message = f"a map has one or two variables, not {count}; parallel axes have any number"
         raise GeometryError(message)
 
 
-PICTURES: Final[dict[str, Callable[[Result], Figure]]] = {"map": map_of, "parallel": parallel}
+PICTURES: Final[dict[str, Callable[[Result], Figure]]] = {"map": map_figure, "parallel": parallel}
 """Those that need no objectives."""
 
 
@@ -347,8 +347,8 @@ class Column:
         if self.extent is None:
             return np.array([0.0, 1.0])
         low, high = self.extent
-        found: FloatArray = np.linspace(low, high, len(COLOURS) + 1 if high > low else 2)
-        return found
+        borders: FloatArray = np.linspace(low, high, len(COLOURS) + 1 if high > low else 2)
+        return borders
 
     def level(self, value: float) -> int:
         """The range that a value lies in, from 0."""
@@ -379,19 +379,19 @@ class Column:
         return f"{borders[level]:.4g} to {borders[level + 1]:.4g}"
 
 
-def columns_of(result: Result) -> tuple[list[Column], list[Column]]:
+def sweep_columns(result: Result) -> tuple[list[Column], list[Column]]:
     """What varies and what was asked."""
     rows = list(result.rows)
     keys = [
         column(key, [row.point[place] for row in rows])
         for place, key in enumerate(result.family.keys)
     ]
-    asked = []
-    for place, each in enumerate(result.asked):
+    answers = []
+    for place, question in enumerate(result.questions):
         units = sorted({row.units[place] for row in rows if row.units[place]})
-        label = f"{each.word} [{' or '.join(units)}]" if units else each.word
-        asked.append(column(label, [row.values[place] for row in rows]))
-    return keys, asked
+        label = f"{question.word} [{' or '.join(units)}]" if units else question.word
+        answers.append(column(label, [row.values[place] for row in rows]))
+    return keys, answers
 
 
 def column(label: str, values: Sequence[object]) -> Column:
@@ -415,72 +415,72 @@ def _word(value: object) -> str:
 
 BEST = Style(LIMIT, 1.2)
 ON_FRONT = Style(LIMIT, 0.0, marker="o", size=5.0)
-WITHIN = Style(LINE, 0.0, marker="o", size=3.0)
-BEYOND = Style("0.7", 0.0, marker="x", size=3.0)
+FEASIBLE = Style(LINE, 0.0, marker="o", size=3.0)
+INFEASIBLE = Style("0.7", 0.0, marker="x", size=3.0)
 CHOSEN = Style("black", 0.0, marker="o", size=7.0)
 
 
-def of_search(found: Found, units: Sequence[str]) -> Figure:
+def search_figure(result: OptimisationResult, units: Sequence[str]) -> Figure:
     """The first two objectives over each other with the front, or one objective over the trials.
 
     Of more trials than a picture has, only the first are drawn besides the front and the best.
     """
-    words = [each.asked.word for each in found.task.goals]
-    places = [found.task.asked.index(each.asked) for each in found.task.goals]
+    words = [goal.question.word for goal in result.task.goals]
+    places = [result.task.questions.index(goal.question) for goal in result.task.goals]
     labels = [
         f"{word} [{units[place]}]" if units[place] else word
         for word, place in zip(words, places, strict=True)
     ]
-    name = found.task.family.scene.name
-    shown = [each for each in found.trials[:MOST] if not np.isnan(each.costs).any()]
-    beyond = [each for each in shown if not each.feasible]
-    within = [each for each in shown if each.feasible]
+    name = result.task.family.scene.name
+    visible_trials = [trial for trial in result.trials[:MOST] if not np.isnan(trial.costs).any()]
+    infeasible = [trial for trial in visible_trials if not trial.feasible]
+    feasible = [trial for trial in visible_trials if trial.feasible]
     marks: list[Mark] = []
     several = len(places) > 1
 
-    def across(trials: Sequence[Trial]) -> FloatArray:
+    def x_values(trials: Sequence[Trial]) -> FloatArray:
         return (
             _answers(trials, places[0]) if several else np.array([float(t.number) for t in trials])
         )
 
-    def up(trials: Sequence[Trial]) -> FloatArray:
+    def y_values(trials: Sequence[Trial]) -> FloatArray:
         return _answers(trials, places[1 if several else 0])
 
     entries = []
     for label, trials, style in (
-        ("beyond a limit", beyond, BEYOND),
-        ("within all limits", within, WITHIN),
+        ("beyond a limit", infeasible, INFEASIBLE),
+        ("within all limits", feasible, FEASIBLE),
     ):
         if trials:
-            marks.append(Line(over(across(trials), up(trials)), style))
+            marks.append(Line(over(x_values(trials), y_values(trials)), style))
             entries.append(Entry(label, style))
     if several:
-        title = f"{name}: {counted(len(found.front), 'design')} that no other beats"
-        front = sorted(found.front, key=lambda each: float(across([each])[0]))
+        title = f"{name}: {counted(len(result.front), 'design')} that no other beats"
+        front = sorted(result.front, key=lambda each: float(x_values([each])[0]))
         if front:
             style = ON_FRONT if len(places) > 2 else Style(LIMIT, 1.2, marker="o", size=5.0)
-            marks.append(Line(over(across(front), up(front)), style, layer=3.0))
+            marks.append(Line(over(x_values(front), y_values(front)), style, layer=3.0))
             entries.append(Entry("Pareto front", style))
     else:
-        title = f"{name}: {found.task.goals[0].sense} {words[0]}"
-        if within:
-            best = np.minimum.accumulate([each.costs[0] for each in within])
-            sense = found.task.goals[0].cost(1.0)
-            marks.append(Line(over(across(within), sense * best), BEST, layer=3.0))
+        title = f"{name}: {result.task.goals[0].sense} {words[0]}"
+        if feasible:
+            best = np.minimum.accumulate([trial.costs[0] for trial in feasible])
+            sense = result.task.goals[0].cost(1.0)
+            marks.append(Line(over(x_values(feasible), sense * best), BEST, layer=3.0))
             entries.append(Entry("best so far", BEST))
-    chosen = found.best if found.made is None else found.made
+    chosen = result.best if result.made is None else result.made
     if not np.isnan(chosen.costs).any():
-        marks.append(Line(over(across([chosen]), up([chosen])), CHOSEN, layer=4.0))
+        marks.append(Line(over(x_values([chosen]), y_values([chosen])), CHOSEN, layer=4.0))
         entries.append(Entry("chosen" if chosen.feasible else "nearest", CHOSEN))
-    seen = [*shown, *found.front]
-    x = Axis(limits([across(seen)]), labels[0] if several else "design")
-    y = Axis(limits([up(seen)]), labels[1 if several else 0])
+    seen = [*visible_trials, *result.front]
+    x = Axis(limits([x_values(seen)]), labels[0] if several else "design")
+    y = Axis(limits([y_values(seen)]), labels[1 if several else 0])
     legend = Legend(tuple(entries), "upper left", (1.02, 1.0), size=7.5, gap=0.0)
     return _page((x, y), marks, title, 0.0, legend)
 
 
 def _answers(trials: Sequence[Trial], place: int) -> FloatArray:
-    return np.array([each.values[place] for each in trials], dtype=float)
+    return np.array([trial.values[place] for trial in trials], dtype=float)
 
 
 # -- overlaid --------------------------------------------------------------------------------------
@@ -496,7 +496,7 @@ OVERLAID_MARGINS: Final = (0.8, 0.2, 0.4, 0.55)
 
 OVERLAID_LEFT, _, OVERLAID_TOP, OVERLAID_BOTTOM = OVERLAID_MARGINS
 
-COLOUR_OF_EACH: Final = (
+DESIGN_COLOURS: Final = (
     "#12365c", "#c05a00", "#2e7d32", "#8e24aa", "#6d4c41", "#0097a7", "#9e9d24", "#b3261e",
 )  # fmt: skip
 """One for each design; their number is the most that can be told apart."""
@@ -516,8 +516,8 @@ def of_designs(designs: Sequence[tuple[str, Design]]) -> Figure:
     for number, (name, design) in enumerate(designs):
         style = _style(number)
         flanks += _flanks(design, name, style)
-        for row, found in zip(rows, _curves(design, style), strict=True):
-            row += found
+        for row, curves in zip(rows, _curves(design, style), strict=True):
+            row += curves
     panels = [_disc(flanks, designs[0][1].scene.unit)] if flanks else []
     left = OVERLAID_MIDDLE if flanks else OVERLAID_LEFT
     frames = grid(size, (left, *OVERLAID_MARGINS[1:]), len(rows), 1, (0.12, 0.0))
@@ -547,7 +547,7 @@ def _spelled(heading: str) -> str:
 
 
 def _style(number: int) -> Style:
-    return Style(COLOUR_OF_EACH[number % len(COLOUR_OF_EACH)], 1.3, DASHES[number % len(DASHES)])
+    return Style(DESIGN_COLOURS[number % len(DESIGN_COLOURS)], 1.3, DASHES[number % len(DASHES)])
 
 
 def _disc(flanks: list[Mark], unit: str) -> Panel:
@@ -580,18 +580,20 @@ def _curves(design: Design, style: Style) -> list[list[tuple[str, Line]]]:
     """Position, acceleration and transmission angle, each with its heading, if there is one."""
     scene = design.scene
     cam = None if scene.follower is None else design.cam
-    found = quantities(design.drive, scene.lift_unit, cam, scene.unit)
-    timed = [each for each in found if bare(each[0]) == "a" or each[0].startswith("alpha_")]
+    all_columns = quantities(design.drive, scene.lift_unit, cam, scene.unit)
+    timed = [
+        column for column in all_columns if bare(column[0]) == "a" or column[0].startswith("alpha_")
+    ]
     chosen: list[Columns] = [
-        found[:1],
-        timed[:1] or found[2:3],
-        [each for each in found if bare(each[0]) == "mu"],
+        all_columns[:1],
+        timed[:1] or all_columns[2:3],
+        [column for column in all_columns if bare(column[0]) == "mu"],
     ]
     phi = diagram_angles(design.drive.joints)
-    return [[*_drawn(columns, phi, style)] for columns in chosen]
+    return [[*_curve_lines(columns, phi, style)] for columns in chosen]
 
 
-def _drawn(columns: Columns, phi: FloatArray, style: Style) -> Iterator[tuple[str, Line]]:
+def _curve_lines(columns: Columns, phi: FloatArray, style: Style) -> Iterator[tuple[str, Line]]:
     for heading, quantity in columns:
         try:
             yield heading, Line(over(np.degrees(phi), quantity(phi, "right")), style)

@@ -84,7 +84,7 @@ def _reduced(deviations: FloatArray, floor: float) -> FloatArray:
 FEWEST_DEVIATIONS: Final = 12
 """Points of which deviations have a scatter."""
 
-TOLD: Final = 1.2
+FORM_FACTOR: Final = 1.2
 """Where the root mean square exceeds the scatter by this factor, there are errors of form."""
 
 ONE: Final = 1e-6
@@ -141,8 +141,8 @@ class Deviations:
     def scatter(self) -> float:
         """Standard deviation [mm] of a single reading, from each deviation and its neighbours."""
         values, course = self.values, self.places.course
-        before, after = course[1:-1] - course[:-2], course[2:] - course[1:-1]
-        share = after / (before + after)
+        left, right = course[1:-1] - course[:-2], course[2:] - course[1:-1]
+        share = right / (left + right)
         rest = values[1:-1] - share * values[:-2] - (1.0 - share) * values[2:]
         variances = rest * rest / (1.0 + share * share + (1.0 - share) ** 2)
         return float(np.sqrt(np.mean(variances)))
@@ -153,7 +153,9 @@ class Deviations:
         it, which is so up to a fifth more than the scatter in all.
         """
         total, scatter = self.root_mean_square, self.scatter
-        return math.sqrt(total * total - scatter * scatter) if total > TOLD * scatter else 0.0
+        return (
+            math.sqrt(total * total - scatter * scatter) if total > FORM_FACTOR * scatter else 0.0
+        )
 
     @property
     def uncertainty(self) -> float:
@@ -164,10 +166,10 @@ class Deviations:
         return -NormalDist().inv_cdf(outside) * self.scatter
 
     @staticmethod
-    def of(flank: ExactFlank, feet: Feet, values: FloatArray) -> Deviations:
+    def from_feet(flank: ExactFlank, feet: Feet, values: FloatArray) -> Deviations:
         """The deviations `values` (n,) [mm] at `feet` (n,), ordered.
 
-        Raises GeometryError if fewer than `FEWEST` places have been measured.
+        Raises GeometryError if fewer than `FEWEST_DEVIATIONS` places have been measured.
         """
         order = np.argsort(feet.places.course, kind="stable")
         course, values = feet.places.course[order], values[order]
@@ -224,7 +226,9 @@ class LiftErrors:
     extremes: Extremes
 
     @staticmethod
-    def of(flank: ExactFlank, deviations: Deviations, *, clearance: float = 0.0) -> LiftErrors:
+    def from_deviations(
+        flank: ExactFlank, deviations: Deviations, *, clearance: float = 0.0
+    ) -> LiftErrors:
         """Press the follower against the measured disc and against the exact one.
 
         `clearance` [mm] is the groove's, see `replay_outline`.
@@ -244,8 +248,8 @@ class LiftErrors:
         def error(phi: FloatArray, side: Side = "right") -> FloatArray:
             return actual.at(phi, side) - exact.at(phi, side)
 
-        found = piecewise_extremes(error, edges_between(actual, exact))
-        return LiftErrors(phi, error(phi), found)
+        extremes = piecewise_extremes(error, edges_between(actual, exact))
+        return LiftErrors(phi, error(phi), extremes)
 
 
 def measured_contour(flank: ExactFlank, deviations: Deviations) -> Contour:
@@ -255,11 +259,11 @@ def measured_contour(flank: ExactFlank, deviations: Deviations) -> Contour:
         nodes = taken(nodes, slice(None, -1))  # the last is the first
     measured = deviations.places
     near = np.searchsorted(nodes.course, measured.course)
-    apart = np.minimum(
+    distances = np.minimum(
         np.abs(measured.course - nodes.course[np.maximum(near - 1, 0)]),
         np.abs(measured.course - nodes.course[np.minimum(near, len(nodes) - 1)]),
     )
-    every: Places = joined([nodes, taken(measured, apart > SAME)])
+    every: Places = joined([nodes, taken(measured, distances > SAME)])
     # Stable, so that of the two nodes at a corner the first one stays the first.
     every = taken(every, np.argsort(every.course, kind="stable"))
     amounts = np.interp(every.course, measured.course, deviations.values, period=flank.total)
@@ -319,7 +323,7 @@ ALIKE: Final = 1.5
 FLOOR: Final = 1e-12
 """Distances below this fraction of the flank's size are rounding."""
 
-APART: Final = math.radians(1.0)
+DISTINCT_TURN: Final = math.radians(1.0)
 """Fits that differ by less than this turn are one."""
 
 
@@ -351,8 +355,8 @@ class Frame:
 
     def inward(self, points: ComplexArray) -> ComplexArray:
         """(n,) places in cam coordinates of measured `points` (n,)."""
-        found: ComplexArray = (points - self.shift) * cmath.exp(-1j * self.turn)
-        return found
+        places: ComplexArray = (points - self.shift) * cmath.exp(-1j * self.turn)
+        return places
 
     def moved(self, shift: complex, turn: float) -> Frame:
         """The frame after a step of the part in cam coordinates, first the shift, then the turn."""
@@ -391,7 +395,7 @@ class Alignment:
     other_turn: float | None = None
 
     @staticmethod
-    def of(
+    def from_points(
         flank: ExactFlank,
         points: ComplexArray,
         align: Align,
@@ -414,7 +418,7 @@ class Alignment:
             shift.
         """
         if align is Align.DATUM:
-            return _result(flank, points, align, Frame(), ball)
+            return _alignment(flank, points, align, Frame(), ball)
         if len(points) < FEWEST_POINTS:
             raise GeometryError(
                 f"a fit needs {FEWEST_POINTS} points or more, and there are {len(points)};"
@@ -424,15 +428,15 @@ class Alignment:
         frame = _fit(flank, points, align, frame, ball)
         if robust:
             frame = _fit(flank, points, align, frame, ball, ROBUST, PATIENT, robust=True)
-        found = _result(flank, points, align, frame, ball)
-        shift, turn, sway = _uncertainties(found, flank.size, robust=robust)
+        alignment = _alignment(flank, points, align, frame, ball)
+        shift, turn, sway = _uncertainties(alignment, flank.size, robust=robust)
         other = None if math.isinf(turn) else other
         return replace(
-            found, shift_uncertainty=shift, turn_uncertainty=turn, sway=sway, other_turn=other
+            alignment, shift_uncertainty=shift, turn_uncertainty=turn, sway=sway, other_turn=other
         )
 
 
-def _result(
+def _alignment(
     flank: ExactFlank, points: ComplexArray, align: Align, frame: Frame, ball: float
 ) -> Alignment:
     feet = flank.feet(frame.inward(points))
@@ -460,7 +464,7 @@ def _best(
     others = [
         frame.turn
         for frame in good
-        if abs(math.remainder(frame.turn - best.turn, 2.0 * math.pi)) > APART
+        if abs(math.remainder(frame.turn - best.turn, 2.0 * math.pi)) > DISTINCT_TURN
     ]
     return best, min(others, key=abs, default=None)
 
@@ -477,17 +481,21 @@ def _starts(flank: ExactFlank, points: ComplexArray, align: Align) -> list[Frame
         nominal = np.interp(np.angle(inward), polar, radii, period=2.0 * math.pi)
         return np.asarray(np.sqrt(np.mean((np.abs(inward) - nominal) ** 2, axis=-1)))
 
-    centre, own = 0j, 0j
+    centre, flank_centre = 0j, 0j
     if align is Align.FREE:
-        centre, own = _centre(points), _centre(nodes)
+        centre, flank_centre = _centre(points), _centre(nodes)
     turns = np.linspace(-math.pi, math.pi, STARTS, endpoint=False)
-    found = misses((points - centre) * np.exp(-1j * turns)[:, np.newaxis] + own)
-    lowest = np.flatnonzero((found <= np.roll(found, 1)) & (found <= np.roll(found, -1)))
-    lowest = lowest[np.argsort(found[lowest], kind="stable")][:TRIED]
+    misfits = misses((points - centre) * np.exp(-1j * turns)[:, np.newaxis] + flank_centre)
+    lowest = np.flatnonzero((misfits <= np.roll(misfits, 1)) & (misfits <= np.roll(misfits, -1)))
+    lowest = lowest[np.argsort(misfits[lowest], kind="stable")][:TRIED]
     # A turn between two that are tried misses by half their distance.
-    unsure = PROMISING * float(found[lowest[0]]) + math.pi / STARTS * flank.size
-    starts = [Frame(centre - own * cmath.exp(1j * turn), turn) for turn in turns[lowest].tolist()]
-    promising = [each for each, miss in zip(starts, found[lowest], strict=True) if miss <= unsure]
+    unsure = PROMISING * float(misfits[lowest[0]]) + math.pi / STARTS * flank.size
+    starts = [
+        Frame(centre - flank_centre * cmath.exp(1j * turn), turn) for turn in turns[lowest].tolist()
+    ]
+    promising = [
+        start for start, miss in zip(starts, misfits[lowest], strict=True) if miss <= unsure
+    ]
     return [Frame()] * bool(misses(points) <= unsure) + promising
 
 
@@ -496,10 +504,12 @@ def _centre(points: ComplexArray) -> complex:
     mean = complex(np.mean(points))
     ring = points - mean
     ring = ring[np.argsort(np.angle(ring))]
-    after = np.roll(ring, -1)
-    areas = (ring.conj() * after).imag
+    following = np.roll(ring, -1)
+    areas = (ring.conj() * following).imag
     total = float(np.sum(areas))
-    return mean if total <= 0.0 else mean + complex(np.sum((ring + after) * areas)) / total / 3.0
+    return (
+        mean if total <= 0.0 else mean + complex(np.sum((ring + following) * areas)) / total / 3.0
+    )
 
 
 def _jacobian(feet: Feet, size: float) -> FloatArray:
@@ -563,36 +573,36 @@ def _determined(matrix: FloatArray, align: Align) -> list[int]:
 
 
 def _uncertainties(
-    found: Alignment, size: float, *, robust: bool = False
+    alignment: Alignment, size: float, *, robust: bool = False
 ) -> tuple[tuple[float, float] | None, float, tuple[float, float]]:
     """Of shift [mm] and turn [rad], at `CONFIDENCE`: by Student's t from the covariance; and the
     sway.
     """
     from scipy.special import stdtrit  # only fits need it
 
-    count = len(found.deviations)
-    matrix = _jacobian(found.feet, size)
-    columns = _determined(matrix, found.align)
-    freedom = count - found.align.fitted
-    sigma = math.sqrt(float(np.sum(found.deviations**2)) / freedom)
+    count = len(alignment.deviations)
+    matrix = _jacobian(alignment.feet, size)
+    columns = _determined(matrix, alignment.align)
+    freedom = count - alignment.align.fitted
+    sigma = math.sqrt(float(np.sum(alignment.deviations**2)) / freedom)
     if robust:
-        sigma = standard_error(found.deviations, freedom, FLOOR * size)
+        sigma = standard_error(alignment.deviations, freedom, FLOOR * size)
     factor = sigma * float(stdtrit(freedom, 0.5 + 0.5 * CONFIDENCE))
     chosen = matrix[:, columns]
     cofactors = np.zeros((3, 3))
     if columns:
         cofactors[np.ix_(columns, columns)] = np.linalg.inv(chosen.T @ chosen)
-    of_turn = math.sqrt(cofactors[2, 2]) / size
-    turn = factor * of_turn if 2 in columns else math.inf
+    turn_factor = math.sqrt(cofactors[2, 2]) / size
+    turn = factor * turn_factor if 2 in columns else math.inf
     # The shift is that of the cam axis in the axes of the measurement, which are turned.
-    cosine, sine = math.cos(found.frame.turn), math.sin(found.frame.turn)
+    cosine, sine = math.cos(alignment.frame.turn), math.sin(alignment.frame.turn)
     across = np.array([[cosine, -sine], [sine, cosine]])
     covariance = across @ cofactors[:2, :2] @ across.T
     x, y = (factor * math.sqrt(covariance[k, k]) for k in (0, 1))
     # By Cauchy and Schwarz: the fit is linear in the deviations, and this is the norm of its rows.
-    of_shift = math.sqrt(float(np.linalg.norm(cofactors[:2, :2], 2)))
-    sway = (math.sqrt(count) * of_shift, math.sqrt(count) * of_turn)
-    return ((x, y) if found.align is Align.FREE else None), turn, sway
+    shift_factor = math.sqrt(float(np.linalg.norm(cofactors[:2, :2], 2)))
+    sway = (math.sqrt(count) * shift_factor, math.sqrt(count) * turn_factor)
+    return ((x, y) if alignment.align is Align.FREE else None), turn, sway
 
 
 # -- measured -------------------------------------------------------------------------------------
@@ -609,21 +619,21 @@ LENGTHS: Final = tuple(
 )
 
 
-def places_of(found: Columns, file: str, unit: LengthUnit) -> ComplexArray:
+def measured_points(columns: Columns, file: str, unit: LengthUnit) -> ComplexArray:
     """(n,) complex [mm] the places in the first two columns, x and y; `unit` if they state none.
 
     Raises GeometryError with file and line if they have different units, or one is too large.
     """
-    units = {UNITS[each.lower()] for each in found.units[:2] if each}
+    units = {UNITS[stated_unit.lower()] for stated_unit in columns.units[:2] if stated_unit}
     if len(units) > 1:
-        raise fault(file, found.lines[0], "", "x and y have different units; allowed: one")
-    x, y = found.values[:2]
+        raise fault(file, columns.lines[0], "", "x and y have different units; allowed: one")
+    x, y = columns.values[:2]
     for values in (x, y):
         beyond = np.flatnonzero(np.abs(values) > COORDINATE)
         if len(beyond):
             row = int(beyond[0])
             message = f"too large; allowed: coordinates up to {COORDINATE:g}"
-            raise fault(file, found.lines[row], repr(float(values[row])), message)
+            raise fault(file, columns.lines[row], repr(float(values[row])), message)
     places: ComplexArray = (x + 1j * y) * MM_PER[units.pop() if units else unit]
     return places
 
@@ -657,7 +667,7 @@ class StatedNormals:
     radial: bool
 
 
-def off_radius(feet: Feet) -> FloatArray:
+def radius_angles(feet: Feet) -> FloatArray:
     """(n,) angle [rad] delta between the true normal and the radius from the cam axis, signed as
     the normal is turned from the radius, which points to the side of the normal.
     """
@@ -675,11 +685,11 @@ def stated_normals(feet: Feet, turn: float, normals: ComplexArray) -> StatedNorm
     """Compare the `normals` (n,) of points, of any length but 0, with those at their `feet`, where
     the part is turned by `turn` [rad] in the axes of the measurement.
     """
-    off = normals * np.exp(-1j * turn) * feet.places.normals.conj()
-    into_material = bool(np.median(off.real) < 0.0)
-    angles = np.angle(-off if into_material else off)
+    relative = normals * np.exp(-1j * turn) * feet.places.normals.conj()
+    into_material = bool(np.median(relative.real) < 0.0)
+    angles = np.angle(-relative if into_material else relative)
     # The radius lies at -delta from the true normal.
-    delta = off_radius(feet)
+    delta = radius_angles(feet)
     telling = np.abs(delta) > TELLING
     nearer = np.abs(angles + delta) < np.abs(angles)
     radial = bool(np.any(telling) and np.mean(nearer[telling]) > 0.5)
@@ -725,14 +735,16 @@ def other_axes(
     some = points[:: -(-len(points) // SOME)]
     if deviation <= GROSS * flank.size or len(some) < FEWEST_POINTS:
         return None
-    tried = []
+    candidates = []
     for mirrored in (False, True):
         try:
-            found = Alignment.of(flank, some.conj() if mirrored else some, Align.FREE, ball)
+            alignment = Alignment.from_points(
+                flank, some.conj() if mirrored else some, Align.FREE, ball
+            )
         except GeometryError:
             continue
-        left = float(np.sqrt(np.mean(found.deviations**2)))
-        tried.append(OtherAxes(found.frame, mirrored, left))
+        left = float(np.sqrt(np.mean(alignment.deviations**2)))
+        candidates.append(OtherAxes(alignment.frame, mirrored, left))
     # A flank that is its own mirror image is not seen from the other side by rounding.
-    best = min(tried, key=lambda each: (1.0 + each.mirrored) * each.left, default=None)
+    best = min(candidates, key=lambda each: (1.0 + each.mirrored) * each.left, default=None)
     return best if best is not None and best.left < BETTER * deviation else None

@@ -16,7 +16,7 @@ from camgeo.errors import FileError, GeometryError
 from camgeo.geometry.contour.contour import Contour
 from camgeo.geometry.contour.foreign import Outlines
 from camgeo.numeric.columns import NumberColumn, RequestedColumns, read_columns
-from camgeo.studies.inspection import LENGTHS, places_of
+from camgeo.studies.inspection import LENGTHS, measured_points
 from camgeo.units import LengthUnit, counted
 
 FEWEST: Final = 2
@@ -46,7 +46,7 @@ class ContourCsvReader:
             raise FileError(f"{name}: a CSV file has no layers; leave out the layer {layer!r}")
         try:
             rows = read_columns(data, name, COLUMNS)
-            vertices = places_of(rows, name, unit or "mm")
+            vertices = measured_points(rows, name, unit or "mm")
         except GeometryError as error:
             raise FileError(error.message) from None
         bulge = rows.values[2] if len(rows.values) > len(LENGTHS) else np.zeros(len(vertices))

@@ -22,7 +22,7 @@ from camgeo.app.answers.report import STEP, Report, triangles
 from camgeo.design.value_table import Table
 from camgeo.pictures import accuracy
 from camgeo.pictures.model import figure_data
-from camgeo.pictures.motion import plain, shown
+from camgeo.pictures.motion import format_value, plain
 from camgeo.pictures.plots import Chart
 from camgeo.studies.accuracy.benefit import advice
 from camgeo.studies.accuracy.survey import Survey
@@ -216,10 +216,10 @@ def _readings(chart: Chart) -> str:
     heads = ("curve", "smallest", "at", "largest", "at", "limits drawn")
     rows = []
     for reading in chart.readings:
-        limits = "; ".join(f"{name}: {shown(value)}" for name, value in reading.limits)
+        limits = "; ".join(f"{name}: {format_value(value)}" for name, value in reading.limits)
         numbers = (
-            shown(reading.low), f"{math.degrees(reading.low_at):.1f}°",
-            shown(reading.high), f"{math.degrees(reading.high_at):.1f}°",
+            format_value(reading.low), f"{math.degrees(reading.low_angle):.1f}°",
+            format_value(reading.high), f"{math.degrees(reading.high_angle):.1f}°",
         )  # fmt: skip
         rows.append(f"<tr><td>{escape(plain(reading.name))}</td>{_numbers(numbers)}"
                     f"<td>{escape(limits)}</td></tr>")  # fmt: skip

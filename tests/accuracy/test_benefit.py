@@ -64,15 +64,15 @@ def test_acceleration_goes_with_the_square_of_the_speed_and_lift_off_does_not() 
         slow, fast, *_ = rows(form)
         assert fast.acceleration == pytest.approx(9.0 * known(slow.acceleration), rel=1e-12)
         assert fast.jump == pytest.approx(3.0 * slow.jump, rel=1e-12) if slow.jump else True
-        assert fast.lift_off == slow.lift_off
+        assert fast.lift_off_speed == slow.lift_off_speed
         assert fast.ripple == pytest.approx(slow.ripple)
 
 
 def test_at_the_speed_of_lift_off_the_lowest_force_is_none() -> None:
     (first, *_) = benefit_rows(setzhub(), (1e-2,), (10.0,), forms=("arcs",))
-    (there,) = benefit_rows(setzhub(), (1e-2,), (known(first.lift_off),), forms=("arcs",))
+    (there,) = benefit_rows(setzhub(), (1e-2,), (known(first.lift_off_speed),), forms=("arcs",))
     assert abs(known(there.lowest)) <= 1e-9 * known(there.highest)
-    assert there.lift_off == pytest.approx(known(first.lift_off), rel=1e-9)
+    assert there.lift_off_speed == pytest.approx(known(first.lift_off_speed), rel=1e-9)
 
 
 def test_arcs_come_nearer_with_the_third_root_and_chords_do_not() -> None:
@@ -104,7 +104,7 @@ def test_the_force_is_off_by_the_inertia_of_what_the_acceleration_is_off() -> No
 def test_without_forces_there_is_the_acceleration_alone(scene: str) -> None:
     (row,) = benefit_rows(design(scene, ""), (1e-2,), (5.0,), forms=("arcs",))
     assert row.acceleration is not None
-    assert row.force is row.lowest is row.lift_off is None
+    assert row.force is row.lowest is row.lift_off_speed is None
     assert row.fault == ""
 
 
@@ -146,8 +146,8 @@ def test_the_lift_off_speed_is_that_of_the_effect() -> None:
     """For any speed at which it is asked for."""
     slow, fast = (exact_motion(pressing(output="rigid"), each * RPM) for each in (100.0, 300.0))
     effect = pressing(output="rigid", speed="stated").effects.result("lift-off")
-    assert fast.lift_off == 300.0 * RPM * effect.speed.value
-    assert slow.lift_off == pytest.approx(fast.lift_off, rel=1e-12)
+    assert fast.lift_off_speed == 300.0 * RPM * effect.speed.value
+    assert slow.lift_off_speed == pytest.approx(fast.lift_off_speed, rel=1e-12)
 
 
 def test_an_elastic_train_on_too_many_pieces_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -155,7 +155,7 @@ def test_an_elastic_train_on_too_many_pieces_is_refused(monkeypatch: pytest.Monk
     monkeypatch.setattr(benefit, "MOST_PIECES", 20)
     (row,) = benefit_rows(pressing(), (1e-1,), (30.0,), forms=("polyline",))
     assert row.acceleration is not None
-    assert row.force is row.lift_off is None
+    assert row.force is row.lift_off_speed is None
     assert "up to 20 pieces" in row.fault
 
 
@@ -174,7 +174,7 @@ def test_forces_on_a_follower_that_is_held_both_ways_are_those_of_the_effect(nam
         assert row.exact_lowest == pytest.approx(exact.extremes.lowest.value, abs=1e-9)
         assert row.exact_highest == pytest.approx(exact.extremes.highest.value, rel=1e-12)
         assert row.exact_force == pytest.approx(exact.extremes.magnitude, rel=1e-12)
-        assert row.lift_off is row.exact_lift_off is None
+        assert row.lift_off_speed is row.exact_lift_off_speed is None
         assert row.fault == ""
         phi = np.linspace(0.0, 2.0 * math.pi, 20001)
         off = np.abs(own.normal(phi, "right") - exact.normal(phi, "right"))

@@ -23,9 +23,9 @@ from camgeo.studies.accuracy.contours import (
     FORMS,
     ContourRow,
     contour_rows,
-    drawn_as,
-    flanks_of,
+    flank_boundaries,
     forced_pieces,
+    with_contour_form,
 )
 from tests.findings import known
 
@@ -84,7 +84,7 @@ def test_counts_files_and_proofs(form: str, effort: str, tolerance: float) -> No
 
 @pytest.mark.parametrize("effort", EFFORTS)
 def test_pieces_are_those_of_the_boundary(effort: Any) -> None:
-    (flank,) = flanks_of(load("setzhub"))
+    (flank,) = flank_boundaries(load("setzhub"))
     for tolerance in TOLERANCES:
         count = known(found("arcs", effort, tolerance).count)
         assert count.pieces == len(written_contour(flank, "arcs", effort, tolerance).contour)
@@ -93,7 +93,7 @@ def test_pieces_are_those_of_the_boundary(effort: Any) -> None:
 
 def test_the_round_takes_at_least_its_length_over_the_feed() -> None:
     """Feed of the scene, 300 mm/min = 5 mm/s, from rest to rest at 508 mm/s^2."""
-    (flank,) = flanks_of(load("setzhub"))
+    (flank,) = flank_boundaries(load("setzhub"))
     # The controller sees 50 arcs ahead, which bend with more than 0.05 mm.
     for tolerance in TOLERANCES:
         length = flank.arcs(WRITTEN_SHARE * tolerance, "fewest").contour.length
@@ -105,7 +105,7 @@ def test_the_round_takes_at_least_its_length_over_the_feed() -> None:
 
 def test_the_ripple_is_that_of_the_replay() -> None:
     design = load("setzhub")
-    (flank,) = flanks_of(design)
+    (flank,) = flank_boundaries(design)
     contour = flank.arcs(WRITTEN_SHARE * 1e-3, "fewest").contour.split(math.pi)
     ripple = replay_contour(design.cam.disc.pitch_curve, contour).ripple
     assert found("arcs", "fewest", 1e-3).ripple == ripple
@@ -152,7 +152,7 @@ def test_a_file_that_cannot_be_written_leaves_the_count(monkeypatch: pytest.Monk
 
 def test_a_design_drawn_in_another_form() -> None:
     design = load("setzhub")
-    drawn = drawn_as(design, "polyline", "fast")
+    drawn = with_contour_form(design, "polyline", "fast")
     form, before = drawn.disc.options[FORMAT], design.disc.options[FORMAT]
     assert (form.entity, drawn.disc.drawn.effort) == ("polyline", "fast")
     assert form.auxiliary == before.auxiliary
@@ -162,13 +162,16 @@ def test_a_design_drawn_in_another_form() -> None:
 
 
 def test_flanks_are_what_the_roller_runs_on() -> None:
-    assert [flank.name for flank in flanks_of(load("groove"))] == ["inner flank", "outer flank"]
-    assert [flank.hole for flank in flanks_of(load("ring"))] == [True]
+    assert [flank.name for flank in flank_boundaries(load("groove"))] == [
+        "inner flank",
+        "outer flank",
+    ]
+    assert [flank.hole for flank in flank_boundaries(load("ring"))] == [True]
 
 
 def test_rings_and_grooves_are_replayed_on_their_flanks() -> None:
     design = load("groove")
-    flanks = flanks_of(design)
+    flanks = flank_boundaries(design)
     ripple = measuring._ripple(design, flanks, [f.arcs(1e-3, "fast").contour for f in flanks])
     assert 0.0 < known(ripple) < 1.0
 
@@ -206,14 +209,14 @@ def test_each_row_fits_and_proves_anew_and_not_what_tells_contours_apart() -> No
     row, the fit; and the proof of the finished contour and of what was read.
     """
     only: dict[str, Any] = {"forms": ("polyline",), "efforts": ("fast",), "programs": False}
-    design = drawn_as(load("setzhub"), "polyline", "fast")
-    runs, arcs = flanks_of(design)[0].ledger.runs, []
+    design = with_contour_form(load("setzhub"), "polyline", "fast")
+    runs, arcs = flank_boundaries(design)[0].ledger.runs, []
 
     def started(_: str) -> None:
         arcs.append([run.name for run in runs].count("arcs of outline"))
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(measuring, "drawn_as", lambda each, *_: each)
+        patch.setattr(measuring, "with_contour_form", lambda each, *_: each)
         contour_rows(
             design, (*TOLERANCES, 1e-4), ripple=False, progress=started, timed=False, **only
         )

@@ -26,9 +26,9 @@ from camgeo.studies.accuracy.survey import (
     TIGHTER,
     TOLERANCES_OF_EFFECTS,
     Survey,
-    compared,
+    compare_figures,
     effect_rows,
-    figures_of,
+    result_figures,
 )
 from tests import kept
 from tests.accuracy.rows import EFFECTS
@@ -253,25 +253,25 @@ def of_value(value: float, *, bound: Bound | None = None) -> Result:
 def test_shares_are_of_the_scale_of_each_figure(
     value: float, bound: Bound | None, exact: float, share: float, holds: bool
 ) -> None:
-    (found,) = compared(of_value(value, bound=bound), of_value(exact))
-    assert (found.figure, found.off, found.holds) == ("force", abs(value - exact), holds)
+    (found,) = compare_figures(of_value(value, bound=bound), of_value(exact))
+    assert (found.figure, found.difference, found.holds) == ("force", abs(value - exact), holds)
     assert found.share == pytest.approx(share, rel=1e-3)
 
 
 def test_what_is_not_in_both_is_not_compared() -> None:
-    assert compared(of_value(1.0), Result()) == ()
+    assert compare_figures(of_value(1.0), Result()) == ()
     twice = Result(findings=(*of_value(1.0).findings, *of_value(2.0).findings))
-    assert compared(twice, of_value(1.0)) == ()
+    assert compare_figures(twice, of_value(1.0)) == ()
 
 
 def test_all_findings_and_columns_are_figures() -> None:
     both = Result(
         findings=(*of_value(3.0).findings, *of_value(4.0).findings), columns=(curve(1.0),)
     )
-    figures = figures_of(replace(both, columns=(replace(curve(1.0), name="torque"),)))
+    figures = result_figures(replace(both, columns=(replace(curve(1.0), name="torque"),)))
     assert figures["force"].tolist() == [3.0, 4.0]
     assert np.max(figures["torque"]) == pytest.approx(1.0, abs=1e-5)
-    assert figures_of(Result()) == {}
+    assert result_figures(Result()) == {}
 
 
 # In the survey ------------------------------------------------------------------------------------

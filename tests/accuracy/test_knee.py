@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from camgeo.studies.accuracy.benefit import SLACK, BenefitRow, End, advice, knee_of
+from camgeo.studies.accuracy.benefit import SLACK, BenefitRow, End, advice, find_knee
 from camgeo.studies.accuracy.contours import ContourRow
 from tests.accuracy.rows import file, missing, row
 from tests.findings import known
@@ -63,7 +63,7 @@ def test_where_it_is_and_why_it_is_not_tighter(
     rows: list[ContourRow], place: int, end: End, quick: float | None, said: str
 ) -> None:
     """A spline is milled by no round, but has decimals."""
-    knee = known(knee_of(rows))
+    knee = known(find_knee(rows))
     assert knee.row is rows[place]
     assert (knee.end, knee.quick) == (end, quick)
     assert said in advice(knee)
@@ -71,7 +71,7 @@ def test_where_it_is_and_why_it_is_not_tighter(
 
 @pytest.mark.parametrize("over", [-1e-9, 1e-9])
 def test_five_per_cent_are_the_border(over: float) -> None:
-    knee = known(knee_of(milled((1e-2, 50, 4), (1e-3, 50 * (SLACK + over), 4))))
+    knee = known(find_knee(milled((1e-2, 50, 4), (1e-3, 50 * (SLACK + over), 4))))
     assert knee.row.tolerance == (1e-2 if over > 0.0 else 1e-3)
 
 
@@ -81,7 +81,7 @@ def test_a_ripple_that_falls_no_more_is_an_end_and_cost_is_none_then() -> None:
         row("arcs", tolerance, 10**number, seconds=50.0, decimals=4, ripple=ripple)
         for number, (tolerance, ripple) in enumerate(ripples.items(), start=1)
     ]
-    knee = known(knee_of(rows))
+    knee = known(find_knee(rows))
     assert (knee.row.tolerance, knee.end) == (1e-3, "ripple")
     assert knee.bought == pytest.approx(0.1)
     assert "ripple 10 %" in advice(knee)
@@ -95,11 +95,13 @@ def benefits(*off: float) -> list[BenefitRow]:
 
 def test_where_the_benefit_is_known_it_decides_and_not_the_cost() -> None:
     rows = costing((10, 10, 1.0), (100, 100, 10.0), (1000, 1000, 100.0), (10**4, 10**4, 1e3))
-    knee = known(knee_of(rows, benefits(0.8, 0.4, 0.1, 0.06)))
+    knee = known(find_knee(rows, benefits(0.8, 0.4, 0.1, 0.06)))
     assert (knee.row, knee.end, knee.step) == (rows[2], "benefit", (rows[1], rows[2]))
     assert knee.bought == pytest.approx(0.3)
     assert advice(knee).endswith("at most 5 %")
-    cheap = known(knee_of(rows, [replace(each, acceleration=None) for each in benefits(0.8, 0.4)]))
+    cheap = known(
+        find_knee(rows, [replace(each, acceleration=None) for each in benefits(0.8, 0.4)])
+    )
     assert (cheap.row, cheap.end) == (rows[0], "cost")
 
 
@@ -117,7 +119,7 @@ def test_two_steps_of_a_half_more_are_the_border_of_what_all_costs_together(
     last: tuple[int, int, float], tolerance: float
 ) -> None:
     """1.5^2 = 2.25, of the geometric mean: 2000^2 * 2.8475 is 2250^2 * 2.25."""
-    knee = known(knee_of(costing((1_000, 1_000, 1.0), last, (10**6, 10**6, 1e3))))
+    knee = known(find_knee(costing((1_000, 1_000, 1.0), last, (10**6, 10**6, 1e3))))
     assert knee.row.tolerance == pytest.approx(tolerance)
     assert knee.end == "cost"
     assert advice(knee).endswith("tighter ones cost more than 2.25 times as much as the cheapest")
@@ -126,24 +128,24 @@ def test_two_steps_of_a_half_more_are_the_border_of_what_all_costs_together(
 def test_seconds_of_a_machine_count_only_if_asked_for() -> None:
     rows = costing((10, 10, 1.0), (15, 15, 50.0), (100, 100, 100.0))
     for timed, place in ((True, 0), (False, 1)):
-        assert known(knee_of(rows, timed=timed)).row is rows[place]
+        assert known(find_knee(rows, timed=timed)).row is rows[place]
 
 
 def test_a_step_in_words() -> None:
     """Of the last one up to the knee, or of the first one beyond it."""
     rows = costing((10, 10_000, 0.06), (20, 19_400, 0.0724), (200, 10**6, 9.0))
-    knee = known(knee_of(rows))
+    knee = known(find_knee(rows))
     assert knee.step_sentence == "from 0.1 mm to 0.01 mm costs 10 pieces, 12 ms and 9.4 kB"
-    first = known(knee_of([rows[0], rows[2]]))
+    first = known(find_knee([rows[0], rows[2]]))
     assert first.step_sentence == "from 0.1 mm to 0.001 mm costs 190 pieces, 8.9 s and 990 kB"
-    slower = known(knee_of(milled((1e-2, 50, 4), (1e-3, 70, 4))))
+    slower = known(find_knee(milled((1e-2, 50, 4), (1e-3, 70, 4))))
     assert slower.step_sentence == (
         "from 0.01 mm to 0.001 mm costs 1 piece, no time and 0 kB, machining 20.0 s longer"
     )
-    assert known(knee_of(rows[:1])).step_sentence == ""
+    assert known(find_knee(rows[:1])).step_sentence == ""
 
 
 def test_nothing_that_can_be_reached() -> None:
-    assert knee_of([missing("arcs", 1e-3)]) is None
-    assert knee_of([]) is None
+    assert find_knee([missing("arcs", 1e-3)]) is None
+    assert find_knee([]) is None
     assert advice(None) == "none of these tolerances can be reached"

@@ -14,7 +14,7 @@ import pytest
 from camgeo.pictures.accuracy import figure
 from camgeo.pictures.model import Line, Rule, Text
 from camgeo.studies.accuracy import survey as surveys
-from camgeo.studies.accuracy.benefit import BenefitRow, knee_of
+from camgeo.studies.accuracy.benefit import BenefitRow, find_knee
 from camgeo.studies.accuracy.contours import FORMS, ContourRow, SolidRow, TableRow
 from camgeo.studies.accuracy.survey import BillRow, Survey
 from camgeo.units import RPM
@@ -54,7 +54,7 @@ def made_up() -> Survey:
     )
     tables = (TableRow(Decimal("0.5"), 720, 249_114, 0.0131, 1.7e-3),)
     own = [each for each in contours if each.form == "arcs"]
-    return Survey(tuple(contours), solids, tables, knee_of(own))
+    return Survey(tuple(contours), solids, tables, find_knee(own))
 
 
 @pytest.fixture
@@ -79,7 +79,9 @@ def test_what_is_said_is_as_kept(
 ) -> None:
     """Tables and documents, with effects and benefits; seconds and ripple are of `made_up`."""
     whole = replace(made_up(), effects=EFFECTS, rounded=ROUNDED)
-    fault = replace(at_speed()[2], fault="cannot be reached", acceleration=None, lift_off=math.inf)
+    fault = replace(
+        at_speed()[2], fault="cannot be reached", acceleration=None, lift_off_speed=math.inf
+    )
     heard = replace(at_speed()[0], octaves=(20.0, 30.0, 10.0), octave_error=1e-9, strongest=3)
     rows = (heard, at_speed()[1], fault, replace(at_speed()[1], form="spline"))
     monkeypatch.setattr("camgeo.app.answers.accuracy.benefit_rows", lambda *_, **__: rows)

@@ -10,7 +10,7 @@ import pytest
 from camgeo.design.design import Design
 from camgeo.studies.optimise.optimise import Judge
 from camgeo.studies.sweep.family import Point
-from camgeo.studies.sweep.rows import Reading, Row
+from camgeo.studies.sweep.rows import DesignReading, DesignRow
 from tests.cli.calling import called
 from tests.sweep.families import FIXTURES
 
@@ -32,7 +32,9 @@ def test_what_cannot_be_written_is_told_before_the_search(tmp_path: Path) -> Non
 def test_ctrl_c_gives_the_best_so_far(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     answers, judged = Judge.answers, list[Point]()
 
-    def interrupted(judge: Judge, design: Design, point: Point, found: Sequence[Reading]) -> Row:
+    def interrupted(
+        judge: Judge, design: Design, point: Point, found: Sequence[DesignReading]
+    ) -> DesignRow:
         judged.append(point)
         if len(judged) == 4:
             raise KeyboardInterrupt

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from camgeo.studies.sweep import rows
-from camgeo.studies.sweep.rows import rows_of
+from camgeo.studies.sweep.rows import compute_rows
 from tests.cli.calling import Called, called
 from tests.sweep.families import FIXTURES, LAWS, RADII
 
@@ -50,16 +50,16 @@ def test_ctrl_c_keeps_what_is_done(tmp_path: Path, monkeypatch: pytest.MonkeyPat
         calls.append(1)
         if len(calls) > 1:
             raise KeyboardInterrupt
-        return rows_of(work, points)  # type: ignore[arg-type]  # passed on
+        return compute_rows(work, points)  # type: ignore[arg-type]  # passed on
 
-    monkeypatch.setattr(rows, "rows_of", interrupted)
+    monkeypatch.setattr(rows, "compute_rows", interrupted)
     found = call("-o", store)
     assert found.code == 130
     kept = "keeps the rows that were finished"
     assert f"{store}: {kept}; --resume computes the others" in found.err
     monkeypatch.undo()
     assert "8 rows, 1 of them known before" in call("-o", store, "--resume").err
-    monkeypatch.setattr(rows, "rows_of", interrupted)  # at once, for it was called before
+    monkeypatch.setattr(rows, "compute_rows", interrupted)  # at once, for it was called before
     assert f"{kept}, or the old ones if none were; --resume" in call("-o", store, "--force").err
     monkeypatch.undo()
     assert "8 rows, 8 of them known before" in call("-o", store, "--resume").err
@@ -70,7 +70,7 @@ def test_what_cannot_be_written_is_told_before_anything_is_computed(
 ) -> None:
     table = tmp_path / "runs.csv"
     table.write_text("someone's")
-    monkeypatch.setattr(rows, "rows_of", None)
+    monkeypatch.setattr(rows, "compute_rows", None)
     found = call("-o", table)
     assert found.code == 2
     assert f"{table} would be overwritten; allow it with --force" in found.err

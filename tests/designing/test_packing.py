@@ -47,7 +47,7 @@ def drawn(points: Any) -> Figure:
 
 
 def test_pictures_are_the_same_packed() -> None:
-    chart = motion.of_drive(SETZHUB.name, "mm", SETZHUB.drive, SETZHUB.scene.lift_unit)
+    chart = motion.drive_figure(SETZHUB.name, "mm", SETZHUB.drive, SETZHUB.scene.lift_unit)
     for picture in (chart, animation(SETZHUB.disc)):
         data, found = picture.to_data(), packed(picture)
         assert len(json.dumps(found, allow_nan=False)) < 0.6 * len(json.dumps(data))

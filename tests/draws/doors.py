@@ -26,7 +26,7 @@ from camgeo.design.design import Design
 from camgeo.dynamics.effects.results import FINDERS
 from camgeo.errors import CamgeoError, EffectError, GeometryError, SceneError
 from camgeo.scene.scene import parse_scene
-from camgeo.studies.sweep.rows import asked_of, hyphened, read
+from camgeo.studies.sweep.rows import hyphened, parse_questions, read
 from camgeo_export.notebook.display import display
 from tests.draws.run import Case, parser_of, run_cases
 from tests.effects.test_random_scenes import scene_of
@@ -194,7 +194,7 @@ def _swept(design: Design, document: Mapping[str, Any]) -> Iterator[str]:
     groups = [document["findings"], *document["effects"].values(), *parts]
     severities = {each["severity"] for group in groups for each in group}
     worst = next((each for each in WORST if each in severities), "ok")
-    (asked,) = asked_of(design, ["verdict"])
+    (asked,) = parse_questions(design, ["verdict"])
     if read(design, asked).value != worst:
         yield f"sweep: verdict {read(design, asked).value!r}, not {worst!r}"
     known = {each["name"] for group in (document["findings"], *parts) for each in group}
@@ -205,7 +205,7 @@ def _swept(design: Design, document: Mapping[str, Any]) -> Iterator[str]:
     for name, value in first.items():
         if name in known:
             continue
-        (asked,) = asked_of(design, [name])
+        (asked,) = parse_questions(design, [name])
         answer = read(design, asked).value
         if answer != (value if value is None else value + 0.0):
             yield f"sweep: {name} {answer!r}, not {value!r}"

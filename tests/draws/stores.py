@@ -26,7 +26,7 @@ import numpy as np
 from camgeo.design.design import Design
 from camgeo.errors import CamgeoError
 from camgeo.studies.sweep.family import Family, Point
-from camgeo.studies.sweep.rows import Chunks, Row, Work, asked_of
+from camgeo.studies.sweep.rows import Chunks, DesignRow, Work, parse_questions
 from camgeo.studies.sweep.sweep import Existing, Heading, Store, sweep
 from tests.draws.run import Case, parser_of, run_cases
 from tests.sweep.families import SETZHUB, family
@@ -62,9 +62,11 @@ class Known:
     name = "known"
 
     def __init__(self, found: Family, ask: tuple[str, ...] = ASK) -> None:
-        self.work = Work.of(found, asked_of(Design(found.scene), ask))
+        self.work = Work.for_family(found, parse_questions(Design(found.scene), ask))
         points = list(found.points())
-        self.by_point: dict[Point, Row] = dict(zip(points, self.work.rows(points), strict=True))
+        self.by_point: dict[Point, DesignRow] = dict(
+            zip(points, self.work.rows(points), strict=True)
+        )
 
     def rows(self, _: Work, points: Iterator[Point]) -> Chunks:
         while chunk := tuple(point for _, point in zip(range(5), points, strict=False)):
@@ -86,13 +88,13 @@ class Stores:
 
     def __init__(self, folder: Path) -> None:
         self.known = Known(FAMILY)
-        heading = Heading.of(FAMILY, self.known.work)
+        heading = Heading.for_family(FAMILY, self.known.work)
         rows = list(self.known.by_point.values())
         self.kinds = [folder / name for name in ("finished", "half", "killed")]
         self.other = folder / "other"
         scene = SETZHUB.with_values({"cam.speed": 91})
         other = Known(family("follower.base_radius=45:60:10", "motion.2.law=scca", scene=scene))
-        of_other = Heading.of(family(scene=scene), other.work)
+        of_other = Heading.for_family(family(scene=scene), other.work)
         stores = zip([*self.kinds[:2], self.other], [heading, heading, of_other],
                      [rows, rows[:9], list(other.by_point.values())], strict=True)  # fmt: skip
         for path, its, kept in stores:

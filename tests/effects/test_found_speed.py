@@ -34,7 +34,7 @@ from camgeo.errors import EffectError, SceneError
 from camgeo.kinematics.time_course import period
 from camgeo.numeric.arrays import FloatArray
 from camgeo.scene.scene import load_scene, parse_scene
-from camgeo.studies.accuracy.survey import TIGHTER, compared
+from camgeo.studies.accuracy.survey import TIGHTER, compare_figures
 from camgeo.units import RPM, TURN
 from tests.effects.scenes import SCENES
 from tests.findings import finding_values
@@ -156,7 +156,7 @@ def states_at(pieces: list[Any], phi: FloatArray = PHI) -> FloatArray:
 
 def assert_true(own: Result, best: Result, what: object) -> None:
     """No figure is off by more than stated."""
-    for each in compared(own, best):
+    for each in compare_figures(own, best):
         assert each.holds, (what, each)
 
 

@@ -28,7 +28,7 @@ from camgeo.dynamics.oscillator.steady import Response
 from camgeo.errors import EffectError
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.scene.scene import load_scene
-from camgeo.studies.accuracy.survey import TIGHTER, compared, figures_of
+from camgeo.studies.accuracy.survey import TIGHTER, compare_figures, result_figures
 from camgeo.units import TURN
 from tests.effects.recorded import NUMBER, PLACED, SHOWN, result_of
 from tests.effects.recorded_scenes import OF_SMALL, small, text_of
@@ -100,7 +100,7 @@ def assert_true(of: Design, name: str, *tolerances: float) -> None:
     """Each is compared with the result to a hundredth."""
     for tolerance in tolerances:
         own, best = (to_tolerance(of, name, each) for each in (tolerance, tolerance / TIGHTER))
-        for each in compared(own, best) if own is not None and best is not None else ():
+        for each in compare_figures(own, best) if own is not None and best is not None else ():
             assert each.holds, (name, tolerance, each)
 
 
@@ -117,11 +117,11 @@ def test_a_false_statement_is_seen() -> None:
     own, best = (to_tolerance(of, "speed-fluctuation", each) for each in (1e-2, 1e-6))
     assert own is not None
     assert best is not None
-    assert all(each.holds for each in compared(own, best))
+    assert all(each.holds for each in compare_figures(own, best))
     sure = {name: Bound(0.0, bound.scale) for name, bound in own.errors.items()}
     object.__setattr__(own, "errors", sure)
     assert {"cam speed", "motor-work"} <= {
-        each.figure for each in compared(own, best) if not each.holds
+        each.figure for each in compare_figures(own, best) if not each.holds
     }
 
 
@@ -204,7 +204,7 @@ def test_a_force_of_the_train_off_by_its_error_moves_no_figure_by_more_than_stat
         off = replace(train, behind=train.behind._perturbed(way))
         moved = WithTrain(nodes, off)
         for effect, result in told.items():
-            own, other = figures_of(result), figures_of(moved.result(effect))
+            own, other = result_figures(result), result_figures(moved.result(effect))
             assert own.keys() == other.keys()
             for figure, values in own.items():
                 # A life goes with the power 10/3 of the load, of which the error is a thousandth.

@@ -20,7 +20,7 @@ from camgeo.app.answers.verify import Reference, Wanted, verifiable_files, verif
 from camgeo.design.design import Design
 from camgeo.design.writing import Report
 from camgeo.geometry.contour.contour import Form
-from camgeo.studies.accuracy.contours import FORMS, drawn_as
+from camgeo.studies.accuracy.contours import FORMS, with_contour_form
 from tests.end_to_end.built import SCENES
 from tests.long_form import LONG
 
@@ -65,7 +65,7 @@ def test_every_file_is_written_and_verified(scene: Path, tmp_path: Path) -> None
     base = camgeo.load(scene)
     number = SCENES.index(scene)
     for form, tolerance in _written(number):
-        design = drawn_as(base, form, "fewest")
+        design = with_contour_form(base, form, "fewest")
         folder = tmp_path / f"{form}-{tolerance:g}"
         formats = _formats(design, form, number)
         report = design.write(folder, formats, tolerance=tolerance)

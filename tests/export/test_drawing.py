@@ -32,8 +32,8 @@ from camgeo.numeric.arrays import ComplexArray
 from camgeo.part.spec import text_name
 from camgeo.pictures.sheet.marks import (
     ARROW,
-    BEFORE,
-    BEHIND,
+    EXTENSION_GAP,
+    EXTENSION_OVERSHOOT,
     LETTERS,
     LIFTED,
     NARROWED,
@@ -46,10 +46,10 @@ from camgeo.pictures.sheet.marks import (
     Mark,
     Round,
     Sheet,
+    dimension_text,
     line,
-    number_of,
 )
-from camgeo.pictures.sheet.sheet import sheets_of
+from camgeo.pictures.sheet.sheet import build_sheets
 from camgeo.scene.scene import load_scene, parse_scene
 from camgeo.units import MM_PER
 from camgeo_export.drawing.writer import LAYERS, PDF, RARE, SVG, WRITER
@@ -93,14 +93,14 @@ def opened(data: bytes) -> Drawing:
 
 @cache
 def drawn(name: str) -> tuple[Sheet, bytes, Drawing]:
-    (sheet,) = sheets_of(product(name), TOLERANCE)
+    (sheet,) = build_sheets(product(name), TOLERANCE)
     data = WRITER.write(product(name), TOLERANCE).data
     return sheet, data, opened(data)
 
 
 def placed(sheet: Sheet) -> list[tuple[Mark, complex, float]]:
     """Each mark with where its origin is on the paper [mm], and its scale."""
-    views = [(mark, view.at, sheet.scale) for view in sheet.views for mark in view.marks]
+    views = [(mark, view.origin, sheet.scale) for view in sheet.views for mark in view.marks]
     return [*views, *((mark, 0j, 1.0) for mark in sheet.marks)]
 
 
@@ -114,7 +114,7 @@ def test_every_mark_is_an_entity_in_its_place(name: str) -> None:
     for (mark, at, scale), entity in zip(marks, entities, strict=True):
 
         def there(place: complex, at: complex = at, scale: float = scale) -> complex:
-            return (at + scale * complex(place) - sheet.views[0].at) * paper
+            return (at + scale * complex(place) - sheet.views[0].origin) * paper
 
         check(mark, entity, there, scale * paper, paper)
 
@@ -160,7 +160,7 @@ def check(mark: Mark, entity: Any, there: Placed, size: float, paper: float) -> 
             halign={"left": 0, "centre": 1, "right": 2}[mark.across],
         )  # fmt: skip
         where = dxf.insert if mark.across == "left" else dxf.align_point
-        assert place(where) == pytest.approx(there(mark.at), abs=1e-9)
+        assert place(where) == pytest.approx(there(mark.place), abs=1e-9)
     elif isinstance(mark, Filled):
         assert (kind, dxf.layer) == ("SOLID", mark.layer)
         expected = [there(each) for each in mark.corners]
@@ -233,8 +233,8 @@ def test_tables_and_styles_are_those_of_the_sheet(name: str) -> None:
     assert (text.font, text.width) == ("DejaVuSans.ttf", NARROWED)
     style = drawing.dimstyles.get("CAMGEO").dxf
     expected = {
-        "dimtxt": LETTERS, "dimasz": ARROW, "dimexe": BEHIND, "dimexo": BEFORE, "dimgap": LIFTED,
-        "dimscale": paper, "dimlfac": 1.0,
+        "dimtxt": LETTERS, "dimasz": ARROW, "dimexe": EXTENSION_OVERSHOOT,
+        "dimexo": EXTENSION_GAP, "dimgap": LIFTED, "dimscale": paper, "dimlfac": 1.0,
     }  # fmt: skip
     require(style, **expected)
     for key, value in expected.items():
@@ -245,7 +245,7 @@ def test_tables_and_styles_are_those_of_the_sheet(name: str) -> None:
         "dimlwd": 25, "dimlwe": 25,
     }  # fmt: skip
     assert {key: style.get(key) for key in words} == words
-    low = -sheet.views[0].at * paper
+    low = -sheet.views[0].origin * paper
     high = low + complex(sheet.width, sheet.height) * paper
     for least, most in (("$EXTMIN", "$EXTMAX"), ("$LIMMIN", "$LIMMAX")):
         box = [place(drawing.header[least]), place(drawing.header[most])]
@@ -309,7 +309,7 @@ def test_dimensions_state_what_they_measure(name: str) -> None:
             (mark.measure / MM_PER[sheet.unit], length), rel=1e-12
         )
         assert isinstance(mark, Distance)
-        text = number_of(mark, sheet.unit).replace("%%c", "Ø")
+        text = dimension_text(mark, sheet.unit).replace("%%c", "Ø")
         assert printed(dimension) == (text.replace(".", ",") if sheet.comma else text)
         number = float(re.sub(r"[^0-9.].*$", "", text.lstrip("Ø(")))
         assert abs(number - length) <= 0.5 * 10.0**-mark.decimals
@@ -395,7 +395,7 @@ def test_curves_of_a_page_are_those_of_the_sheet() -> None:
     rim = next(each for each in disc.drawn.part.boundaries if each.name == "rim")
     radius = float(np.abs(rim.arcs(TOLERANCE, "fast").contour.vertices[0])) * sheet.scale
     found = np.array(re.findall(" ".join(["(-?[0-9]+)"] * 6) + " c", wide), dtype=np.float64)
-    control = (found[:, ::2] + 1j * found[:, 1::2]) * GRAIN - sheet.views[0].at
+    control = (found[:, ::2] + 1j * found[:, 1::2]) * GRAIN - sheet.views[0].origin
     on_rim = np.abs(np.abs(control[:, 2]) - radius) <= GRAIN
     assert np.count_nonzero(on_rim) == 8
     start = np.roll(control[on_rim, 2], 1)[1:]
@@ -459,12 +459,12 @@ def test_texts_are_where_they_were_placed_and_clear_of_all_dimensions(
 ) -> None:
     """By the lines and texts that ezdxf draws: nothing goes through what a dimension says."""
     disc = part(name, angle, language="de", sheet=paper)
-    (sheet,) = sheets_of(disc, TOLERANCE)
+    (sheet,) = build_sheets(disc, TOLERANCE)
     drawing = opened(WRITER.write(disc, TOLERANCE).data)
     marks = [(view, mark) for view in sheet.views for mark in view.marks
              if isinstance(mark, Distance | Diameter)]  # fmt: skip
-    rooms = [room(mark, sheet, view.at, sheet.scale) for view, mark in marks]
-    origin = sheet.views[0].at
+    rooms = [room(mark, sheet, view.origin, sheet.scale) for view, mark in marks]
+    origin = sheet.views[0].origin
     for own, dimension in zip(rooms, dimensions(drawing), strict=True):
         block = dimension.get_geometry_block()
         assert block is not None
@@ -647,7 +647,7 @@ def circle_of(ends: list[complex], along: list[complex]) -> tuple[complex, float
 @pytest.mark.parametrize("name", PAGED)
 def test_all_chains_of_the_sheet_are_on_the_page(name: str) -> None:
     """Each with its width: as many runs as chains at least, and each vertex, to half a grain."""
-    (sheet,) = sheets_of(product(name), TOLERANCE)
+    (sheet,) = build_sheets(product(name), TOLERANCE)
     lines, _ = svg_page(name)
     where = {width: Counter(each for ends, _ in runs for each in ends)
              for width, runs in lines.items()}  # fmt: skip
@@ -677,7 +677,7 @@ def test_all_chains_of_the_sheet_are_on_the_page(name: str) -> None:
 @pytest.mark.parametrize("name", PAGED)
 def test_letters_and_arrows_are_where_the_sheet_has_them(name: str) -> None:
     """A text begins, has its middle or ends at its place; what is filled has its own corners."""
-    (sheet,) = sheets_of(product(name), TOLERANCE)
+    (sheet,) = build_sheets(product(name), TOLERANCE)
     _, filled = svg_page(name)
     corners = [np.array(ends) for runs in filled for ends, _ in runs]
     firsts = np.array([ends[0] for runs in filled for ends, _ in runs])
@@ -689,7 +689,7 @@ def test_letters_and_arrows_are_where_the_sheet_has_them(name: str) -> None:
                 for each in corners
             )
         elif isinstance(mark, Label) and mark.text.strip():
-            place, size = (at + scale * mark.at) / GRAIN, mark.height / GRAIN
+            place, size = (at + scale * mark.place) / GRAIN, mark.height / GRAIN
             along = firsts - place
             low, high = {"left": (-0.5, 2.0), "centre": (-2.0, 2.0), "right": (-2.0, 0.5)}[
                 mark.across
@@ -704,7 +704,7 @@ def test_letters_and_arrows_are_where_the_sheet_has_them(name: str) -> None:
 @pytest.mark.parametrize("name", PAGED)
 def test_a_pdf_has_its_objects_where_its_table_says(name: str) -> None:
     data = pages(name)[1]
-    (sheet,) = sheets_of(product(name), TOLERANCE)
+    (sheet,) = build_sheets(product(name), TOLERANCE)
     assert PDF.write(product(name), TOLERANCE).data == data
     assert len(data) < 120_000
     assert b"Date" not in data

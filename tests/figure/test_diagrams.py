@@ -366,10 +366,10 @@ def test_joints_of_the_motion_have_both_sides() -> None:
 
 
 def test_lengths_are_in_the_unit_of_the_scene() -> None:
-    assert effects.shown_unit("mm", "inch") == ("inch", 1.0 / 25.4)
-    assert effects.shown_unit("mm/s^3", "inch") == ("inch/s³", 1.0 / 25.4)
-    assert effects.shown_unit("N/mm^2", "inch") == ("N/mm²", 1.0)
-    assert effects.shown_unit("N", "inch") == ("N", 1.0)
+    assert effects.display_unit("mm", "inch") == ("inch", 1.0 / 25.4)
+    assert effects.display_unit("mm/s^3", "inch") == ("inch/s³", 1.0 / 25.4)
+    assert effects.display_unit("N/mm^2", "inch") == ("N/mm²", 1.0)
+    assert effects.display_unit("N", "inch") == ("N", 1.0)
     [axes] = effects_drawn(StubProduct(unit="inch", columns=lambda: (LENGTH,))).axes
     line = max(axes.lines, key=lambda each: len(np.asarray(each.get_xdata())))
     assert np.max(np.asarray(line.get_ydata())) == pytest.approx(1.0 / 25.4)

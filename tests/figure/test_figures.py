@@ -98,7 +98,7 @@ def of_inspection() -> Figure:
     found = Deviations(places, 0.004 * np.sin(places.phi), Gap(0.3, 6.0))
     return deviations.inspection_figure(
         found,
-        LiftErrors.of(flank, found),
+        LiftErrors.from_deviations(flank, found),
         title="measured",
         unit=("mm", 1.0),
         lift_unit=("mm", 1.0),

@@ -55,7 +55,7 @@ def test_each_number_of_a_length_stands_in_the_list(scene: Path) -> None:
     assert all(0.0 < text.at[1] < first.frame[1] for text in listed)
     scale = (first.frame[2] - first.frame[0]) * figure.size[0] / (right - left)
     for one, other in itertools.combinations(numbers, 2):
-        assert math.dist(one.at, other.at) * scale >= 0.5 * mechanism.APART
+        assert math.dist(one.at, other.at) * scale >= 0.5 * mechanism.NUMBER_GAP
 
 
 def test_a_length_of_nothing_has_its_number_beside_it() -> None:

@@ -14,12 +14,12 @@ from camgeo.pictures.model import Figure, Line
 from camgeo.pictures.sweep import (
     COLOURS,
     column,
-    map_of,
+    map_figure,
     objectives,
     require,
 )
 from camgeo.studies.sweep.family import Sample, family_of
-from camgeo.studies.sweep.rows import Row
+from camgeo.studies.sweep.rows import DesignRow
 from camgeo.studies.sweep.sweep import Result
 from tests.sweep.families import SETZHUB, family
 
@@ -27,9 +27,9 @@ from tests.sweep.families import SETZHUB, family
 def found(vary: Sequence[str], answer: Any, sample: Sample | None = None) -> Result:
     """A result whose answers are made up: two numbers for each design."""
     designs = family_of(SETZHUB, vary, sample)
-    rows = [Row(point, answer(*point), ("mm", "")) for point in designs.points()]
+    rows = [DesignRow(point, answer(*point), ("mm", "")) for point in designs.points()]
     asked = tuple(SimpleNamespace(word=word) for word in ("diameter", "peak:mu"))
-    return cast(Result, SimpleNamespace(family=designs, rows=rows, asked=asked))
+    return cast(Result, SimpleNamespace(family=designs, rows=rows, questions=asked))
 
 
 def lines(figure: Figure) -> list[Line]:
@@ -42,7 +42,7 @@ def test_a_map_of_samples_has_a_point_for_each() -> None:
         lambda radius, arm: (float(radius + arm), None if radius > 55 else 1.0),
         Sample(32),
     )
-    first, second = map_of(result).rows
+    first, second = map_figure(result).rows
     for figure in (first, second):
         points = np.concatenate([line.points for line in lines(figure)])
         assert sorted(map(tuple, points)) == sorted(map(tuple, (row.point for row in result.rows)))

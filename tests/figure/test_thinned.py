@@ -30,7 +30,7 @@ def design(name: str) -> Design:
 
 
 def figures(of: Design) -> list[Figure]:
-    first = motion.of_drive(of.name, of.scene.unit, of.drive, of.scene.lift_unit)
+    first = motion.drive_figure(of.name, of.scene.unit, of.drive, of.scene.lift_unit)
     return [first, motion.curvature(of.disc), motion.transmission_angle(of.disc)]
 
 

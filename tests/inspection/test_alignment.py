@@ -15,9 +15,9 @@ from camgeo.studies.inspection import (
     Align,
     Alignment,
     Frame,
+    _alignment,
     _fit,
     _jacobian,
-    _result,
     _uncertainties,
 )
 from tests.inspection.flanks import KINDS, SCENES, every, flank_of, measured
@@ -36,11 +36,11 @@ def round_flank() -> ExactFlank:
 def test_exact_points_come_back_from_any_frame(name: str, side: Flank) -> None:
     flank = flank_of(name, side)
     places = every(flank, 90)
-    found = Alignment.of(flank, measured(places, 0.0, SHIFT, TURN), Align.FREE)
+    found = Alignment.from_points(flank, measured(places, 0.0, SHIFT, TURN), Align.FREE)
     assert abs(found.frame.shift - SHIFT) < 1e-9
     assert abs(found.frame.turn - TURN) < 1e-10
     assert np.max(np.abs(found.deviations)) < 1e-9
-    turned = Alignment.of(flank, measured(places, 0.0, 0j, -0.7), Align.ROTATION)
+    turned = Alignment.from_points(flank, measured(places, 0.0, 0j, -0.7), Align.ROTATION)
     assert turned.frame.shift == 0j
     assert abs(turned.frame.turn + 0.7) < 1e-10
     assert turned.shift_uncertainty is None
@@ -74,7 +74,7 @@ def test_shift_and_turn_are_known_as_stated() -> None:
     for _ in range(36):
         points = measured(places, rng.normal(0.0, 1e-3, 40), shift, turn)
         frame = _fit(flank, points, Align.FREE, Frame(shift, turn), 0.0, 1e-9)
-        found = _result(flank, points, Align.FREE, frame, 0.0)
+        found = _alignment(flank, points, Align.FREE, frame, 0.0)
         known, turn_known, _ = _uncertainties(found, flank.size)
         assert known is not None
         off = frame.shift - shift, frame.turn - turn
@@ -91,11 +91,11 @@ def test_a_round_cam_does_not_show_its_turn() -> None:
     flank = round_flank()
     rng = np.random.default_rng(4)
     points = measured(every(flank, 72), rng.normal(0.0, 1e-3, 72), 0.01 - 0.02j, 1.0)
-    found = Alignment.of(flank, points, Align.FREE)
+    found = Alignment.from_points(flank, points, Align.FREE)
     assert found.turn_uncertainty == math.inf
     assert found.other_turn is None
     assert abs(found.frame.shift - (0.01 - 0.02j)) < 1e-3
-    assert Alignment.of(flank, points, Align.ROTATION).turn_uncertainty == math.inf
+    assert Alignment.from_points(flank, points, Align.ROTATION).turn_uncertainty == math.inf
 
 
 def test_a_cam_that_repeats_itself_tells_its_other_turns() -> None:
@@ -107,7 +107,7 @@ def test_a_cam_that_repeats_itself_tells_its_other_turns() -> None:
     ]
     design = camgeo.Design(scene.with_values({"motion": lobe * 2}))
     flank = ExactFlank(design.cam.disc.outline(Flank.INNER).path, Flank.INNER)
-    found = Alignment.of(flank, measured(every(flank, 120), 0.0, 0j, 0.2), Align.ROTATION)
+    found = Alignment.from_points(flank, measured(every(flank, 120), 0.0, 0j, 0.2), Align.ROTATION)
     assert found.frame.turn == pytest.approx(0.2, abs=1e-9)
     assert found.other_turn == pytest.approx(0.2 - math.pi, abs=1e-9)
 
@@ -115,16 +115,16 @@ def test_a_cam_that_repeats_itself_tells_its_other_turns() -> None:
 def test_points_that_cannot_be_fitted_are_refused() -> None:
     flank = flank_of("plate_translating", Flank.INNER)
     with pytest.raises(GeometryError, match="needs 11 points or more, and there are 10"):
-        Alignment.of(flank, every(flank, 10).points, Align.FREE)
+        Alignment.from_points(flank, every(flank, 10).points, Align.FREE)
     alike = np.full(20, every(flank, 4).points[1])
     with pytest.raises(GeometryError):
-        Alignment.of(flank, alike, Align.FREE)
+        Alignment.from_points(flank, alike, Align.FREE)
 
 
 def test_the_centres_of_a_ball_fit_its_radius_off_the_flank() -> None:
     flank = flank_of("ring", Flank.OUTER)
     places = every(flank, 60)
-    found = Alignment.of(flank, measured(places, 1.5, SHIFT, 0.3), Align.FREE, 1.5)
+    found = Alignment.from_points(flank, measured(places, 1.5, SHIFT, 0.3), Align.FREE, 1.5)
     assert abs(found.frame.shift - SHIFT) < 1e-9
     assert np.max(np.abs(found.deviations)) < 1e-9
 
@@ -135,7 +135,7 @@ def test_no_error_of_form_sways_the_fit_farther() -> None:
     rng = np.random.default_rng(5)
     for waves in range(1, 6):
         form = 1e-3 * np.cos(waves * places.phi + rng.uniform(0.0, 6.0))
-        found = Alignment.of(flank, measured(places, form), Align.FREE)
+        found = Alignment.from_points(flank, measured(places, form), Align.FREE)
         size = float(np.sqrt(np.mean(form**2)))
         shift, turn = (size * each for each in found.sway)
         assert abs(found.frame.shift) < 1.001 * shift

@@ -14,8 +14,8 @@ from tests.inspection.flanks import AT, BUMP, KINDS, bump, every, flank_of, meas
 
 
 def by_datum(flank: ExactFlank, points: ComplexArray, align: Align = Align.DATUM) -> Deviations:
-    found = Alignment.of(flank, points, align)
-    return Deviations.of(flank, found.feet, found.deviations)
+    found = Alignment.from_points(flank, points, align)
+    return Deviations.from_feet(flank, found.feet, found.deviations)
 
 
 @pytest.mark.parametrize(("name", "side"), KINDS)
@@ -41,7 +41,7 @@ def test_eccentricity_shows_by_datum_and_as_a_shift_by_a_fit(name: str, side: Fl
     assert found.lowest.value == pytest.approx(-BUMP, abs=1e-5)
     for noise in (0.0, 1e-3):
         points = measured(places, rng.normal(0.0, noise, 240), shift)
-        free = Alignment.of(flank, points, Align.FREE)
+        free = Alignment.from_points(flank, points, Align.FREE)
         assert free.shift_uncertainty is not None
         off = free.frame.shift - shift
         # Twice the stated 95 % is exceeded one time in 10,000.

@@ -7,7 +7,7 @@ import pytest
 
 from camgeo.geometry.outline.exact_flank import Feet
 from camgeo.geometry.outline.path import Flank
-from camgeo.studies.inspection import false_share, off_radius, stated_normals
+from camgeo.studies.inspection import false_share, radius_angles, stated_normals
 from tests.inspection.flanks import KINDS, every, flank_of
 
 
@@ -30,7 +30,7 @@ def test_radial_normals_are_told_from_true_ones(name: str, side: Flank) -> None:
         radial = stated_normals(feet, turn, sign * turned * radii)
         assert radial.radial
         assert radial.into_material == (sign < 0.0)
-        assert radial.largest.value == pytest.approx(np.max(np.abs(off_radius(feet))))
+        assert radial.largest.value == pytest.approx(np.max(np.abs(radius_angles(feet))))
 
 
 def test_wrong_normals_are_not_radial_ones() -> None:
@@ -54,6 +54,6 @@ def test_the_feigned_deviation_is_that_of_a_ball(name: str, side: Flank) -> None
     centres = places.points + ball * places.normals
     radii = -side.sign * places.points / np.abs(places.points)
     seeming = flank.feet(centres - ball * radii).distances
-    share = false_share(off_radius(flank.feet(places.points)))
+    share = false_share(radius_angles(flank.feet(places.points)))
     assert np.max(np.abs(seeming - ball * share)) < 0.02 * ball
     assert np.max(share) > 0.01

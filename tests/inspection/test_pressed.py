@@ -19,7 +19,9 @@ def pressed(name: str, side: Flank, count: int, *, height: float) -> LiftErrors:
     places = every(flank, count)
     values = bump(places.phi) * height / BUMP
     clearance = disc_of(name).cam.clearance
-    return LiftErrors.of(flank, Deviations(places, values, Gap(0.0, 0.0)), clearance=clearance)
+    return LiftErrors.from_deviations(
+        flank, Deviations(places, values, Gap(0.0, 0.0)), clearance=clearance
+    )
 
 
 def in_mm(flank: ExactFlank, found: LiftErrors) -> FloatArray:
@@ -60,7 +62,7 @@ def test_a_roller_rides_on_peaks() -> None:
     reach = []
     for height in (0.01, -0.01):
         values = np.where(np.arange(3600) == 600, height, 0.0)
-        found = LiftErrors.of(flank, Deviations(places, values, Gap(0.0, 0.0)))
+        found = LiftErrors.from_deviations(flank, Deviations(places, values, Gap(0.0, 0.0)))
         reach.append(found.extremes.magnitude)
     assert reach[0] > 0.0099
     assert reach[1] < 0.001
@@ -74,7 +76,7 @@ def test_no_error_of_the_lift_is_beyond_its_extremes(name: str, side: Flank) -> 
     pitch, clearance = flank.curve.pitch, disc_of(name).cam.clearance
     actual = replay_contour(pitch, measured_contour(flank, found), side).lift
     exact = replay_outline(pitch, flank.path, clearance=clearance).lift
-    extremes = LiftErrors.of(flank, found, clearance=clearance).extremes
+    extremes = LiftErrors.from_deviations(flank, found, clearance=clearance).extremes
     dense = np.linspace(0.0, TURN, 180_001)[:-1]
     errors = actual.at(dense) - exact.at(dense)
     for end, sign in ((extremes.lowest, -1.0), (extremes.highest, 1.0)):

@@ -13,8 +13,8 @@ from camgeo.studies.inspection import (
     Alignment,
     Deviations,
     Frame,
+    _alignment,
     _fit,
-    _result,
     _uncertainties,
     standard_error,
     weights,
@@ -30,12 +30,12 @@ def test_five_micrometres_come_back_from_any_frame(name: str, side: Flank) -> No
     flank = flank_of(name, side)
     places = every(flank, 240)
     points = measured(places, bump(places.phi), SHIFT, TURN)
-    found = Alignment.of(flank, points, Align.FREE, robust=True)
-    high = Deviations.of(flank, found.feet, found.deviations).extremes.highest
+    found = Alignment.from_points(flank, points, Align.FREE, robust=True)
+    high = Deviations.from_feet(flank, found.feet, found.deviations).extremes.highest
     assert high.value == pytest.approx(BUMP, abs=1e-4)
     assert abs(high.place - AT) < np.radians(1.5)
     assert abs(found.frame.shift - SHIFT) < 1e-5
-    assert np.max(Alignment.of(flank, points, Align.FREE).deviations) < 0.96 * BUMP
+    assert np.max(Alignment.from_points(flank, points, Align.FREE).deviations) < 0.96 * BUMP
 
 
 def test_shift_and_turn_are_known_as_stated_despite_the_bump() -> None:
@@ -47,7 +47,7 @@ def test_shift_and_turn_are_known_as_stated_despite_the_bump() -> None:
     for _ in range(18):
         points = measured(places, 4.0 * bump(places.phi) + rng.normal(0.0, 1e-3, 60))
         frame = _fit(flank, points, Align.FREE, Frame(), 0.0, ROBUST, PATIENT, robust=True)
-        found = _result(flank, points, Align.FREE, frame, 0.0)
+        found = _alignment(flank, points, Align.FREE, frame, 0.0)
         known, turn_known, _ = _uncertainties(found, flank.size, robust=True)
         assert known is not None
         inside += [

@@ -15,7 +15,7 @@ from camgeo.app.designing.work import PAPER, SEEN, SHARE
 from camgeo.design.design import Design
 from camgeo.numeric.arrays import ComplexArray
 from camgeo.part.part import Boundary
-from camgeo.pictures.mechanism import CHORDS, animation, parts_of
+from camgeo.pictures.mechanism import CHORDS, animation, disc_parts
 from camgeo.units import TURN
 from tests.judges.programs_of_others import Refusal
 
@@ -137,7 +137,7 @@ def _curves(design: Design, frame: Frame) -> Iterator[tuple[str, ComplexArray, f
     cam = design.disc.cam
     chords = CHORDS * cam.follower.base_radius
     rounding = SHARE * frame.thinning + frame.writing
-    parts = parts_of(design.disc)
+    parts = disc_parts(design.disc)
     whole = {each.name: each for part in parts[:1] for layer in part.layers
              for each in layer.boundaries}  # fmt: skip
     for name, boundary in whole.items():

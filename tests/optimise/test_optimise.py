@@ -102,7 +102,7 @@ class Counted(Pool):
 
 
 def test_a_design_that_ends_its_process_is_beyond_all_limits() -> None:
-    judge = Judge.on(task_of(PLAIN, ["follower.base_radius=44:56"], least=["diameter"]))
+    judge = Judge.for_task(task_of(PLAIN, ["follower.base_radius=44:56"], least=["diameter"]))
     found = dead(judge, (50,), 2)
     assert isinstance(found, Verdict)
     assert found.violation == IMPOSSIBLE

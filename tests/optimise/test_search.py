@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from camgeo.numeric.arrays import FloatArray
-from camgeo.studies.optimise.optimise import Found, directions, optimise, task_of
+from camgeo.studies.optimise.optimise import OptimisationResult, directions, optimise, task_of
 from tests.findings import known
 from tests.optimise.cams import PLAIN, given
 
 A, B, C = "follower.base_radius", "follower.arm", "cam.speed"
 
 
-def found(*vary: str, goals: int = 1, evaluations: int = 2000, seed: int = 0) -> Found:
+def found(*vary: str, goals: int = 1, evaluations: int = 2000, seed: int = 0) -> OptimisationResult:
     least = ["diameter", "peak:s"][:goals]
     return optimise(task_of(PLAIN, vary, least=least), seed=seed, evaluations=evaluations)
 

@@ -65,7 +65,7 @@ def test_numbers_are_rounded_both_ways_in_all_combinations() -> None:
 )
 def test_where_the_scene_lies(vary: list[str], place: list[float] | None) -> None:
     family = family_of(SETZHUB, vary, Sample(1))
-    found = Space(family.variables).place_of(family.scene)
+    found = Space(family.variables).scene_place(family.scene)
     if place is None:
         assert found is None
     else:

@@ -21,10 +21,10 @@ def test_objectives_and_limits_are_named_as_findings_and_columns_are() -> None:
         ignore=["radius-ratio-inner"],
     )
     assert [str(limit) for limit in found.limits] == ["transmission-angle >= 42", "max:mu <= 80"]
-    assert [(goal.asked.word, goal.sense) for goal in found.goals] == [
+    assert [(goal.question.word, goal.sense) for goal in found.goals] == [
         ("diameter", "least"), ("peak:a", "least"), ("transmission-angle", "largest")]  # fmt: skip
     # What is asked twice is computed once.
-    assert [each.word for each in found.asked] == [
+    assert [each.word for each in found.questions] == [
         "diameter", "peak:a", "transmission-angle", "max:mu"]  # fmt: skip
     assert not found.matters("transmission-angle")
     assert not found.matters("radius-ratio-inner")

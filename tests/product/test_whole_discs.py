@@ -32,7 +32,7 @@ from camgeo.errors import UnsafeError
 from camgeo.milling import plan
 from camgeo.numeric.arrays import FloatArray
 from camgeo.part.mass import Solid, Web
-from camgeo.studies.sweep.rows import asked_of, read
+from camgeo.studies.sweep.rows import parse_questions, read
 from tests.contour.cams import SCENES
 from tests.findings import known
 from tests.part.parts import refused
@@ -157,7 +157,7 @@ def test_the_smallest_wall_is_the_smallest_distance() -> None:
     assert told["smallest-wall"].value == pytest.approx(1.5, abs=1e-9)
     assert "between outline and bolt hole 1" in told["smallest-wall"].sentence
     assert told["wall-ratio"].value == pytest.approx(17.5 / 60.0, abs=1e-9)
-    (asked,) = asked_of(loaded, ["smallest-wall"])
+    (asked,) = parse_questions(loaded, ["smallest-wall"])
     assert read(loaded, asked).value == told["smallest-wall"].value
 
 

@@ -11,7 +11,7 @@ from camgeo.part.compensation import Foot, PrintSpec, Shrinkage
 from camgeo.scene.formats.drawing import DrawingSpec
 from camgeo.scene.scene import Scene, load_scene, parse_scene, schema_of_all
 from camgeo.studies.optimise.optimise import Effort, optimise, task_of
-from camgeo.studies.sweep.family import Sample, family_of, questions_of
+from camgeo.studies.sweep.family import Sample, family_of, question_names
 from tests.contour.cams import SCENES
 from tests.optimise.cams import PLAIN
 from tests.scene.scenes import PLATE, refusal_of
@@ -165,8 +165,8 @@ def test_a_file_states_what_options_state() -> None:
     assert of_file.variables == of_options.variables
     assert list(of_file.points()) == list(of_options.points())
     assert of_file.scene == of_options.scene == SETZHUB
-    assert questions_of(scene) == ("transmission-angle", "peak:a")
-    assert questions_of(scene, ["mass,laws"]) == ("mass", "laws")
+    assert question_names(scene) == ("transmission-angle", "peak:a")
+    assert question_names(scene, ["mass,laws"]) == ("mass", "laws")
     assert family_of(scene, OPTIONS[:1]).count == 4
 
 
@@ -234,7 +234,7 @@ def test_an_option_replaces_what_the_file_states() -> None:
     found = task_of(
         searching(), VARY[:1], largest=["diameter"], keep=["peak:a<=9"], ignore=["limits"]
     )
-    assert [(each.asked.word, each.sense) for each in found.goals] == [("diameter", "largest")]
+    assert [(each.question.word, each.sense) for each in found.goals] == [("diameter", "largest")]
     assert [str(each) for each in found.limits] == ["peak:a <= 9"]
     assert found.ignored == {"limits"}
     assert found.family.keys == ("follower.base_radius",)

@@ -13,8 +13,8 @@ import shapely
 
 from camgeo.design.design import Design
 from camgeo.design.product import Product
-from camgeo.pictures.sheet.marks import Chain, Diameter, Distance, Label, Sheet, width_of
-from camgeo.pictures.sheet.sheet import sheets_of
+from camgeo.pictures.sheet.marks import Chain, Diameter, Distance, Label, Sheet, text_width
+from camgeo.pictures.sheet.sheet import build_sheets
 from camgeo.scene.scene import load_scene, parse_scene
 from camgeo.units import MM_PER
 
@@ -92,7 +92,7 @@ def products(name: str, sheet: str = "A3", language: str = "en") -> tuple[Produc
 @cache
 def sheets(name: str, sheet: str = "A3", language: str = "en") -> tuple[Sheet, ...]:
     """Their sheets."""
-    return tuple(sheets_of(each, TOLERANCE)[0] for each in products(name, sheet, language))
+    return tuple(build_sheets(each, TOLERANCE)[0] for each in products(name, sheet, language))
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,12 +122,12 @@ def text_of(mark: Distance | Diameter, sheet: Sheet) -> str:
 def room(mark: Label | Distance | Diameter, sheet: Sheet, at: complex, scale: float) -> Room:
     """Where the text of a mark stands whose origin is `at` [mm of paper]."""
     if isinstance(mark, Label):
-        wide = width_of(mark.text, mark.height) * mark.squeeze
+        wide = text_width(mark.text, mark.height) * mark.squeeze
         shift = {"left": 0.5, "centre": 0.0, "right": -0.5}[mark.across] * wide
-        middle = at + scale * mark.at + (shift + 0.5j * mark.height)
+        middle = at + scale * mark.place + (shift + 0.5j * mark.height)
         return Room(mark.text, middle, 1.0, 0.5 * wide, 0.5 * mark.height)
     text = text_of(mark, sheet)
-    wide = width_of(text, 3.5)
+    wide = text_width(text, 3.5)
     if isinstance(mark, Distance):
         along = cmath.rect(1.0, mark.angle)
         middle = 0.5 * (mark.first + mark.second)
@@ -146,7 +146,7 @@ def text_boxes(sheet: Sheet) -> list[Room]:
     kinds = (Label, Distance, Diameter)
     found = [room(mark, sheet, 0j, 1.0) for mark in sheet.marks if isinstance(mark, kinds)]
     for view in sheet.views:
-        found += [room(mark, sheet, view.at, sheet.scale) for mark in view.marks
+        found += [room(mark, sheet, view.origin, sheet.scale) for mark in view.marks
                   if isinstance(mark, kinds)]  # fmt: skip
     return found
 
@@ -167,7 +167,7 @@ def overlaps(texts: list[Room]) -> list[tuple[str, str]]:
 def crossed(texts: list[Room], sheet: Sheet, layers: tuple[str, ...]) -> list[tuple[str, str]]:
     """The texts that lines or arcs of a sheet's views are drawn across, with their layers."""
     drawn = [
-        (mark.layer, line_of(mark, view.at, sheet.scale))
+        (mark.layer, line_of(mark, view.origin, sheet.scale))
         for view in sheet.views
         for mark in view.marks
         if isinstance(mark, Chain) and mark.layer in layers

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import shapely
-from hypothesis import assume, given, settings
+from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 from shapely import LineString, Polygon
 from shapely.geometry.base import BaseGeometry
@@ -28,7 +28,7 @@ from camgeo.pictures.sheet.section import (
     Edge,
     Shape,
     bevelled,
-    corners_of,
+    chamfer_corners,
     edges_above,
     section,
 )
@@ -44,7 +44,7 @@ from tests.part.parts import FLANKS, circle, made_or_refused, specs
 
 
 def cut(*layers: Layer) -> list[Mark]:
-    return section(Shape.of(Part(layers), 0.01, "fast"))
+    return section(Shape.from_part(Part(layers), 0.01, "fast"))
 
 
 def area(marks: list[Mark]) -> float:
@@ -123,13 +123,13 @@ def test_hatching_fills_its_face_at_its_distance(corners: list[complex]) -> None
 
 
 @given(st.sampled_from(list(FLANKS)), specs())
-@settings(max_examples=15)
+@settings(max_examples=15, suppress_health_check=[HealthCheck.filter_too_much])
 def test_random_parts_are_cut_as_their_polygons_are(contact: Contact, spec: PartSpec) -> None:
     """Any layers: their material on the plane by polygons, and the edges below others."""
     part = made_or_refused(contact, spec)
     assume(part is not None)
     assert part is not None
-    shape = Shape.of(part, 0.01, "fast")
+    shape = Shape.from_part(part, 0.01, "fast")
     expected = 0.0
     for layer in part.layers:
         inside: BaseGeometry = Polygon()
@@ -152,7 +152,7 @@ PART = part_with(
 
 
 def drawn() -> tuple[Shape, list[Mark]]:
-    shape = Shape.of(PART, 0.01, "fast")
+    shape = Shape.from_part(PART, 0.01, "fast")
     return shape, bevelled(section(shape), shape)
 
 
@@ -176,7 +176,7 @@ def test_edges_of_the_section() -> None:
     seen = [set(each) for each in lines(marks, "EDGES")]
     assert {21.5 - 8j, 21.5 + 8j} in seen  # the edge between bore and chamfer, behind the plane
     ends = [end for each in cut for end in each]
-    for corner in corners_of(drawn()[0]):
+    for corner in chamfer_corners(drawn()[0]):
         assert not any(abs(end - corner.sharp) < 0.2 for end in ends)
 
 
@@ -185,7 +185,7 @@ def test_mitres_join_the_corners_of_a_keyway() -> None:
     wall = bore_boundary(20.0, Keyway(6.0, 2.8))
     part = Part((Layer(-10.0, 0.0, (OUTLINE, wall)),))
     part = part_with(part, Chamfers(bore=Chamfer(2.0, "upper")), 0.01)
-    chains = list(edges_above(Shape.of(part, 1e-3, "fast"), 1e-3, "fast"))
+    chains = list(edges_above(Shape.from_part(part, 1e-3, "fast"), 1e-3, "fast"))
     mitres = [each.vertices for each in chains if not each.closed]
     ends = {(complex(each[0]), complex(each[-1])) for each in mitres}
     edge = wall.inset(2.0, "edge").exact
@@ -287,10 +287,10 @@ def middles_of(chain: Chain) -> list[complex]:
 def test_the_lower_outline_is_dashed_where_the_upper_disc_lies_over_it(
     upper: str, above: str, below: str
 ) -> None:
-    shape = Shape.of(pair_with(upper).drawn.part, TOLERANCE, "fast")
+    shape = Shape.from_part(pair_with(upper).drawn.part, TOLERANCE, "fast")
     over, under = (edge_of(shape, name) for name in (above, below))
-    assert [each.layer for each in shape.chains_of(over)] == ["OUTLINE"]
-    chains = shape.chains_of(under)
+    assert [each.layer for each in shape.edge_chains(over)] == ["OUTLINE"]
+    chains = shape.edge_chains(under)
     layers = [each.layer for each in chains]
     assert set(layers) == {"OUTLINE", "HIDDEN"}
     assert all(one != other for one, other in zip(layers, [*layers[1:], layers[0]], strict=True))
@@ -313,8 +313,8 @@ def test_the_lower_outline_is_dashed_where_the_upper_disc_lies_over_it(
 
 
 def test_hub_and_spacer_are_hidden_as_a_whole() -> None:
-    shape = Shape.of(pair_with().drawn.part, TOLERANCE, "fast")
+    shape = Shape.from_part(pair_with().drawn.part, TOLERANCE, "fast")
     for name in ("spacer", "lower hub"):
-        (chain,) = shape.chains_of(edge_of(shape, name))
+        (chain,) = shape.edge_chains(edge_of(shape, name))
         assert chain.closed
         assert chain.layer == "HIDDEN"

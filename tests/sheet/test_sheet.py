@@ -41,13 +41,13 @@ from camgeo.pictures.sheet.marks import (
     View,
     across,
     boxes,
+    dimension_text,
     dots,
     line,
-    number_of,
-    width_of,
+    text_width,
 )
 from camgeo.pictures.sheet.section import placed
-from camgeo.pictures.sheet.sheet import scale_of, scales, sheets_of, spelled
+from camgeo.pictures.sheet.sheet import build_sheets, parse_scale, scales, spelled
 from camgeo.pictures.sheet.texts import LEFT, MARGIN, TABLE, wrapped
 from camgeo.scene.scene import load_scene, parse_scene
 from camgeo.units import LengthUnit
@@ -89,7 +89,7 @@ WALLS = ("OUTLINE", "SECTION", "EDGES")
 
 def _paper(view: View, sheet: Sheet, points: ComplexArray) -> ComplexArray:
     """Points of a view on the sheet."""
-    return np.asarray(view.at + points * sheet.scale, np.complex128)
+    return np.asarray(view.origin + points * sheet.scale, np.complex128)
 
 
 def points_of(sheet: Sheet) -> ComplexArray:
@@ -164,7 +164,7 @@ def test_what_no_layer_has_is_a_note() -> None:
     """Of all files only the sheet has the hole of a set screw."""
     screw = "set_screw = { diameter = 4, height = 6, angle = 45 }\nhub ="
     scene = parse_scene(HUBBED.replace("hub =", screw)).with_values(edited({}))
-    (sheet,) = sheets_of(Design(scene).disc, TOLERANCE)
+    (sheet,) = build_sheets(Design(scene).disc, TOLERANCE)
     texts = " ".join(mark.text for mark in sheet.marks if isinstance(mark, Label))
     assert "Hole %%c4 for a set screw, radial through the hub at 45°, its middle 6 from" in texts
 
@@ -174,7 +174,7 @@ def test_counterbores_are_dimensioned_and_noted() -> None:
 counterbore = { diameter = 7.5, depth = 4.25 } }
 hub ="""
     scene = parse_scene(HUBBED.replace("hub =", bolts.replace("\n", " ", 1)))
-    (sheet,) = sheets_of(Design(scene.with_values(edited(FULL))).disc, TOLERANCE)
+    (sheet,) = build_sheets(Design(scene.with_values(edited(FULL))).disc, TOLERANCE)
     assert overlaps(text_boxes(sheet)) == []
     found = [text_of(each, sheet) for each in sheet.dimensions]
     assert {"4x %%c4", "4x %%c7.5"} <= set(found)
@@ -187,7 +187,7 @@ def test_the_example_of_the_page_is_a_table() -> None:
     page = (FIXTURES.parent / "docs" / "drawing.md").read_text("utf-8")
     table = tomllib.loads(page.partition("```toml\n")[2].partition("```")[0])["drawing"]
     assert table.keys() >= FULL.keys()
-    sheets_of(Design(parse_scene(HUBBED).with_values(edited(table))).disc, TOLERANCE)
+    build_sheets(Design(parse_scene(HUBBED).with_values(edited(table))).disc, TOLERANCE)
 
 
 def test_every_word_is_used_and_has_the_same_places_in_both_languages() -> None:
@@ -201,7 +201,7 @@ def test_every_word_is_used_and_has_the_same_places_in_both_languages() -> None:
 def test_nothing_is_invented() -> None:
     """A scene without [drawing] has empty fields, and no tolerance or symbol."""
     design = Design(parse_scene(HUBBED).with_values({"output.fit": "fast"}))
-    (sheet,) = sheets_of(design.disc, TOLERANCE)
+    (sheet,) = build_sheets(design.disc, TOLERANCE)
     texts = " ".join(
         mark.text for mark in (*sheet.marks, *sheet.views[0].marks) if isinstance(mark, Label)
     )
@@ -211,7 +211,7 @@ def test_nothing_is_invented() -> None:
 
 def test_a_part_without_thickness_has_one_view() -> None:
     text = HUBBED.partition("[part]")[0] + "[part]\nbore = 16\n"
-    (sheet,) = sheets_of(Design(parse_scene(text)).disc, TOLERANCE)
+    (sheet,) = build_sheets(Design(parse_scene(text)).disc, TOLERANCE)
     assert len(sheet.views) == 1
     assert [each.measure for each in sheet.dimensions if isinstance(each, Diameter)] == [16.0]
 
@@ -220,7 +220,7 @@ def test_what_does_not_fit_is_refused_with_its_key() -> None:
     design = Design(parse_scene(HUBBED).with_values(edited({"scale": "10:1"})))
     message = r'drawing\.scale = "10:1": does not fit .*: at most "1:1" does'
     with pytest.raises(SceneError, match=message):
-        sheets_of(design.disc, TOLERANCE)
+        build_sheets(design.disc, TOLERANCE)
 
 
 def test_only_a_sheet_with_brackets_explains_them() -> None:
@@ -265,7 +265,7 @@ FEW = [
 
 def unreadable(name: str, angle: float, size: str) -> list[tuple[str, str]]:
     """Texts of a part's sheets that are drawn across others, or that edges are drawn across."""
-    (sheet,) = sheets_of(part(name, angle, sheet=size), TOLERANCE)
+    (sheet,) = build_sheets(part(name, angle, sheet=size), TOLERANCE)
     texts = text_boxes(sheet)
     return [*overlaps(texts), *crossed(texts, sheet, EDGES)]
 
@@ -283,7 +283,7 @@ def test_texts_that_stand_where_they_would_first_are_found(
     def first(options: Options, ink: Ink, scale: float, unit: LengthUnit) -> tuple[Mark, ...]:
         return next((tuple(marks) for _, marks in iter(options)), ())
 
-    monkeypatch.setattr(marks, "chosen", first)
+    monkeypatch.setattr(marks, "cheapest_marks", first)
     found = unreadable("hub and bolts", 255, "A3")
     assert any(layer == "OUTLINE" for _, layer in found)
     assert any(layer in ("DIMENSION", "SYMBOL") for _, layer in found)
@@ -291,7 +291,7 @@ def test_texts_that_stand_where_they_would_first_are_found(
 
 def test_surfaces_that_differ_are_announced_in_brackets() -> None:
     for flank, there in (("Ra 0.8", True), (None, False)):
-        (sheet,) = sheets_of(part("plain", 0, flank_surface=flank), TOLERANCE)
+        (sheet,) = build_sheets(part("plain", 0, flank_surface=flank), TOLERANCE)
         texts = [each.text for each in sheet.marks if isinstance(each, Label)]
         assert ("(" in texts) == there
         assert "Ra 3.2" in texts
@@ -315,16 +315,16 @@ def kept_sheets() -> Iterator[tuple[str, Sequence[Sheet]]]:
     """
     keys = edited(dict(FULL))
     full = load_scene(FIXTURES / "scenes" / "hub_and_holes.toml").with_values(keys)
-    yield "hub and holes", sheets_of(Design(full).disc, TOLERANCE)
+    yield "hub and holes", build_sheets(Design(full).disc, TOLERANCE)
     keys = edited({**FULL, "sheet": "A4", "language": "de", "step": 5})
     inch = load_scene(FIXTURES / "scenes" / "inch.toml").with_values(keys)
-    yield "inches on A4 in German", sheets_of(Design(inch).disc, TOLERANCE)
+    yield "inches on A4 in German", build_sheets(Design(inch).disc, TOLERANCE)
     chamfered = parse_scene(CHAMFERED).with_values(edited({"step": 0, "motion": False}))
-    yield "chamfers and a flat", sheets_of(Design(chamfered).disc, TOLERANCE)
+    yield "chamfers and a flat", build_sheets(Design(chamfered).disc, TOLERANCE)
     scene = camgeo.load(FIXTURES / "pairs" / "conjugate_pair.toml").scene
     pair = Design(scene.with_values(edited({"material": "C45"}))).disc.pair
     assert pair is not None
-    yield "a pair in one piece", sheets_of(pair, TOLERANCE)
+    yield "a pair in one piece", build_sheets(pair, TOLERANCE)
 
 
 def lines_of(marks: Sequence[Mark]) -> Iterator[str]:
@@ -359,7 +359,7 @@ def test_sheets_are_as_kept() -> None:
                     "\n".join(lines_of(sheet.marks)),
                 )
                 for view in sheet.views:
-                    yield f"view at {kept.marks(view.at)}", "\n".join(lines_of(view.marks))
+                    yield f"view at {kept.marks(view.origin)}", "\n".join(lines_of(view.marks))
 
     kept.compare("sheet/sheets.txt", parts())
 
@@ -374,16 +374,16 @@ def test_widths_are_those_of_the_font(text: str) -> None:
     capital = TextPath((0, 0), "H", size=100.0, prop=font).get_extents().height
     wide = TextPath((0, 0), f"|{text}|", size=100.0, prop=font).get_extents().width
     bars = TextPath((0, 0), "||", size=100.0, prop=font).get_extents().width
-    assert width_of(text, 1.0) == pytest.approx(NARROWED * (wide - bars) / capital, rel=0.03)
+    assert text_width(text, 1.0) == pytest.approx(NARROWED * (wide - bars) / capital, rel=0.03)
 
 
 def test_long_texts_are_narrowed_or_wrapped() -> None:
     text = "a text that is much too long for its field"
-    assert width_of(text, 2.5) * Label(text, 0j, width=20.0).squeeze == pytest.approx(20.0)
+    assert text_width(text, 2.5) * Label(text, 0j, width=20.0).squeeze == pytest.approx(20.0)
     assert Label("short", 0j, width=20.0).squeeze == Label(text, 0j).squeeze == 1.0
     lines = wrapped(text, 2.5, 30.0)
     assert " ".join(lines) == text
-    assert all(width_of(each, 2.5) <= 30.0 for each in lines)
+    assert all(text_width(each, 2.5) <= 30.0 for each in lines)
 
 
 def test_scales_are_those_of_the_standard() -> None:
@@ -392,8 +392,8 @@ def test_scales_are_those_of_the_standard() -> None:
     assert list(found) == sorted(found, reverse=True)
     stated = ["50:1", "20:1", "10:1", "5:1", "2:1", "1:1", "1:2", "1:5", "1:10", "1:20", "1:50"]
     assert [spelled(each) for each in found[:11]] == stated
-    assert all(scale_of(spelled(each)) == each for each in found)
-    assert scale_of("1:2") == Fraction(1, 2)
+    assert all(parse_scale(spelled(each)) == each for each in found)
+    assert parse_scale("1:2") == Fraction(1, 2)
 
 
 BOX = boxes([(10 + 0j, 1.0 + 0j, 6.0, 2.0)])
@@ -434,7 +434,7 @@ def test_numbers_have_no_zeros_at_their_end(
     size: float, unit: str, decimals: int, text: str
 ) -> None:
     mark = Distance(0j, size + 0j, 0j, prefix="%%c", suffix=" H7", decimals=decimals)
-    assert number_of(mark, "inch" if unit == "inch" else "mm") == f"%%c{text} H7"
+    assert dimension_text(mark, "inch" if unit == "inch" else "mm") == f"%%c{text} H7"
 
 
 def with_marks(sheet: Sheet, *marks: Chain | Distance) -> Sheet:
@@ -467,7 +467,7 @@ def test_two_texts_in_one_place_are_told() -> None:
 
 def test_outlines_that_are_dots_are_told_with_their_place() -> None:
     """A dot of 2 mm at radius 25 and 30 degrees, at 1 : 5."""
-    (sheet,) = sheets_of(part("hub and bolts", 30, sheet="A3", scale="1:5"), TOLERANCE)
+    (sheet,) = build_sheets(part("hub and bolts", 30, sheet="A3", scale="1:5"), TOLERANCE)
     ((width, at),) = dots(sheet)
     assert width == pytest.approx(0.4, abs=0.01)
     assert at == pytest.approx(25.0 * (0.75**0.5 + 0.5j), abs=0.01)

@@ -17,7 +17,7 @@ from typing import Final
 from camgeo.studies.sweep import rows
 from camgeo.studies.sweep import sweep as running
 from camgeo.studies.sweep.family import Family
-from camgeo.studies.sweep.rows import Asked, Work
+from camgeo.studies.sweep.rows import Question, Work
 from tests.sweep.families import LAWS, family
 from tests.sweep.logged import Logged
 
@@ -48,9 +48,9 @@ def main() -> None:
     pool = where.isdecimal()
     chosen = rows.engine_of("pool" if pool else "cluster", int(where) if pool else where)
 
-    def logged(found: Family, asked: Iterable[Asked]) -> Logged:
-        work = Work.of(found, asked)
-        return Logged(work.text, work.contents, work.keys, work.asked, work.versions, log)
+    def logged(found: Family, asked: Iterable[Question]) -> Logged:
+        work = Work.for_family(found, asked)
+        return Logged(work.text, work.contents, work.keys, work.questions, work.versions, log)
 
     def say(words: str) -> None:
         done = int(words.split()[0].replace(",", ""))
@@ -59,7 +59,7 @@ def main() -> None:
         sys.stdout.flush()
         sys.stdin.readline()
 
-    vars(running)["Work"] = SimpleNamespace(of=logged)
+    vars(running)["Work"] = SimpleNamespace(for_family=logged)
     found = killed_family(count)
     running.sweep(found, ASK, store=store, existing="resume", engine=chosen, progress=say).close()
 

@@ -27,7 +27,7 @@ from pathlib import Path
 from typing import IO, Final, Literal
 
 from camgeo.design.design import Design
-from camgeo.studies.sweep.rows import AHEAD, Work, asked_of, rows_of
+from camgeo.studies.sweep.rows import AHEAD, Work, compute_rows, parse_questions
 from camgeo.studies.sweep.sweep import sweep
 from tests.findings import known
 from tests.seeds import add_seed, moment
@@ -173,7 +173,9 @@ def _require_whole(store: Path, count: int, *, done: int) -> None:
 def require_rows_of_the_loop(store: Path, count: int) -> None:
     """Fault if a row is missing, or differs in one bit from that which the loop computes."""
     found = killed_family(count)
-    expected = rows_of(Work.of(found, asked_of(Design(found.scene), ASK)), found.points())
+    expected = compute_rows(
+        Work.for_family(found, parse_questions(Design(found.scene), ASK)), found.points()
+    )
     with closing(sweep(found, ASK, store=store, existing="resume")) as result:
         if result.computed:
             raise Fault(f"{result.computed} rows are missing")

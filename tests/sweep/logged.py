@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from camgeo.studies.sweep.family import Point, mark
-from camgeo.studies.sweep.rows import Chunks, Row, Work
+from camgeo.studies.sweep.rows import Chunks, DesignRow, Work
 
 if TYPE_CHECKING:
     from camgeo.lazy import Ledger
@@ -27,7 +27,7 @@ class Logged(Work):
 
     log: str = ""
 
-    def rows(self, points: Sequence[Point], ledger: Ledger | None = None) -> list[Row]:
+    def rows(self, points: Sequence[Point], ledger: Ledger | None = None) -> list[DesignRow]:
         """See `Work.rows`."""
         with Path(self.log).open("ab", buffering=0) as file:  # lines of processes do not mix
             file.write("".join(f"{mark(point)}\n" for point in points).encode())
@@ -47,9 +47,11 @@ class Deadly(Work):
 
     @classmethod
     def made_of(cls, plain: Work, mark: Path) -> Deadly:
-        return cls(plain.text, plain.contents, plain.keys, plain.asked, plain.versions, str(mark))
+        return cls(
+            plain.text, plain.contents, plain.keys, plain.questions, plain.versions, str(mark)
+        )
 
-    def rows(self, points: Sequence[Point], ledger: Ledger | None = None) -> list[Row]:
+    def rows(self, points: Sequence[Point], ledger: Ledger | None = None) -> list[DesignRow]:
         """See `Work.rows`."""
         mark = Path(self.mark)
         first = not mark.exists()
@@ -59,7 +61,7 @@ class Deadly(Work):
         return super().rows(points, ledger)
 
 
-def by_point(chunks: Chunks) -> dict[Point, Row]:
+def by_point(chunks: Chunks) -> dict[Point, DesignRow]:
     """All rows, each point once."""
     found = [row for chunk in chunks for row in chunk]
     rows = {row.point: row for row in found}

@@ -18,7 +18,7 @@ from camgeo.errors import CamgeoError, GeometryError, VersionError
 from camgeo.studies.sweep import cluster
 from camgeo.studies.sweep import rows as engine
 from camgeo.studies.sweep.cluster import Cluster
-from camgeo.studies.sweep.rows import Loop, rows_of
+from camgeo.studies.sweep.rows import Loop, compute_rows
 from camgeo.studies.sweep.sweep import sweep
 from tests.sweep.driver import NEVER
 from tests.sweep.families import FIXTURES, family
@@ -100,7 +100,7 @@ def test_what_the_scheduler_forgets_is_handed_out_again(
     with closing(processes.client()) as client:
         client.run_on_scheduler(forget, client.id)
     rows += [row for chunk in chunks for row in chunk]
-    assert sorted(rows, key=lambda row: row.point) == list(rows_of(work, found.points()))
+    assert sorted(rows, key=lambda row: row.point) == list(compute_rows(work, found.points()))
 
 
 def become(version: str) -> None:
@@ -131,7 +131,7 @@ def test_a_store_that_a_cluster_began_is_resumed(processes: Processes, tmp_path:
     chosen = Cluster(processes.address)
     with closing(sweep(whole, ASK, store=store, existing="resume", engine=chosen)) as result:
         assert result.computed == 12
-        assert tuple(result.rows) == rows_of(work_on(whole, *ASK), whole.points())
+        assert tuple(result.rows) == compute_rows(work_on(whole, *ASK), whole.points())
 
 
 # Bad addresses ------------------------------------------------------------------------------------
@@ -241,4 +241,4 @@ def test_a_restarted_scheduler_loses_nothing(
     chosen = Cluster(processes.address)
     with closing(sweep(found, ASK, engine=chosen, progress=restart)) as result:
         assert len(told) > 1
-        assert tuple(result.rows) == rows_of(work_on(found, *ASK), found.points())
+        assert tuple(result.rows) == compute_rows(work_on(found, *ASK), found.points())

@@ -22,7 +22,7 @@ def test_all_combinations_the_last_variable_fastest() -> None:
         (50, "modified-sine"),
         (50, "polynomial-345"),
     ]
-    scene = found.scene_of((50, "modified-sine"))
+    scene = found.design_scene((50, "modified-sine"))
     assert scene == SETZHUB.with_values(
         {"follower.base_radius": 50, "motion[2].law": "modified-sine"}
     )
@@ -35,7 +35,7 @@ def test_tied_keys_change_together() -> None:
         {"motion[1].dwell": 100, "motion[5].dwell": 70},
         {"motion[1].dwell": 90, "motion[5].dwell": 80},
     ]
-    assert all(found.scene_of(point).plan for point in found.points())
+    assert all(found.design_scene(point).plan for point in found.points())
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -116,4 +116,4 @@ def test_files_that_designs_name_are_read_once() -> None:
     found = family(f"motion.{index}.file={own},points_speed.csv,none.csv", scene=scene)
     assert {own} <= set(found.contents()) <= {own, "points_speed.csv"}
     with pytest.raises(SceneError):
-        found.scene_of(("none.csv",))
+        found.design_scene(("none.csv",))

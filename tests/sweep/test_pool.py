@@ -22,7 +22,15 @@ from camgeo.errors import GeometryError, UnknownNameError
 from camgeo.lazy import Ledger
 from camgeo.studies.sweep.family import Point
 from camgeo.studies.sweep.pool import DEADLY, THREADS, Pool
-from camgeo.studies.sweep.rows import ENGINES, Loop, Row, Work, asked_of, engine_of, rows_of
+from camgeo.studies.sweep.rows import (
+    ENGINES,
+    DesignRow,
+    Loop,
+    Work,
+    compute_rows,
+    engine_of,
+    parse_questions,
+)
 from camgeo.studies.sweep.sweep import Heading, Store, sweep
 from tests.sweep.driver import ASK, killed_family
 from tests.sweep.families import FIXTURES, family
@@ -76,17 +84,17 @@ def test_the_rows_of_the_loop_whatever_dies(
 class Telling(Work):
     """Work whose rows tell how the process is set up."""
 
-    def rows(self, points: Sequence[Point], ledger: Ledger | None = None) -> list[Row]:
+    def rows(self, points: Sequence[Point], ledger: Ledger | None = None) -> list[DesignRow]:
         threads = ",".join(os.environ.get(name, "") for name in THREADS)
         ignored = signal.getsignal(signal.SIGINT) is signal.SIG_IGN
         told = threads, str(ignored), float(os.getpid())
-        return [Row(point, told, ("", "", "")) for point in points]
+        return [DesignRow(point, told, ("", "", "")) for point in points]
 
 
 def test_a_worker_has_one_thread_and_leaves_ctrl_c_to_the_driver() -> None:
     before = dict(os.environ)
     plain = work_on(family(), "laws")
-    work = Telling(plain.text, (), plain.keys, plain.asked, plain.versions)
+    work = Telling(plain.text, (), plain.keys, plain.questions, plain.versions)
     chunks = Pool(1).rows(work, family().points())
     (row,) = next(chunks)
     chunks.close()  # ends what was handed out
@@ -143,9 +151,9 @@ def test_a_row_that_differs_in_a_bit_is_seen(tmp_path: Path) -> None:
     sweep(killed_family(count), ASK, store=store).close()
     require_rows_of_the_loop(store, count)
     found = killed_family(count)
-    work = Work.of(found, asked_of(Design(found.scene), ASK))
-    with closing(Store(store, Heading.of(found, work), "replace")) as kept:
-        rows = rows_of(work, found.points())
+    work = Work.for_family(found, parse_questions(Design(found.scene), ASK))
+    with closing(Store(store, Heading.for_family(found, work), "replace")) as kept:
+        rows = compute_rows(work, found.points())
         beyond = (
             (math.nextafter(float(value or 0.0), 90.0) for value in row.values) for row in rows
         )

@@ -20,12 +20,12 @@ from camgeo.lazy import Ledger
 from camgeo.scene.scene import load_scene
 from camgeo.studies.sweep.rows import (
     BY_GROUP,
-    Asked,
-    Reading,
+    DesignReading,
+    Question,
     Work,
-    asked_of,
+    all_findings,
     hyphened,
-    judged,
+    parse_questions,
     read,
 )
 from tests.findings import known
@@ -52,8 +52,8 @@ def designed(path: Path) -> Design:
     return Design(load_scene(path))
 
 
-def answer(design: Design, word: str) -> Reading:
-    (asked,) = asked_of(design, [word])
+def answer(design: Design, word: str) -> DesignReading:
+    (asked,) = parse_questions(design, [word])
     return read(design, asked)
 
 
@@ -65,7 +65,7 @@ def test_findings_are_those_of_a_check(path: Path) -> None:
         first.setdefault(hyphened(finding.name), (finding.value, finding.unit))
     fresh = Design(design.scene)
     for name, (value, unit) in first.items():
-        assert answer(fresh, name) == Reading(value if value is None else value + 0.0, unit)
+        assert answer(fresh, name) == DesignReading(value if value is None else value + 0.0, unit)
     others = {name for names in BY_GROUP.values() for name in names}
     others -= {*first, *BY_GROUP["part"], *BY_GROUP["verdict"], *BY_GROUP["machining"]}
     for name in others:  # names of others have no value here, and are no failure
@@ -93,14 +93,14 @@ def test_the_part_is_that_of_a_check() -> None:
 
 def test_a_pair_in_one_piece_is_judged_as_by_a_check() -> None:
     design = Design(load_scene(FIXTURES / "pairs" / "conjugate_pair.toml"))
-    assert judged(design) == [*check(Design(design.scene), machining=False).everything]
+    assert all_findings(design) == [*check(Design(design.scene), machining=False).everything]
 
 
 @pytest.mark.parametrize("name", ["scenes/conjugate_lever", "milling/steel_plate_cam"])
 def test_the_machining_time_is_that_of_all_programs_of_a_check(name: str) -> None:
     design = Design(load_scene(FIXTURES / f"{name}.toml"))
     seconds = known(check(design).machining).seconds
-    assert answer(Design(design.scene), "machining-time") == Reading(seconds, "s")
+    assert answer(Design(design.scene), "machining-time") == DesignReading(seconds, "s")
 
 
 def test_a_machining_time_that_is_not_known() -> None:
@@ -158,7 +158,7 @@ def test_effects_answer_findings_and_columns() -> None:
 def computed(*ask: str, point: tuple[object, ...] = (50, "modified-sine")) -> set[str]:
     """What one design of a family computes to answer."""
     found = family()
-    work = Work.of(found, asked_of(Design(found.scene), ask))
+    work = Work.for_family(found, parse_questions(Design(found.scene), ask))
     ledger = Ledger()
     (row,) = work.rows([point], ledger)  # type: ignore[list-item]  # values of a point
     assert not row.reason
@@ -178,7 +178,7 @@ def test_only_what_is_asked_is_computed() -> None:
     lever = family(
         "follower.base_radius=20,21", scene=load_scene(FIXTURES / "effects" / "lever.toml")
     )
-    work = Work.of(lever, asked_of(Design(lever.scene), ["peak:spring-force"]))
+    work = Work.for_family(lever, parse_questions(Design(lever.scene), ["peak:spring-force"]))
     ledger = Ledger()
     work.rows([next(lever.points())], ledger)
     names = {run.name for run in ledger.runs if run.name.startswith("effects.")}
@@ -187,9 +187,11 @@ def test_only_what_is_asked_is_computed() -> None:
 
 def test_each_quantity_is_computed_once_for_all_questions() -> None:
     found = family()
-    asked = asked_of(Design(found.scene), ["transmission-angle", "min:mu", "diameter", "verdict"])
+    asked = parse_questions(
+        Design(found.scene), ["transmission-angle", "min:mu", "diameter", "verdict"]
+    )
     ledger = Ledger()
-    Work.of(found, asked).rows([(50, "modified-sine")], ledger)
+    Work.for_family(found, asked).rows([(50, "modified-sine")], ledger)
     names = [run.name for run in ledger.runs if run.name != "distances from outline"]
     assert len(names) == len(set(names))
 
@@ -212,29 +214,31 @@ def test_what_has_no_single_value_is_refused(
     words: list[str], error: type[CamgeoError], message: str
 ) -> None:
     with pytest.raises(error, match=re.escape(message)):
-        asked_of(Design(SETZHUB), words)
+        parse_questions(Design(SETZHUB), words)
 
 
 def test_the_same_word_is_asked_once() -> None:
-    words = [each.word for each in asked_of(Design(SETZHUB), ["peak:mu", "peak: mu"])]
+    words = [each.word for each in parse_questions(Design(SETZHUB), ["peak:mu", "peak: mu"])]
     assert words == ["peak:mu"]
 
 
 def test_an_error_of_camgeo_is_a_reason_too(monkeypatch: pytest.MonkeyPatch) -> None:
     from camgeo.studies.sweep import rows
 
-    def broken(_: Design, __: Asked) -> Reading:
+    def broken(_: Design, __: Question) -> DesignReading:
         raise ZeroDivisionError("of the test")
 
     monkeypatch.setitem(rows.ANSWERS, "angle", broken)
     found = answer(Design(SETZHUB), "transmission-angle")
-    assert found == Reading(None, "", "internal error: ZeroDivisionError: of the test")
+    assert found == DesignReading(None, "", "internal error: ZeroDivisionError: of the test")
 
 
 def test_no_disc_is_a_reason() -> None:
     """The linkage is beyond its dead centre: there is no transmission angle, and why."""
     found = family("motion.2.to=58.5,900")
-    work = Work.of(found, asked_of(Design(found.scene), ["transmission-angle", "diameter"]))
+    work = Work.for_family(
+        found, parse_questions(Design(found.scene), ["transmission-angle", "diameter"])
+    )
     good, bad = work.rows([*found.points()])
     assert not good.reason
     assert bad.values == (None, None)

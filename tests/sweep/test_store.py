@@ -16,12 +16,12 @@ from camgeo.design.design import Design
 from camgeo.errors import CamgeoError, FileError, OutputError
 from camgeo.studies.sweep import sweep as local
 from camgeo.studies.sweep.family import Family, Point
-from camgeo.studies.sweep.rows import Chunks, Row, Work, asked_of, rows_of
+from camgeo.studies.sweep.rows import Chunks, DesignRow, Work, compute_rows, parse_questions
 from camgeo.studies.sweep.sweep import (
     Heading,
     Result,
     Store,
-    kind_of,
+    file_system_kind,
     mounted,
     progress_words,
     sweep,
@@ -47,7 +47,7 @@ class Counting:
             if len(self.points) >= self.most:
                 raise self.error
             self.points += chunk
-            yield rows_of(work, chunk)
+            yield compute_rows(work, chunk)
 
     def held(self) -> AbstractContextManager[None]:
         return nullcontext()
@@ -57,13 +57,15 @@ def run(path: Path | None, engine: Counting | None = None, **given: object) -> R
     return sweep(family(), ASK, store=path, engine=engine or Counting(), **given)  # type: ignore[arg-type]  # options of it
 
 
-def rows(result: Result) -> list[Row]:
+def rows(result: Result) -> list[DesignRow]:
     with closing(result):
         return list(result.rows)
 
 
 def heading(found: Family, *ask: str) -> Heading:
-    return Heading.of(found, Work.of(found, asked_of(Design(found.scene), ask or ASK)))
+    return Heading.for_family(
+        found, Work.for_family(found, parse_questions(Design(found.scene), ask or ASK))
+    )
 
 
 def whole(path: Path, count: int) -> None:
@@ -163,7 +165,7 @@ def test_a_store_of_another_version_is_refused(tmp_path: Path, name: str) -> Non
     here = heading(family())
     work = replace(here.work, versions=replace(here.work.versions, **{name: "0.1"}))
     with closing(Store(path, replace(here, work=work))) as store:
-        store.add(rows_of(here.work, [(45, "modified-sine")]))
+        store.add(compute_rows(here.work, [(45, "modified-sine")]))
         store.settle()
     require_refused_then_made_anew(path, "another version of .*: 0.1 in place of")
 
@@ -308,7 +310,7 @@ def test_a_second_writer_is_refused(tmp_path: Path) -> None:
         for existing in ("resume", "replace"):
             with pytest.raises(OutputError, match="another process writes it"):
                 run(path, existing=existing)
-        first.add(rows_of(first.heading.work, [(45, "modified-sine")]))
+        first.add(compute_rows(first.heading.work, [(45, "modified-sine")]))
     engine = Counting()
     run(path, engine, existing="resume").close()
     assert len(engine.points) == 7
@@ -318,10 +320,10 @@ def test_a_full_disk_loses_nothing(tmp_path: Path) -> None:
     path = tmp_path / "runs.sqlite"
     with closing(Store(path, heading(family()))) as store:
         work = store.heading.work
-        store.add(rows_of(work, [(45, "modified-sine")]))
+        store.add(compute_rows(work, [(45, "modified-sine")]))
         pages = store._open.execute("PRAGMA page_count").fetchone()[0]
         store._open.execute(f"PRAGMA max_page_count={pages}")
-        many = [Row((float(k), "x" * 500), (1.0, 2.0), ("", "")) for k in range(100)]
+        many = [DesignRow((float(k), "x" * 500), (1.0, 2.0), ("", "")) for k in range(100)]
         with pytest.raises(OutputError, match=r"the disk is full; the rows finished before are"):
             store.add(many)
     whole(path, 1)
@@ -352,7 +354,7 @@ def test_the_innermost_mount_counts() -> None:
     assert mounted(lines, Path("/net/a b/c")) == "tmpfs"
     assert mounted(lines, Path("/network")) == "ext4"
     assert mounted([], Path("/x")) == ""
-    assert isinstance(kind_of(Path("/")), str)
+    assert isinstance(file_system_kind(Path("/")), str)
 
 
 # How far it is ------------------------------------------------------------------------------------

@@ -11,7 +11,7 @@ import pytest
 from camgeo.errors import CamgeoError
 from camgeo.studies.sweep import cluster
 from camgeo.studies.sweep.cluster import Cluster
-from camgeo.studies.sweep.rows import rows_of
+from camgeo.studies.sweep.rows import compute_rows
 from tests.sweep.families import FIXTURES, family
 from tests.sweep.processes import AT_ONCE, Processes
 from tests.sweep.test_rows import work_on
@@ -61,7 +61,7 @@ def test_the_rows_of_the_loop_come_through_tls(processes: Processes) -> None:
         rows = [
             row for chunk in Cluster(processes.address).rows(work, found.points()) for row in chunk
         ]
-    assert sorted(rows, key=lambda row: row.point) == list(rows_of(work, found.points()))
+    assert sorted(rows, key=lambda row: row.point) == list(compute_rows(work, found.points()))
     assert set(processes.listening()) == {"127.0.0.1"}
 
 

@@ -28,14 +28,14 @@ from camgeo.scene.values import Value
 from camgeo.studies.sweep.family import Family, Point
 from camgeo.studies.sweep.rows import (
     TOGETHER,
-    Reading,
-    Row,
+    DesignReading,
+    DesignRow,
     Work,
     alike_designs,
-    asked_of,
+    compute_rows,
+    parse_questions,
     read,
-    read_each,
-    rows_of,
+    read_together,
 )
 from tests.strategies import attack
 from tests.sweep.families import FIXTURES, LAWS, family
@@ -99,7 +99,7 @@ def check_alike(scene: Scene, *keys: str) -> None:
         own = own[1:]  # parallels at several distances are not one curve
     if "linkage" in scene.values:
         own += ("max:psi",) if first.cam.lift_unit == "rad" else ("max:s",)
-    for asked in asked_of(first, (*ASKED, *own)):
+    for asked in parse_questions(first, (*ASKED, *own)):
         designs = varied(scene, *keys)
         assert len({alike_designs(design) for design in designs}) == 1
         together = TOGETHER[asked.group](designs, asked)
@@ -125,7 +125,7 @@ def test_all_numbers(name: str) -> None:
 
 
 @cache
-def mixed() -> tuple[Work, dict[Point, Row]]:
+def mixed() -> tuple[Work, dict[Point, DesignRow]]:
     """Designs of two contacts and laws, some of them impossible, behind linkages of which one does
     not close, and crank and coupler are either the longer one: work, and rows alone.
     """
@@ -143,7 +143,7 @@ def test_mates_do_not_matter(data: st.DataObject) -> None:
     """Any designs in any order, again and again, among them such as have no answer."""
     work, alone = mixed()
     points = data.draw(st.lists(st.sampled_from([*alone]), min_size=2, max_size=20))
-    assert repr(rows_of(work, points)) == repr(tuple(alone[point] for point in points))
+    assert repr(compute_rows(work, points)) == repr(tuple(alone[point] for point in points))
 
 
 @pytest.mark.parametrize("place", range(5))
@@ -158,12 +158,12 @@ def test_a_design_without_an_answer_leaves_the_others_theirs(
         return speed(curve, relative)
 
     found = family("follower.base_radius=50:54:5")
-    (asked,) = asked_of(Design(found.scene), ["min:mu"])
+    (asked,) = parse_questions(Design(found.scene), ["min:mu"])
     points = list(found.points())
-    whole = [read(Design(found.scene_of(point)), asked) for point in points]
+    whole = [read(Design(found.design_scene(point)), asked) for point in points]
     monkeypatch.setattr(PitchCurve, "speed", standing)
-    together = read_each([Design(found.scene_of(point)) for point in points], asked)
-    assert together[place] == Reading(None, "", "the roller centre stands still")
+    together = read_together([Design(found.design_scene(point)) for point in points], asked)
+    assert together[place] == DesignReading(None, "", "the roller centre stands still")
     assert together[:place] + together[place + 1 :] == whole[:place] + whole[place + 1 :]
 
 
@@ -203,10 +203,10 @@ def test_designs_of_one_motion_share_its_plan() -> None:
     plans: dict[Value, list[MotionPlan]] = {}
     for point in found.points():
         try:
-            scene = work.scene_of(point)
+            scene = work.design_scene(point)
         except SceneError:
             continue
-        own = found.scene_of(point)
+        own = found.design_scene(point)
         assert scene == own
         assert scene.to_toml() == own.to_toml()
         plans.setdefault(point[1], []).append(scene.plan)
@@ -220,7 +220,7 @@ def test_families_of_any_size() -> None:
     found: Family = family("follower.base_radius=45:60:67")
     work = work_on(found, "transmission-angle")
     points = list(found.points())
-    rows = rows_of(work, points)
+    rows = compute_rows(work, points)
     assert [row.point for row in rows] == points
     for place in (0, 63, 64, 66):
         assert [rows[place]] == work.rows([points[place]])

@@ -15,7 +15,7 @@ from camgeo.studies.sweep.family import Listed, Range, Variable, parse
 
 def rows(text: str) -> list[tuple[object, ...]]:
     values = parse(text).values
-    return [values.at(place) for place in range(values.count)]
+    return [values.row(place) for place in range(values.count)]
 
 
 def test_ranges_have_both_ends_and_exact_numbers_between_them() -> None:
@@ -37,9 +37,9 @@ def test_numbers_of_a_range_are_rounded_once(start: Decimal, stop: Decimal, coun
     values = Range(start, stop, count)
     for place in (0, 1, count // 2, count - 1):
         exact = Fraction(start) + (Fraction(stop) - Fraction(start)) * place / (count - 1)
-        assert values.at(place) == (float(exact),)
-    assert values.at(0) == (float(start),)
-    assert values.at(count - 1) == (float(stop),)
+        assert values.row(place) == (float(exact),)
+    assert values.row(0) == (float(start),)
+    assert values.row(count - 1) == (float(stop),)
 
 
 def test_lists_have_numbers_words_and_truth_values() -> None:
@@ -63,10 +63,10 @@ def test_tied_keys_take_one_value_or_one_each() -> None:
 
 @given(st.floats(0.0, 1.0, exclude_max=True))
 def test_samples_stay_within_their_range(share: float) -> None:
-    (number,) = Range(Decimal(30), Decimal(60), None).share(share)
+    (number,) = Range(Decimal(30), Decimal(60), None).row_at_share(share)
     assert isinstance(number, int | float)
     assert 30 <= number <= 60
-    assert Listed((("x",), ("y",), ("z",))).share(share) in (("x",), ("y",), ("z",))
+    assert Listed((("x",), ("y",), ("z",))).row_at_share(share) in (("x",), ("y",), ("z",))
 
 
 @pytest.mark.parametrize(

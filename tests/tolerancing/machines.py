@@ -10,8 +10,14 @@ import numpy as np
 from camgeo.design.design import Design
 from camgeo.geometry.outline.path import Flank
 from camgeo.scene.scene import Scene, load_scene
-from camgeo.studies.tolerancing.linear import Linear, replayed
-from camgeo.studies.tolerancing.stated import Deviations, Machine, Sensitivities, Stated, Unit
+from camgeo.studies.tolerancing.linear import Linear, replay_machines
+from camgeo.studies.tolerancing.stated import (
+    Deviations,
+    Machine,
+    Sensitivities,
+    StatedTolerances,
+    Unit,
+)
 
 FIXTURES = Path(__file__).parents[2] / "fixtures"
 
@@ -60,7 +66,7 @@ def round_cam(kind: str, contact: dict[str, str] | None = None, **tables: Any) -
 def errors(nominal: Sensitivities, unit: Unit, *sizes: float) -> np.ndarray[Any, Any]:
     """(machines, angles) of the position, of machines that deviate by `sizes` of a dimension."""
     deviations = Deviations(len(sizes), {unit.freedom: np.array(sizes) * unit.factor})
-    return np.asarray(replayed(nominal, deviations).position[0] - nominal.positions[0])
+    return np.asarray(replay_machines(nominal, deviations).position[0] - nominal.positions[0])
 
 
 def turned(place: complex, nominal: Sensitivities) -> np.ndarray[Any, Any]:
@@ -70,7 +76,7 @@ def turned(place: complex, nominal: Sensitivities) -> np.ndarray[Any, Any]:
 
 def linear_of(scene: Scene) -> Linear:
     """Its linear analysis."""
-    return Linear(Stated.of(Design(scene)))
+    return Linear(StatedTolerances.from_design(Design(scene)))
 
 
 def lifter(

@@ -10,8 +10,8 @@ from camgeo.design.design import Design
 from camgeo.dynamics.effects.results import CONTACT_FORCE
 from camgeo.geometry.outline.path import Flank
 from camgeo.scene.scene import load_scene
-from camgeo.studies.tolerancing.linear import contact_forces, replayed
-from camgeo.studies.tolerancing.stated import Deviations, dimensions_of
+from camgeo.studies.tolerancing.linear import contact_forces, replay_machines
+from camgeo.studies.tolerancing.stated import Deviations, machine_dimensions
 from tests.answers.documents import document
 from tests.findings import known
 from tests.tolerancing.machines import ANGLES, LEVER, sensitivities
@@ -35,10 +35,10 @@ def test_a_disc_that_runs_ahead_has_the_same_forces_earlier() -> None:
     design, turned = Design(load_scene(LEVER)), 1e-3
     nominal = sensitivities(design.scene)
     found = known(contact_forces(design, Flank.INNER, ANGLES))
-    unit = dimensions_of(nominal.machine)["mounting.angle"].unit
-    machines = replayed(nominal, Deviations(1, {unit.freedom: np.full(1, turned + 0j)}))
+    unit = machine_dimensions(nominal.machine)["mounting.angle"].unit
+    machines = replay_machines(nominal, Deviations(1, {unit.freedom: np.full(1, turned + 0j)}))
     off = machines.follower - nominal.lifts[:3, np.newaxis]
-    (normal,) = found.of(off, machines.leverage)
+    (normal,) = found.machine_forces(off, machines.leverage)
     exact = design.effects.result(CONTACT_FORCE).normal(ANGLES + turned, "right")
     change = float(np.max(np.abs(exact - found.nominal)))
     assert float(np.max(np.abs(normal - exact))) <= 0.1 * change

@@ -10,8 +10,8 @@ import pytest
 
 from camgeo.kinematics.mechanism.linkages import SliderCrank
 from camgeo.numeric.arrays import ComplexArray
-from camgeo.studies.tolerancing.linear import replayed
-from camgeo.studies.tolerancing.stated import Deviations, Freedom, Sensitivities, dimensions_of
+from camgeo.studies.tolerancing.linear import replay_machines
+from camgeo.studies.tolerancing.stated import Deviations, Freedom, Sensitivities, machine_dimensions
 from tests.tolerancing.machines import errors, fixture
 
 SIZE = 0.4
@@ -23,7 +23,7 @@ TURNED = 0.01
 
 def together(nominal: Sensitivities, *keys: str) -> Deviations:
     """One machine with `SIZE` of each dimension."""
-    known = dimensions_of(nominal.machine)
+    known = machine_dimensions(nominal.machine)
     values: dict[Freedom, ComplexArray] = {}
     for key in keys:
         unit = known[key].unit
@@ -44,16 +44,16 @@ def test_a_machine_that_is_displaced_as_a_whole_does_not_err(
     name: str, keys: tuple[str, ...]
 ) -> None:
     nominal = fixture(name)
-    found = replayed(nominal, together(nominal, *keys)).position[0, 0]
+    found = replay_machines(nominal, together(nominal, *keys)).position[0, 0]
     np.testing.assert_allclose(found, nominal.positions[0], rtol=0, atol=1e-12)
-    part = replayed(nominal, together(nominal, *keys[1:])).position[0, 0]
+    part = replay_machines(nominal, together(nominal, *keys[1:])).position[0, 0]
     assert np.max(np.abs(part - nominal.positions[0])) > 1e-4
 
 
 @pytest.mark.parametrize("name", ["setzhub", "tappet", "plate_translating", "crank_slider"])
 def test_a_disc_that_runs_ahead_makes_the_motion_earlier(name: str) -> None:
     nominal = fixture(name)
-    unit = dimensions_of(nominal.machine)["mounting.angle"].unit
+    unit = machine_dimensions(nominal.machine)["mounting.angle"].unit
     plan = nominal.machine.cam.drive.plan
     expected = plan.jet(nominal.phi + TURNED)[0] - nominal.positions[0]
     (found,) = errors(nominal, unit, TURNED)
@@ -64,7 +64,7 @@ def test_a_disc_that_runs_ahead_makes_the_motion_earlier(name: str) -> None:
 def test_a_guide_that_is_turned_meets_the_cam_later_or_earlier(name: str) -> None:
     """Turned as the cam turns, it meets each place of it that much later."""
     nominal = fixture(name)
-    unit = dimensions_of(nominal.machine)["follower.guide_angle"].unit
+    unit = machine_dimensions(nominal.machine)["follower.guide_angle"].unit
     cam = nominal.machine.cam
     expected = cam.drive.plan.jet(nominal.phi - cam.rotation * TURNED)[0] - nominal.positions[0]
     (found,) = errors(nominal, unit, TURNED)
@@ -85,7 +85,7 @@ def test_a_slider_crank_of_another_size(key: str) -> None:
     crank = longer if key == "crank" else linkage.crank
     deflection = math.acos(linkage.guide_height / crank)
     other = replace(linkage, deflection=deflection, **{key: longer})
-    (found,) = errors(nominal, dimensions_of(nominal.machine)[f"linkage.{key}"].unit, SIZE)
+    (found,) = errors(nominal, machine_dimensions(nominal.machine)[f"linkage.{key}"].unit, SIZE)
     place, _ = linkage.pin(nominal.positions[0] + found)
     stroke = linkage.stroke_direction * (place - other.start_position)
     expected = linkage.crank_angle(nominal.positions[0])

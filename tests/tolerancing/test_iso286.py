@@ -9,7 +9,7 @@ from itertools import pairwise
 import pytest
 
 from camgeo.errors import GeometryError
-from camgeo.studies.tolerancing.stated import HOLES, SHAFTS, limits_of
+from camgeo.studies.tolerancing.stated import HOLES, SHAFTS, class_limits
 
 SIZES = (3, 6, 10, 18, 30, 50, 80, 120, 180, 250, 315, 400, 500)
 
@@ -113,13 +113,13 @@ FORMULA_ABOVE = {"a": 0, "b": 0, "c": 40, "s": 50, "t": 50, "u": 50}
 
 @pytest.mark.parametrize(("name", "size"), PUBLISHED)
 def test_published_limits(name: str, size: float) -> None:
-    found = limits_of(name, size)
+    found = class_limits(name, size)
     assert [1000.0 * each for each in found] == pytest.approx(PUBLISHED[name, size], abs=1e-9)
 
 
 @pytest.mark.parametrize("name", UPPER)
 def test_published_upper_deviations(name: str) -> None:
-    found = [1000.0 * limits_of(name, size)[1] for size in FINE_SIZES]
+    found = [1000.0 * class_limits(name, size)[1] for size in FINE_SIZES]
     assert found == pytest.approx(UPPER[name], abs=1e-9)
 
 
@@ -131,7 +131,7 @@ def test_standard_tolerances_follow_their_formula() -> None:
     for low, high in pairwise(SIZES):
         mean = math.sqrt(low * high)
         i = 0.45 * mean ** (1.0 / 3.0) + 0.001 * mean
-        widths = {grade: -1000.0 * limits_of(f"h{grade}", high)[0] for grade in range(1, 17)}
+        widths = {grade: -1000.0 * class_limits(f"h{grade}", high)[0] for grade in range(1, 17)}
         for grade, units in UNITS.items():
             assert widths[grade] == pytest.approx(units * i, rel=0.1, abs=0.6)
         assert widths[1] == pytest.approx(0.8 + 0.02 * mean, rel=0.2)
@@ -144,12 +144,12 @@ def test_fundamental_deviations_follow_their_formulas() -> None:
     for low, high in pairwise(SIZES):
         mean = math.sqrt(low * high)
         for letter, (factor, power) in powers.items():
-            found = 1000.0 * limits_of(f"{letter}6", high)[1]
+            found = 1000.0 * class_limits(f"{letter}6", high)[1]
             assert found == pytest.approx(factor * mean**power, rel=0.06, abs=0.6)
-        widths = {grade: 1000.0 * -limits_of(f"h{grade}", high)[0] for grade in (6, 7)}
-        assert 1000.0 * limits_of("n6", high)[0] == pytest.approx(5.0 * mean**0.34, rel=0.06)
-        assert 1000.0 * limits_of("m6", high)[0] == pytest.approx(widths[7] - widths[6])
-        assert 0.0 <= 1000.0 * limits_of("p6", high)[0] - widths[7] <= 5.0 + 1e-9
+        widths = {grade: 1000.0 * -class_limits(f"h{grade}", high)[0] for grade in (6, 7)}
+        assert 1000.0 * class_limits("n6", high)[0] == pytest.approx(5.0 * mean**0.34, rel=0.06)
+        assert 1000.0 * class_limits("m6", high)[0] == pytest.approx(widths[7] - widths[6])
+        assert 0.0 <= 1000.0 * class_limits("p6", high)[0] - widths[7] <= 5.0 + 1e-9
 
 
 def test_deviations_in_fine_ranges_follow_their_formulas() -> None:
@@ -158,21 +158,21 @@ def test_deviations_in_fine_ranges_follow_their_formulas() -> None:
     """
     for low, high in pairwise(FINE_SIZES):
         mean = math.sqrt(low * high)
-        it7 = -1000.0 * limits_of("h7", high)[0]
+        it7 = -1000.0 * class_limits("h7", high)[0]
         for letter, formula in FORMULAS.items():
             side = 1 if letter in "abc" else 0
             if low >= FORMULA_ABOVE[letter]:
-                found = 1000.0 * limits_of(f"{letter}6", high)[side]
+                found = 1000.0 * class_limits(f"{letter}6", high)[side]
                 assert found == pytest.approx(formula(mean, it7), rel=0.05)
-        p, r, s = (1000.0 * limits_of(f"{letter}6", high)[0] for letter in "prs")
+        p, r, s = (1000.0 * class_limits(f"{letter}6", high)[0] for letter in "prs")
         assert r == pytest.approx(math.sqrt(p * s), abs=2.0)
 
 
 @pytest.mark.parametrize("letter", ["a", "b", "c", "d", "e", "f", "g", "h"])
 def test_holes_are_shafts_reversed(letter: str) -> None:
     for size in SIZES:
-        low, high = limits_of(f"{letter}8", size)
-        assert limits_of(f"{letter.upper()}8", size) == pytest.approx((-high, -low))
+        low, high = class_limits(f"{letter}8", size)
+        assert class_limits(f"{letter.upper()}8", size) == pytest.approx((-high, -low))
 
 
 @pytest.mark.parametrize("letter", ["k", "m", "n", "p", "r", "s", "t", "u"])
@@ -191,7 +191,7 @@ def test_a_hole_fits_the_finer_shaft_h_as_the_hole_h_fits_its_shaft(letter: str)
 
 
 def clearances(hole: str, shaft: str, size: float) -> tuple[float, float]:
-    (low, high), (least, most) = limits_of(hole, size), limits_of(shaft, size)
+    (low, high), (least, most) = class_limits(hole, size), class_limits(shaft, size)
     return low - most, high - least
 
 
@@ -202,10 +202,10 @@ def test_each_class_is_as_wide_as_its_grade() -> None:
         for grade in range(1, 17):
             for size in FINE_SIZES:
                 try:
-                    low, high = limits_of(f"{letter}{grade}", float(size))
+                    low, high = class_limits(f"{letter}{grade}", float(size))
                 except GeometryError:
                     continue
-                least, zero = limits_of(f"h{grade}", float(size))
+                least, zero = class_limits(f"h{grade}", float(size))
                 assert high - low == pytest.approx(zero - least)
                 assert "-0.0" not in (str(low), str(high))
                 count += 1
@@ -230,4 +230,4 @@ def test_each_class_is_as_wide_as_its_grade() -> None:
 )
 def test_classes_that_are_not_known(name: str, size: float, said: str) -> None:
     with pytest.raises(GeometryError, match=said):
-        limits_of(name, size)
+        class_limits(name, size)

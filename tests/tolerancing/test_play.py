@@ -19,8 +19,13 @@ from camgeo.app.answers.tolerance import tolerance
 from camgeo.design.design import Design
 from camgeo.kinematics.mechanism.follower import Follower
 from camgeo.scene.scene import Scene, load_scene
-from camgeo.studies.tolerancing.linear import Play, deviations_of
-from camgeo.studies.tolerancing.stated import Deviations, Stated, dimensions_of, machines_of
+from camgeo.studies.tolerancing.linear import Play, machine_deviations
+from camgeo.studies.tolerancing.stated import (
+    Deviations,
+    StatedTolerances,
+    machine_dimensions,
+    side_machines,
+)
 from tests.findings import known
 from tests.tolerancing.machines import FIXTURES, LEVER
 
@@ -50,13 +55,13 @@ def toleranced(scene: Scene, **table: object) -> Scene:
     """With a tolerance of every dimension, unless the table says otherwise."""
     dimensions = [
         {"key": key, "plus_minus": 0.002 if each.is_angle else 0.01}
-        for key, each in dimensions_of(*machines_of(Design(scene))).items()
+        for key, each in machine_dimensions(*side_machines(Design(scene))).items()
     ]
     return scene.with_values({"tolerance": {"dimension": dimensions, **table}})
 
 
 def play_of(scene: Scene, angles: Array = ANGLES) -> Play:
-    return Play(Stated.of(Design(scene)), angles)
+    return Play(StatedTolerances.from_design(Design(scene)), angles)
 
 
 # By distances -------------------------------------------------------------------------------------
@@ -199,7 +204,7 @@ class Model:
 @pytest.mark.parametrize("name", SCENES)
 def test_play_is_that_of_distances_between_rollers_or_faces_and_discs(name: str) -> None:
     scene = toleranced(scene_of(name))
-    dimensions = dimensions_of(*machines_of(Design(scene)))
+    dimensions = machine_dimensions(*side_machines(Design(scene)))
     keys = [key for key in dimensions if not key.endswith("base_radius") and "linkage" not in key]
     rng = np.random.default_rng(40)
     play = play_of(scene)
@@ -208,11 +213,11 @@ def test_play_is_that_of_distances_between_rollers_or_faces_and_discs(name: str)
             key: rng.uniform(-1.0, 1.0) * (0.0005 if dimensions[key].is_angle else 0.05)
             for key in keys
         }
-        deviations = deviations_of(
+        deviations = machine_deviations(
             tuple(each for each in play.stated.sources if each.name in by),
             [np.array([[by[each.name]]]) for each in play.stated.sources if each.name in by],
         )
-        found = (play.at_rest + play.errors(deviations))[0]
+        found = (play.nominal_values + play.errors(deviations))[0]
         model = Model(scene, by)
         expected = [model.play(float(phi)) for phi in ANGLES]
         lift_scale = play.stated.machine.cam.follower.lift_scale

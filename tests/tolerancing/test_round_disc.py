@@ -16,8 +16,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from camgeo.kinematics.mechanism.declared.registry import FOLLOWERS as KINDS
-from camgeo.studies.tolerancing.linear import replayed
-from camgeo.studies.tolerancing.stated import Deviations, Freedom, Way, dimensions_of
+from camgeo.studies.tolerancing.linear import replay_machines
+from camgeo.studies.tolerancing.stated import Deviations, Freedom, Way, machine_dimensions
 from tests.long_form import examples
 from tests.tolerancing.machines import FOLLOWERS, ROUND, errors, round_cam, turned
 
@@ -81,7 +81,7 @@ def test_the_exact_motion(kind: str, size: float, phase: float, grown: float) ->
         Freedom(Way.SEAT): np.array([place]),
         Freedom(Way.GROWTH): np.array([complex(grown)]),
     }
-    found = replayed(nominal, Deviations(1, values)).position[0, 0]
+    found = replay_machines(nominal, Deviations(1, values)).position[0, 0]
     middle = turned(place, nominal)
     expected = sign * (position(FOLLOWERS[kind], middle, ROUND + grown) - rest)
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-12)
@@ -91,7 +91,7 @@ def test_a_larger_roller_on_an_outer_flank_lies_farther_inward() -> None:
     """Inside a round hole, by its excess along the normal."""
     kind, size = "translating-roller", 0.3
     nominal = round_cam(kind, {"contact": "outer"}, part={"rim": 160, "thickness": 8})
-    unit = dimensions_of(nominal.machine)["follower.roller_radius"].unit
+    unit = machine_dimensions(nominal.machine)["follower.roller_radius"].unit
     here, there = (
         on_guide(FOLLOWERS[kind], np.zeros(1, complex), ROUND - less) for less in (0.0, size)
     )
@@ -102,6 +102,6 @@ def test_a_larger_roller_on_an_outer_flank_lies_farther_inward() -> None:
 def test_a_shaft_that_is_displaced_is_a_bore_that_does_not_turn() -> None:
     """Of a face: the height of the cam axis along the guide, at every cam angle."""
     nominal = round_cam("translating-flat")
-    known = dimensions_of(nominal.machine)
+    known = machine_dimensions(nominal.machine)
     (found,) = errors(nominal, known["shaft.y"].unit, 0.25)
     np.testing.assert_allclose(found, 0.25 * np.sin(np.radians(70)), rtol=0, atol=1e-14)

@@ -9,7 +9,7 @@ import pytest
 
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.scene.scene import load_scene
-from camgeo.studies.tolerancing.linear import ANGLES, Sampled, deviations_of, replayed
+from camgeo.studies.tolerancing.linear import ANGLES, Sampled, machine_deviations, replay_machines
 from camgeo.studies.tolerancing.stated import SHAPES, Deviations, Distribution, Shape, Source
 from tests.tolerancing.machines import FIXTURES, LEVER, lifter, linear_of
 
@@ -34,7 +34,7 @@ def test_what_is_not_linear_falls_with_the_square(name: str) -> None:
 
     def left(scale: float) -> float:
         some = [scale * each for each in numbers]
-        found = replayed(linear.nominal, deviations_of(sources, some)).position[0]
+        found = replay_machines(linear.nominal, machine_deviations(sources, some)).position[0]
         expected = sum(
             rows.T @ sensitivities
             for rows, sensitivities in zip(some, linear.sensitivities, strict=True)
@@ -47,7 +47,7 @@ def test_what_is_not_linear_falls_with_the_square(name: str) -> None:
 def test_small_tolerances_have_the_linear_mean_and_spread() -> None:
     """At all cam angles within two standard errors of as many independent machines."""
     linear, count = linear_of(load_scene(LEVER)), 256
-    found = Sampled.of(linear, count, seed=3)
+    found = Sampled.draw(linear, count, seed=3)
     apart = np.mean(found.errors, axis=0) - linear.mean
     assert np.max(np.abs(apart) / linear.sigma) <= 2.0 / math.sqrt(count)
     ratio = np.std(found.errors, axis=0) / linear.sigma
@@ -59,15 +59,15 @@ def test_the_yield_of_one_dimension(shape: Shape) -> None:
     """The face is off by minus the deviation of its radius: the share within a limit is known."""
     limit, plus_minus = 0.02, 0.03
     dimension = {"key": "follower.base_radius", "plus_minus": plus_minus, "distribution": shape}
-    found = Sampled.of(lifter(dimension, limit=limit), 1024)
+    found = Sampled.draw(lifter(dimension, limit=limit), 1024)
     share = limit / plus_minus
     known = {
         "normal": math.erf(3.0 * share / math.sqrt(2.0)),
         "uniform": share,
         "triangular": 1.0 - (1.0 - share) ** 2,
     }
-    assert found.kept == pytest.approx(known[shape], abs=2.0 / 1024)
-    assert found.kept_error == pytest.approx(
+    assert found.share_in_limit == pytest.approx(known[shape], abs=2.0 / 1024)
+    assert found.share_error == pytest.approx(
         math.sqrt(known[shape] * (1.0 - known[shape]) / 1024), rel=0.15
     )
     assert np.max(found.accelerations) <= 1e-9
@@ -128,7 +128,7 @@ def test_many_machines_are_computed_as_few() -> None:
     linear = lifter({"key": "mounting.x", "plus_minus": 0.05})
     sizes: ComplexArray = np.linspace(-0.05, 0.05, 100).astype(complex)
     (freedom,) = (unit.freedom for unit in linear.stated.sources[0].units)
-    every = replayed(linear.nominal, Deviations(100, {freedom: sizes})).position
-    one = replayed(linear.nominal, Deviations(1, {freedom: sizes[77:78]})).position
+    every = replay_machines(linear.nominal, Deviations(100, {freedom: sizes})).position
+    one = replay_machines(linear.nominal, Deviations(1, {freedom: sizes[77:78]})).position
     assert every.shape == (3, 100, ANGLES)
     np.testing.assert_allclose(every[:, 77], one[:, 0], rtol=0, atol=1e-13)

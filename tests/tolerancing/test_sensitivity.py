@@ -14,14 +14,14 @@ from camgeo.geometry.pitch_curve import PitchCurve, WorkingCurve
 from camgeo.kinematics.mechanism.declared.registry import FOLLOWERS, LINKAGES
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.studies.tolerancing import linear
-from camgeo.studies.tolerancing.linear import replayed
+from camgeo.studies.tolerancing.linear import replay_machines
 from camgeo.studies.tolerancing.stated import (
     Deviations,
     Freedom,
     Sensitivities,
     Unit,
     Way,
-    dimensions_of,
+    machine_dimensions,
 )
 from camgeo.units import TURN
 from tests.tolerancing.machines import ANGLES, errors, fixture
@@ -41,7 +41,7 @@ ROUNDING = 1e-9
 
 def units_of(nominal: Sensitivities) -> dict[str, Unit]:
     """Of all dimensions, and of waves."""
-    found = {key: each.unit for key, each in dimensions_of(nominal.machine).items()}
+    found = {key: each.unit for key, each in machine_dimensions(nominal.machine).items()}
     return found | {
         "cosine": Unit(Freedom(Way.WAVE, 5)),
         "sine": Unit(Freedom(Way.WAVE, 5), 1j),
@@ -52,7 +52,7 @@ def units_of(nominal: Sensitivities) -> dict[str, Unit]:
 def difference(nominal: Sensitivities, unit: Unit, step: float) -> float:
     """Largest error of a two-sided difference."""
     upper, lower = errors(nominal, unit, step, -step)
-    return float(np.max(np.abs((upper - lower) / (2.0 * step) - nominal.of(unit))))
+    return float(np.max(np.abs((upper - lower) / (2.0 * step) - nominal.position_error(unit))))
 
 
 def test_every_kind_has_a_machine() -> None:
@@ -67,7 +67,7 @@ def test_exact_sensitivities_are_the_limits_of_differences(name: str) -> None:
     nominal = fixture(name)
     for key, unit in units_of(nominal).items():
         small, large = (difference(nominal, unit, step) for step in (STEP, 10.0 * STEP))
-        scale = float(np.max(np.abs(nominal.of(unit))))
+        scale = float(np.max(np.abs(nominal.position_error(unit))))
         assert small <= 0.015 * large + ROUNDING * scale, key
 
 
@@ -75,8 +75,8 @@ def test_what_does_not_settle_is_told_with_its_place(monkeypatch: pytest.MonkeyP
     """The first step is the linear error."""
     monkeypatch.setattr(linear, "STEPS", 1)
     nominal = fixture("tappet")
-    unit = dimensions_of(nominal.machine)["mounting.x"].unit
-    worst = np.degrees(nominal.phi[np.argmax(np.abs(nominal.of(unit)))])
+    unit = machine_dimensions(nominal.machine)["mounting.x"].unit
+    worst = np.degrees(nominal.phi[np.argmax(np.abs(nominal.position_error(unit)))])
     assert worst > 1.0
     with pytest.raises(GeometryError, match=f"at cam angle {worst:.6g} deg"):
         errors(nominal, unit, 0.01)
@@ -85,7 +85,7 @@ def test_what_does_not_settle_is_told_with_its_place(monkeypatch: pytest.MonkeyP
 @pytest.mark.parametrize("name", MACHINES)
 def test_a_machine_without_deviations_makes_the_nominal_motion(name: str) -> None:
     nominal = fixture(name)
-    machines = replayed(nominal, Deviations(1, {}))
+    machines = replay_machines(nominal, Deviations(1, {}))
     leverage = np.abs(nominal.nominal.leverage)
     np.testing.assert_allclose(machines.leverage[0], leverage, rtol=1e-12)
     found = machines.position[:, 0]
@@ -114,7 +114,7 @@ def test_velocity_and_acceleration_are_derivatives(name: str) -> None:
     angles = ANGLES[apart > 0.05]  # the contact does not pass a border within a step
 
     def motion(shift: float) -> FloatArray:
-        return replayed(replace(nominal, phi=angles + shift), deviations).position[:, 0]
+        return replay_machines(replace(nominal, phi=angles + shift), deviations).position[:, 0]
 
     here = motion(0.0)
     slopes = (motion(step) - motion(-step)) / (2.0 * step)
@@ -141,7 +141,7 @@ def test_the_replay_of_contours_agrees(name: str, key: str) -> None:
     points, tangents = flank.points_and_tangents(np.linspace(0.0, TURN, 3601)[:-1])
     turns = np.angle(np.roll(tangents, -1) / tangents)
     lift = replay_contour(pitch, Contour.through(points, turns).counter_clockwise()).lift
-    exact = errors(nominal, dimensions_of(nominal.machine)[f"follower.{key}"].unit, size)[0]
+    exact = errors(nominal, machine_dimensions(nominal.machine)[f"follower.{key}"].unit, size)[0]
     apart = lift.at(nominal.phi) - cam.drive.motion.jet(nominal.phi)[0] - exact
     assert np.ptp(apart) <= 1e-6 * cam.follower.lift_scale
     assert np.ptp(exact) >= 1e-5 * cam.follower.lift_scale  # there is something to compare

@@ -19,7 +19,7 @@ from camgeo.milling.judged import PART_FINENESS, Side, simulation_setup, toolpat
 from camgeo.milling.machine import load
 from camgeo.milling.machining_time import machine_times
 from camgeo.milling.moves import ArcFeed, Move, Rapid, Stop, Toolpath, arc_sweep, described
-from camgeo.pictures.backplot import KINDS, plotted
+from camgeo.pictures.backplot import KINDS, plot_operations
 from camgeo.scene.scene import parse_scene
 from camgeo_export.verify.gcode import depths
 from tests.second_side import scenes as second_side
@@ -280,7 +280,7 @@ def document(name: str) -> dict[str, Any]:
         before = deepest.get(each.run, [0.0, 0.0])
         deepest[each.run] = [max(before[0], each.ahead), max(before[1], each.engagement)]
     areas = any(isinstance(cut, AreaCut) for cut in cuts)
-    plots = () if areas else plotted(plan, setup.blank, setup.top, 0.05)
+    plots = () if areas else plot_operations(plan, setup.blank, setup.top, 0.05)
     return {
         "zero": [zero.sentence, *spread(zero.place), zero.z],
         "blank": [described(stock, part, zero), zero.box(stock, part)],

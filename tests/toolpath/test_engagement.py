@@ -30,7 +30,7 @@ from camgeo.milling.plan import (
 )
 from camgeo.numeric.arrays import ComplexArray, taken
 from camgeo.part.boundaries import ExactBoundary
-from camgeo.pictures.backplot import plotted
+from camgeo.pictures.backplot import plot_operations
 from tests.toolpath.milled import HEIGHTS, tool
 from tests.toolpath.plane.tracks import any_track
 
@@ -378,7 +378,7 @@ def test_kinds_of_a_program() -> None:
         for name in ("first", "second")
     ]
     toolpath = Toolpath(Heights(5.0, 5.0), tuple(Operation(cut, moves) for cut in cuts))
-    first, second = plotted(toolpath, (BLANK,), 0.0, 0.01)
+    first, second = plot_operations(toolpath, (BLANK,), 0.0, 0.01)
     kinds = [trace.kind for trace in first.traces]
     assert kinds == ["entry", "air", "cut", "entry", "cut", "rapid"]
     assert first.length("air") == pytest.approx(10.0)
@@ -394,7 +394,7 @@ def test_kinds_of_a_program() -> None:
 def test_traces_have_the_length_of_the_course() -> None:
     design = camgeo.load(SCENES / "setzhub.toml")
     toolpath = design.disc.milled.toolpath(0.01)
-    for each in plotted(toolpath, (BLANK,), 0.0, 1e-4):
+    for each in plot_operations(toolpath, (BLANK,), 0.0, 1e-4):
         course = feed_course(each.operation.moves)
         fed = sum(each.length(kind) for kind in ("cut", "air", "entry"))
         assert fed == pytest.approx(float(np.sum(course.lengths)), rel=1e-4)

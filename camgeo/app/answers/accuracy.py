@@ -24,7 +24,13 @@ from camgeo.pictures.model import Figure
 from camgeo.scene.formats.format import LARGEST_TOLERANCE, SMALLEST_TOLERANCE
 from camgeo.scene.scene import Scene
 from camgeo.studies.accuracy import survey as surveys
-from camgeo.studies.accuracy.benefit import BenefitRow, advice, benefit_rows, enough, words
+from camgeo.studies.accuracy.benefit import (
+    BenefitRow,
+    advice,
+    benefit_rows,
+    find_sufficient,
+    sufficient_sentence,
+)
 from camgeo.studies.accuracy.contours import (
     FORMS,
     ContourRow,
@@ -38,8 +44,8 @@ from camgeo.studies.accuracy.survey import (
     TOLERANCES,
     BillRow,
     Survey,
-    own_contour,
-    own_rows,
+    scene_contour,
+    scene_rows,
 )
 from camgeo.units import MM_PER, RPM, LengthUnit
 
@@ -48,8 +54,10 @@ def enough_sentences(rows: Sequence[BenefitRow]) -> tuple[str, ...]:
     """What is enough of each form, of `rows` of one speed, and why; forms without values are left
     out.
     """
-    verdicts = [enough([row for row in rows if row.form == form]) for form in FORMS]
-    return tuple(words(verdict) for verdict in verdicts if verdict is not None) or (words(None),)
+    verdicts = [find_sufficient([row for row in rows if row.form == form]) for form in FORMS]
+    return tuple(sufficient_sentence(verdict) for verdict in verdicts if verdict is not None) or (
+        sufficient_sentence(None),
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,7 +94,7 @@ class Accuracy(Answer):
     @property
     def drawing_rows(self) -> tuple[ContourRow, ...]:
         """The rows of the contour that the scene asks for."""
-        return own_rows(self.scene, self.survey.contours)
+        return scene_rows(self.scene, self.survey.contours)
 
     @property
     def enough(self) -> tuple[str, ...]:
@@ -101,7 +109,7 @@ class Accuracy(Answer):
     @property
     def form(self) -> Form:
         """Of the contour in the drawing of the scene."""
-        return own_contour(self.scene)[0]
+        return scene_contour(self.scene)[0]
 
     @property
     def unit(self) -> str:
@@ -146,8 +154,8 @@ class Accuracy(Answer):
                 "highest_force_N": row.highest,
                 "exact_lowest_force_N": row.exact_lowest,
                 "exact_highest_force_N": row.exact_highest,
-                "lift_off_rpm": _finite(row.lift_off),
-                "exact_lift_off_rpm": _finite(row.exact_lift_off),
+                "lift_off_rpm": _finite(row.lift_off_speed),
+                "exact_lift_off_rpm": _finite(row.exact_lift_off_speed),
                 "octaves": [self.display_value(value) for value in row.octaves],
                 "octave_error": self._optional_value(row.octave_error),
                 "strongest_harmonic": row.strongest,
@@ -196,7 +204,7 @@ def accuracy(
         ripple = design.scene.output.accuracy_ripple
     benefits: tuple[BenefitRow, ...] = ()
     if speed is not None:
-        forms = FORMS if complete else own_contour(design.scene)[:1]
+        forms = FORMS if complete else scene_contour(design.scene)[:1]
         benefits = benefit_rows(design, tolerances, (speed,), forms=forms, progress=progress)
     measured = surveys.survey(
         design, tolerances, ripple=ripple, complete=complete, bill=bill, benefits=benefits,

@@ -19,8 +19,8 @@ from camgeo.design.design import Design
 from camgeo.errors import GeometryError, UnknownNameError
 from camgeo.pictures.model import Figure
 from camgeo.scene.keys import KeyPath, spelled
-from camgeo.studies.sweep.family import names_in
-from camgeo.studies.sweep.rows import asked_of, canonical, read
+from camgeo.studies.sweep.family import split_names
+from camgeo.studies.sweep.rows import canonical, parse_questions, read
 from camgeo.units import LengthUnit, counted, in_unit, shortened
 
 MOST: Final = 8
@@ -166,7 +166,7 @@ def _answers(
     cells: dict[str, Cell] = {}
     for word in ask:
         try:
-            (question,) = asked_of(design, [word])
+            (question,) = parse_questions(design, [word])
         except (UnknownNameError, GeometryError) as error:
             if not any(_knows(other, word) for _, other in designs):
                 raise
@@ -181,7 +181,7 @@ def _answers(
 
 def _knows(design: Design, word: str) -> bool:
     try:
-        asked_of(design, [word])
+        parse_questions(design, [word])
     except (UnknownNameError, GeometryError):
         return False
     return True
@@ -347,7 +347,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Compare, and print or draw the results."""
     designs = [load_design(name, arguments) for name in arguments.scenes]
     labels = scene_labels(arguments.scenes)
-    answer = compare(list(zip(labels, designs, strict=True)), names_in(arguments.ask))
+    answer = compare(list(zip(labels, designs, strict=True)), split_names(arguments.ask))
     return show(answer, arguments, contents="flanks, motion, acceleration, mu")
 
 

@@ -58,9 +58,9 @@ from camgeo.studies.inspection import (
     Deviations,
     LiftErrors,
     false_share,
-    off_radius,
+    measured_points,
     other_axes,
-    places_of,
+    radius_angles,
     stated_normals,
 )
 from camgeo.units import (
@@ -237,8 +237,8 @@ def inspect_points(
     """Compare `measured` points of a flank with it; `name` is that of their file."""
     cam = disc.cam
     exact = ExactFlank(cam.disc.outline(side).path, side)
-    alignment = Alignment.of(exact, measured.points, align, ball, robust=robust)
-    deviations = Deviations.of(exact, alignment.feet, alignment.deviations)
+    alignment = Alignment.from_points(exact, measured.points, align, ball, robust=robust)
+    deviations = Deviations.from_feet(exact, alignment.feet, alignment.deviations)
     findings = [
         _profile(deviations, tolerance),
         _coverage(deviations),
@@ -285,7 +285,7 @@ def _measured(design: Design, stem: str, flank: str | None) -> tuple[Product, Fl
 def _effect(disc: Product, exact: ExactFlank, deviations: Deviations) -> LiftEffect:
     """The effect on the follower, in the unit of the scene."""
     cam = disc.cam
-    errors = LiftErrors.of(exact, deviations, clearance=cam.clearance)
+    errors = LiftErrors.from_deviations(exact, deviations, clearance=cam.clearance)
     unit, factor = display_unit(disc.scene.unit, is_angle=cam.lift_unit == "rad")
     low, high = (
         scaled(extreme, factor) for extreme in (errors.extremes.lowest, errors.extremes.highest)
@@ -391,7 +391,7 @@ def _normals(alignment: Alignment, measured: MeasuredPoints) -> Iterator[Finding
     largest, limit = math.degrees(stated.largest.value), math.degrees(TELLING)
     place = stated.largest.place
     if stated.radial:
-        share = float(np.max(false_share(off_radius(feet))))
+        share = float(np.max(false_share(radius_angles(feet))))
         sentence = (
             f"those of the file point along the radius, up to {largest:.3g} deg off the true ones"
             f" at cam angle {cam_angle(place)} deg: if the ball was compensated along them, the"
@@ -463,7 +463,7 @@ def read_points(data: bytes | str, file: str, unit: LengthUnit = "mm") -> Measur
         coordinate is too large or a normal is zero, or there are fewer than 12 different points.
     """
     columns = read_columns(data, file, POINT_COLUMNS)
-    points = places_of(columns, file, unit)
+    points = measured_points(columns, file, unit)
     stated = columns.values[len(LENGTHS) :]
     if len(np.unique(points)) < FEWEST:
         message = f"fewer than {FEWEST} different points; allowed: {FEWEST} or more"

@@ -34,8 +34,8 @@ from camgeo.app.cli.command import (
 from camgeo.pictures.model import Figure
 from camgeo.scene.scene import Scene, load_scene
 from camgeo.scene.values import Value
-from camgeo.studies.optimise.optimise import Found, Trial, optimise, task_of
-from camgeo.studies.sweep.family import Range, Variable, names_in
+from camgeo.studies.optimise.optimise import OptimisationResult, Trial, optimise, task_of
+from camgeo.studies.sweep.family import Range, Variable, split_names
 from camgeo.units import counted, shortened, unit_and_divisor
 
 
@@ -85,7 +85,7 @@ class Optimum(Answer):
     search : the task, all trials and the best.
     """
 
-    search: Found
+    search: OptimisationResult
 
     @property
     def scene(self) -> Scene:
@@ -95,16 +95,16 @@ class Optimum(Answer):
     @property
     def objectives(self) -> tuple[Objective, ...]:
         """In their order."""
-        questions = self.search.task.asked
+        questions = self.search.task.questions
         return tuple(
-            Objective(goal.asked.word, goal.sense, self.units[questions.index(goal.asked)])
+            Objective(goal.question.word, goal.sense, self.units[questions.index(goal.question)])
             for goal in self.search.task.goals
         )
 
     @property
     def units(self) -> tuple[str, ...]:
         """Of what was asked; empty where no design has an answer."""
-        places = range(len(self.search.task.asked))
+        places = range(len(self.search.task.questions))
         rows = [trial.units for trial in self.search.trials if trial.units]
         return tuple(next((row[place] for row in rows if row[place]), "") for place in places)
 
@@ -166,7 +166,7 @@ class Optimum(Answer):
 
     def tried(self, trial: Trial) -> Tried:
         """A design with its keys and what was asked."""
-        words = [question.word for question in self.search.task.asked]
+        words = [question.word for question in self.search.task.questions]
         values = self.search.task.family.edits(trial.point)
         answers = dict(zip(words, trial.values, strict=True))
         return Tried(trial.number, values, answers, trial.broken)
@@ -176,7 +176,7 @@ def _bound(variable: Variable) -> Bound:
     values = variable.values
     if isinstance(values, Range) and values.steps is None:
         return Bound(variable.keys, float(values.start), float(values.stop), ())
-    listed = tuple(values.at(place) for place in range(values.count))
+    listed = tuple(values.row(place) for place in range(values.count))
     return Bound(variable.keys, None, None, listed)
 
 
@@ -360,7 +360,7 @@ def _bounds(bound: Bound) -> str:
 
 def comma_separated(answer: Optimum) -> bytes:
     """All designs that were tried as CSV in UTF-8, in their order."""
-    words = [question.word for question in answer.search.task.asked]
+    words = [question.word for question in answer.search.task.questions]
     heads = [f"{word} [{unit}]" if unit else word
              for word, unit in zip(words, answer.units, strict=True)]  # fmt: skip
     family = answer.search.task.family
@@ -373,9 +373,9 @@ def comma_separated(answer: Optimum) -> bytes:
 
 def figure(answer: Optimum) -> Figure:
     """The front of several objectives, or how one became better."""
-    from camgeo.pictures.sweep import of_search
+    from camgeo.pictures.sweep import search_figure
 
-    return of_search(answer.search, answer.units)
+    return search_figure(answer.search, answer.units)
 
 
 # -- command line ----------------------------------------------------------------------------------
@@ -449,10 +449,10 @@ def run(arguments: argparse.Namespace) -> int:
     task = task_of(
         scene,
         arguments.vary,
-        least=names_in(arguments.least),
-        largest=names_in(arguments.largest),
+        least=split_names(arguments.least),
+        largest=split_names(arguments.largest),
         keep=arguments.keep,
-        ignore=names_in(arguments.ignore),
+        ignore=split_names(arguments.ignore),
     )
     optimum = optimise(
         task,

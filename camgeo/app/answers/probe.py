@@ -40,7 +40,7 @@ from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.numeric.extremes import Extreme, inverse
 from camgeo.numeric.quadrature import gauss
 from camgeo.scene.scene import Scene
-from camgeo.studies.inspection import false_share, off_radius
+from camgeo.studies.inspection import false_share, radius_angles
 from camgeo.units import MM_PER, at_cam_angles, counted
 from camgeo.units import at_cam_angles as places
 
@@ -231,14 +231,14 @@ class ProbePoints:
     @property
     def largest_radial_angle(self) -> Extreme:
         """The largest angle [rad] between a normal and the radius, with its cam angle."""
-        angles = np.abs(off_radius(self._feet))
+        angles = np.abs(radius_angles(self._feet))
         worst = int(np.argmax(angles))
         return Extreme(float(angles[worst]), float(self.places.phi[worst]))
 
     @property
     def feigned(self) -> float:
         """The largest deviation [mm] that radial normals would feign with this ball."""
-        return float(np.max(false_share(off_radius(self._feet)))) * self.ball
+        return float(np.max(false_share(radius_angles(self._feet)))) * self.ball
 
     @property
     def obstructed(self) -> Extreme | None:

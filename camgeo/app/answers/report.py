@@ -196,12 +196,12 @@ def advised(found: Check) -> tuple[Advised, ...]:
 
 def _prices(design: Design, progress: Progress) -> Survey:
     """Of contours alone, with what is the same on every machine."""
-    from camgeo.studies.accuracy.benefit import knee_of
+    from camgeo.studies.accuracy.benefit import find_knee
     from camgeo.studies.accuracy.contours import contour_rows
-    from camgeo.studies.accuracy.survey import Survey, own_rows
+    from camgeo.studies.accuracy.survey import Survey, scene_rows
 
     rows = contour_rows(design, TOLERANCES, ripple=False, progress=progress, timed=False)
-    return Survey(rows, (), (), knee_of(own_rows(design.scene, rows), timed=False))
+    return Survey(rows, (), (), find_knee(scene_rows(design.scene, rows), timed=False))
 
 
 def coarse_solids(design: Design, progress: Progress = lambda _: None) -> dict[str, bytes]:

@@ -32,8 +32,8 @@ from camgeo.app.cli.command import (
 )
 from camgeo.scene.scene import Scene, load_scene
 from camgeo.scene.values import Value
-from camgeo.studies.sweep.family import Family, Sample, family_of, names_in, questions_of
-from camgeo.studies.sweep.rows import Row, engine_of
+from camgeo.studies.sweep.family import Family, Sample, family_of, question_names, split_names
+from camgeo.studies.sweep.rows import DesignRow, engine_of
 from camgeo.studies.sweep.sweep import Result, sweep
 from camgeo.units import LengthUnit, counted, listed, shortened, unit_and_divisor
 
@@ -137,7 +137,7 @@ class Sweep(Answer):
 
 def answer_of(result: Result) -> Sweep:
     """The answer from the rows, which are read once."""
-    tallies = [_SpanTally() for _ in result.asked]
+    tallies = [_SpanTally() for _ in result.questions]
     reasons: dict[str, int] = {}
     failed = count = 0
     for row in result.rows:
@@ -150,7 +150,7 @@ def answer_of(result: Result) -> Sweep:
     ordered = sorted(reasons.items(), key=lambda item: -item[1])
     spans = tuple(
         tally.span(result, question.word)
-        for tally, question in zip(tallies, result.asked, strict=True)
+        for tally, question in zip(tallies, result.questions, strict=True)
     )
     return Sweep(result, spans, dict(ordered), failed, count)
 
@@ -162,10 +162,10 @@ class _SpanTally:
         self._count = 0
         self._units: dict[str, None] = {}
         self._words: dict[str, int] = {}
-        self._least: tuple[float, Row] | None = None
-        self._greatest: tuple[float, Row] | None = None
+        self._least: tuple[float, DesignRow] | None = None
+        self._greatest: tuple[float, DesignRow] | None = None
 
-    def note(self, row: Row, value: float | str | None, unit: str) -> None:
+    def note(self, row: DesignRow, value: float | str | None, unit: str) -> None:
         if value is None:
             return
         self._count += 1
@@ -187,8 +187,8 @@ class _SpanTally:
         return Span(word, tuple(sorted(self._units)), self._count, least, greatest, words)
 
 
-def _design(result: Result, row: Row, mixed: frozenset[str] = frozenset()) -> Design:
-    words = [question.word for question in result.asked]
+def _design(result: Result, row: DesignRow, mixed: frozenset[str] = frozenset()) -> Design:
+    words = [question.word for question in result.questions]
     values = result.family.edits(row.point)
     answers = dict(zip(words, row.values, strict=True))
     units = {word: unit for word, unit in zip(words, row.units, strict=True) if word in mixed}
@@ -467,7 +467,7 @@ def run(arguments: argparse.Namespace) -> int:
         raise CallError("--method and --seed need --samples")
     scene = load_scene(arguments.scene)
     family = family_of(scene, arguments.vary, sample)
-    ask = questions_of(scene, arguments.ask)
+    ask = question_names(scene, arguments.ask)
     draw = _picture(arguments, family, ask)
     try:
         result = sweep(
@@ -499,7 +499,7 @@ def _picture(
     arguments: argparse.Namespace, family: Family, ask: Sequence[str]
 ) -> Callable[[Result], list[Written]]:
     """What draws the picture; a wrong call is refused before anything is computed."""
-    least, largest = names_in(arguments.least), names_in(arguments.largest)
+    least, largest = split_names(arguments.least), split_names(arguments.largest)
     if arguments.picture is None:
         if arguments.show or least or largest:
             raise CallError("--show, --least and --largest need --picture")

@@ -44,7 +44,7 @@ from camgeo.studies.tolerancing.linear import (
     Sampled,
     contact_forces,
 )
-from camgeo.studies.tolerancing.stated import SIGMAS, Stated
+from camgeo.studies.tolerancing.stated import SIGMAS, StatedTolerances
 from camgeo.units import at_cam_angles, cam_angle, counted, small
 
 
@@ -234,7 +234,7 @@ class ToleranceAnalysis(Answer):
         if sample is None:
             return None
         forces = _ends(None if sample.contact is None else sample.contact.nominal, sample.forces)
-        at_rest = None if self.linear_play is None else self.linear_play.at_rest
+        at_rest = None if self.linear_play is None else self.linear_play.nominal_values
         plays = _ends(at_rest, sample.plays, self.play_unit[1])
         return Machines(
             count=sample.count,
@@ -242,8 +242,8 @@ class ToleranceAnalysis(Answer):
             quantile=scaled(sample.worst, factor),
             three_sigma=scaled(scaled(sample.sigma, factor), SIGMAS),
             largest=float(np.quantile(sample.largest, QUANTILES[-1])) * factor,
-            conforming=sample.kept,
-            conforming_error=sample.kept_error,
+            conforming=sample.share_in_limit,
+            conforming_error=sample.share_error,
             acceleration=_spread(sample.acceleration * factor, sample.accelerations * factor),
             largest_force=forces[1],
             smallest_force=forces[0],
@@ -295,7 +295,7 @@ def tolerance(design: Design, *, count: int = COUNT, seed: int = 0) -> Tolerance
         If its kind of machine, or its flank, cannot be analysed; if there are too few or too many
         machines, or one has no contact near the nominal one.
     """
-    linear = Linear(Stated.of(design))
+    linear = Linear(StatedTolerances.from_design(design))
     contributions = linear.contributions
     sample = None
     play = None if linear.stated.second is None else Play(linear.stated)
@@ -303,7 +303,7 @@ def tolerance(design: Design, *, count: int = COUNT, seed: int = 0) -> Tolerance
         contact = None
         if play is None:
             contact = contact_forces(design, linear.stated.machine.flank, linear.angles)
-        sample = Sampled.of(linear, count, seed, contact, play)
+        sample = Sampled.draw(linear, count, seed, contact, play)
     return ToleranceAnalysis(design.scene, linear, contributions, sample, play)
 
 
@@ -376,7 +376,7 @@ DOCUMENT: Final = Key(
         "limit": "Largest error that is allowed, plus or minus; null if the scene states none.",
         "set_at_deg": Key(
             "Cam angle at which the error is set to 0; null if it is not.",
-            of="linear.stated.set_at",
+            of="linear.stated.zero_angle",
         ),
         "within": Key(
             "Whether mean and three standard deviations keep the limit; null if there is none.",
@@ -489,8 +489,8 @@ def text(answer: ToleranceAnalysis) -> str:
         f"{answer.scene.name}: position of the {answer.member} on the {flank} flank, {sources}",
         f"largest error, mean and 3 sigma: {worst}{_verdict(answer)}",
     ]
-    if stated.set_at is not None:
-        lines.append(f"the machine is set {at_cam_angles(stated.set_at)}")
+    if stated.zero_angle is not None:
+        lines.append(f"the machine is set {at_cam_angles(stated.zero_angle)}")
     lines += ["", *_sources(answer.sources), ""]
     lines.append(f"errors in {answer.unit}, cam angles in degrees; {NOTE}")
     room = answer.play

@@ -44,7 +44,7 @@ from camgeo.pictures import laws as picture
 from camgeo.pictures.mechanism import Animation, animation
 from camgeo.pictures.model import Area, Figure, Line, Panel, figure_data
 from camgeo.pictures.model import listed as nested
-from camgeo.pictures.motion import CURVE_POINTS, Reading, plain, readings, shown
+from camgeo.pictures.motion import CURVE_POINTS, CurveExtremes, format_value, plain, readings
 from camgeo.pictures.plots import MOTION_TITLE, Chart, disc_diagrams, motion_diagram, of_effects
 from camgeo.scene.scene import Scene, parse_scene
 from camgeo.scene.toml import TEMPLATE_KINDS, template
@@ -363,15 +363,15 @@ def _chart(name: str, title: str, make: Callable[[], Figure]) -> dict[str, Any]:
     }
 
 
-def _reading(found: Reading) -> dict[str, Any]:
+def _reading(found: CurveExtremes) -> dict[str, Any]:
     """Extremes as they are read, and their cam angles in degrees."""
     return {
         "name": plain(found.name),
-        "low": shown(found.low),
-        "low_at": round(math.degrees(found.low_at), 3),
-        "high": shown(found.high),
-        "high_at": round(math.degrees(found.high_at), 3),
-        "limits": [[name, shown(value)] for name, value in found.limits],
+        "low": format_value(found.low),
+        "low_at": round(math.degrees(found.low_angle), 3),
+        "high": format_value(found.high),
+        "high_at": round(math.degrees(found.high_angle), 3),
+        "limits": [[name, format_value(value)] for name, value in found.limits],
     }
 
 
@@ -732,7 +732,7 @@ def _law_offer(name: str, law: Law, edits: dict[str, Any]) -> dict[str, Any]:
     entry = law_entry(law)
     facts = []
     for symbol, (names, quantities) in FACTS.items():
-        extremes = dict.fromkeys(shown(getattr(entry.values, name).value) for name in names)
+        extremes = dict.fromkeys(format_value(getattr(entry.values, name).value) for name in names)
         bounded = entry.unbounded.isdisjoint(quantities)
         facts.append({"name": symbol, "value": " to ".join(extremes) if bounded else "∞"})
     return {

@@ -65,18 +65,18 @@ class Chain:
         vertices, sweeps, left = [], [], size
         while True:
             share = inside / lengths[index] if lengths[index] else 0.0
-            taken = min(left, float(lengths[index]) - inside)
-            part = taken / float(lengths[index]) if lengths[index] else 0.0
-            vertices.append(_on(contour, index, share))
+            step = min(left, float(lengths[index]) - inside)
+            part = step / float(lengths[index]) if lengths[index] else 0.0
+            vertices.append(_piece_point(contour, index, share))
             sweeps.append(float(contour.sweeps[index]) * part)
-            left -= taken
+            left -= step
             if left <= 1e-12 * size:
-                vertices.append(_on(contour, index, share + part))
+                vertices.append(_piece_point(contour, index, share + part))
                 return Chain(np.array(vertices), np.array([*sweeps, 0.0]), layer)
             index, inside = (index + 1) % len(contour), 0.0
 
 
-def _on(contour: Contour, index: int, share: float) -> complex:
+def _piece_point(contour: Contour, index: int, share: float) -> complex:
     """The point of a piece at a share of its length."""
     start, sweep = complex(contour.vertices[index]), float(contour.sweeps[index])
     if sweep == 0.0:
@@ -105,13 +105,13 @@ class Label:
 
     Attributes
     ----------
-    at : where its base line begins, has its middle or ends, see `across` [mm].
+    place : where its base line begins, has its middle or ends, see `across` [mm].
     height : of its capitals [mm of paper].
     width : at most, in mm of paper, to which a longer text is narrowed; 0 for no limit.
     """
 
     text: str
-    at: complex
+    place: complex
     height: float = 2.5
     across: Across = "left"
     layer: Layer = "TEXT"
@@ -120,7 +120,7 @@ class Label:
     @property
     def squeeze(self) -> float:
         """By what the text is narrowed further to be within `width`; 1 if it need not be."""
-        wide = width_of(self.text, self.height)
+        wide = text_width(self.text, self.height)
         return 1.0 if not self.width or wide <= self.width else self.width / wide
 
 
@@ -220,7 +220,7 @@ LIFTED: Final = 0.8
 """Of texts above the dimension line, and the gap beside arrows [mm of paper]."""
 
 
-BEFORE, BEHIND = 0.8, 1.5
+EXTENSION_GAP, EXTENSION_OVERSHOOT = 0.8, 1.5
 """From the part to its extension line, and from the dimension line to its end [mm of paper]."""
 
 
@@ -233,11 +233,11 @@ class View:
 
     Attributes
     ----------
-    at : place of the view's origin on the sheet [mm of paper].
+    origin : place of the view's origin on the sheet [mm of paper].
     marks : [mm of the part].
     """
 
-    at: complex
+    origin: complex
     marks: tuple[Mark, ...]
 
 
@@ -280,9 +280,9 @@ class Sheet:
             yield Finding(READABLE, "warning", f"{what}: it needs a larger sheet or scale")
         small = list(dots(self))
         if small:
-            width, at = min(small, key=lambda each: each[0])
+            width, middle = min(small, key=lambda each: each[0])
             mm = MM_PER[self.unit]
-            place = f"({at.real / mm:.4g} / {at.imag / mm:.4g})"
+            place = f"({middle.real / mm:.4g} / {middle.imag / mm:.4g})"
             what = f"the drawing shows {counted(len(small), 'outline')} as a dot"
             sentence = (
                 f"{what}, {width:.2g} mm wide on paper, at {place}: a larger scale shows more"
@@ -290,14 +290,14 @@ class Sheet:
             yield Finding(READABLE, "warning", sentence, width, DOT, "mm")
 
 
-def number_of(mark: Distance | Diameter, unit: LengthUnit) -> str:
+def dimension_text(mark: Distance | Diameter, unit: LengthUnit) -> str:
     """The text of a dimension, with a decimal point."""
     text = f"{mark.measure / MM_PER[unit]:.{mark.decimals}f}"
     text = text.rstrip("0").rstrip(".") if "." in text else text
     return f"{mark.prefix}{text}{mark.suffix}"
 
 
-def shelf_of(text: str) -> float:
+def shelf_length(text: str) -> float:
     """Length of the line below the text of a diameter [mm of paper]: as if all letters were as wide
     as high, before they are narrowed.
     """
@@ -316,23 +316,29 @@ def path(points: tuple[complex, ...], layer: Layer, *, closed: bool = False) -> 
 
 def rectangle(corner: complex, width: float, height: float, layer: Layer) -> Chain:
     """A rectangle by its lower left corner."""
-    across, up = complex(width), 1j * height
-    return path((corner, corner + across, corner + across + up, corner + up), layer, closed=True)
+    right, upward = complex(width), 1j * height
+    return path(
+        (corner, corner + right, corner + right + upward, corner + upward), layer, closed=True
+    )
 
 
-def moved(marks: Sequence[Mark], at: complex, scale: float) -> list[Mark]:
-    """Marks of paper as marks of a view, their origin at the place `at` of the part [mm]."""
-    found: list[Mark] = []
+def moved(marks: Sequence[Mark], origin: complex, scale: float) -> list[Mark]:
+    """Marks of paper as marks of a view, their own origin at `origin` of the part [mm]."""
+    moved_marks: list[Mark] = []
     for mark in marks:
         if isinstance(mark, Chain):
-            found.append(replace(mark, vertices=at + mark.vertices / scale))
+            moved_marks.append(replace(mark, vertices=origin + mark.vertices / scale))
         elif isinstance(mark, Round):
-            found.append(replace(mark, centre=at + mark.centre / scale, radius=mark.radius / scale))
+            moved_marks.append(
+                replace(mark, centre=origin + mark.centre / scale, radius=mark.radius / scale)
+            )
         elif isinstance(mark, Label):
-            found.append(replace(mark, at=at + mark.at / scale))
+            moved_marks.append(replace(mark, place=origin + mark.place / scale))
         elif isinstance(mark, Filled):
-            found.append(replace(mark, corners=tuple(at + each / scale for each in mark.corners)))
-    return found
+            moved_marks.append(
+                replace(mark, corners=tuple(origin + corner / scale for corner in mark.corners))
+            )
+    return moved_marks
 
 
 # -- lettering ------------------------------------------------------------------------------------
@@ -361,7 +367,7 @@ OTHER: Final = 115
 """Of any other character, in percent; few are wider."""
 
 
-def width_of(text: str, height: float) -> float:
+def text_width(text: str, height: float) -> float:
     """Width [mm] of a text whose capitals are `height` [mm] high."""
     places = (ord(letter) - FIRST for letter in text.replace("%%c", "O"))
     total = sum(WIDTHS[k] if 0 <= k < len(WIDTHS) else OTHER for k in places)
@@ -379,15 +385,15 @@ CELL = 7.0
 """Height of a frame, and the least width of its cells: twice the letters (ISO 7083)."""
 
 
-def texture(at: complex, text: str, letter: float = 2.5) -> list[Mark]:
-    """Surface texture (ISO 21920-1) by material removal, its tip at `at`."""
+def texture(tip: complex, text: str, letter: float = 2.5) -> list[Mark]:
+    """Surface texture (ISO 21920-1) by material removal, with its tip at `tip`."""
     tall = 3.0 * letter
-    left = at + 1.4 * letter * complex(-math.tan(math.pi / 6.0), 1.0)
-    level = at + 1.4 * letter * complex(math.tan(math.pi / 6.0), 1.0)
-    top = at + tall * complex(math.tan(math.pi / 6.0), 1.0)
-    end = top + width_of(text, letter) + 1.5
+    left = tip + 1.4 * letter * complex(-math.tan(math.pi / 6.0), 1.0)
+    level = tip + 1.4 * letter * complex(math.tan(math.pi / 6.0), 1.0)
+    top = tip + tall * complex(math.tan(math.pi / 6.0), 1.0)
+    end = top + text_width(text, letter) + 1.5
     return [
-        path((left, at, top, end), "SYMBOL"),
+        path((left, tip, top, end), "SYMBOL"),
         line(left, level, "SYMBOL"),
         Label(text, top + complex(1.0, -1.5 * letter), letter, layer="SYMBOL"),
     ]
@@ -403,7 +409,7 @@ CLEAR: Final = 0.7
 UNREADABLE: Final = 1000.0
 """Costs of each text that is drawn across something, or that something is drawn across."""
 
-OVER_AN_EDGE, OVER_A_LINE, OVER_AN_AXIS = 2.0, 1.0, 0.2
+EDGE_CROSSING, LINE_CROSSING, AXIS_CROSSING = 2.0, 1.0, 0.2
 """Costs of each crossing of an extension line or leader, and of a text on a centre line."""
 
 ROUNDS: Final = 4
@@ -415,40 +421,42 @@ Option = tuple[float, Sequence[Mark]]
 Options = Iterable[Option]
 
 
-def cost(own: Ink, ink: Ink, enough: float = math.inf) -> float:
-    """What is bad about own marks next to all that is there, or so much of it as is `enough`."""
-    found = 0.0
-    for where in _unreadable(own, ink):
-        found += UNREADABLE * int(np.count_nonzero(where))
-        if found >= enough:
-            return found
-    drawn = np.concatenate([own.wide, own.thin])
-    found += OVER_AN_EDGE * (crossings(drawn, ink.wide) + crossings(own.wide, ink.thin))
-    found += OVER_A_LINE * crossings(own.thin, ink.thin)
-    found += OVER_A_LINE * int(np.count_nonzero(ink.bars.cut(drawn)))
-    for rooms in (own.texts.around(CLEAR), own.frames):
-        found += OVER_AN_AXIS * int(np.count_nonzero(rooms.hit(ink.axes)))
-    return found
+def cost(candidate: Ink, ink: Ink, enough: float = math.inf) -> float:
+    """The cost of candidate marks next to all that is drawn already; no longer summed once it has
+    reached `enough`.
+    """
+    total = 0.0
+    for where in _unreadable(candidate, ink):
+        total += UNREADABLE * int(np.count_nonzero(where))
+        if total >= enough:
+            return total
+    strokes = np.concatenate([candidate.wide, candidate.thin])
+    total += EDGE_CROSSING * (crossings(strokes, ink.wide) + crossings(candidate.wide, ink.thin))
+    total += LINE_CROSSING * crossings(candidate.thin, ink.thin)
+    total += LINE_CROSSING * int(np.count_nonzero(ink.bars.cut(strokes)))
+    for rooms in (candidate.texts.around(CLEAR), candidate.frames):
+        total += AXIS_CROSSING * int(np.count_nonzero(rooms.hit(ink.axes)))
+    return total
 
 
-def _unreadable(own: Ink, ink: Ink) -> Iterator[BoolArray]:
+def _unreadable(candidate: Ink, ink: Ink) -> Iterator[BoolArray]:
     """Where texts, frames and dimension lines meet what they must not."""
-    texts = own.texts.around(CLEAR)
-    drawn = np.concatenate([own.wide, own.thin])
+    texts = candidate.texts.around(CLEAR)
+    strokes = np.concatenate([candidate.wide, candidate.thin])
     lines = np.concatenate([ink.wide, ink.thin])
     yield texts.hit(lines)
     yield texts.overlap(ink.texts.around(CLEAR))
     yield texts.overlap(ink.frames)
-    yield ink.texts.around(CLEAR).hit(drawn)
-    yield own.bars.overlap(ink.bars)
-    yield own.frames.overlap(ink.frames)
-    yield own.frames.hit(lines)
-    yield ink.frames.hit(drawn)
-    yield own.texts.hit(drawn)
-    yield np.triu(own.texts.overlap(own.texts), 1)
+    yield ink.texts.around(CLEAR).hit(strokes)
+    yield candidate.bars.overlap(ink.bars)
+    yield candidate.frames.overlap(ink.frames)
+    yield candidate.frames.hit(lines)
+    yield ink.frames.hit(strokes)
+    yield candidate.texts.hit(strokes)
+    yield np.triu(candidate.texts.overlap(candidate.texts), 1)
 
 
-def chosen(options: Options, ink: Ink, scale: float, unit: LengthUnit) -> tuple[Mark, ...]:
+def cheapest_marks(options: Options, ink: Ink, scale: float, unit: LengthUnit) -> tuple[Mark, ...]:
     """The marks of the option that costs least next to what is there; nothing if there is none.
 
     Options are in the order of what they cost by themselves.
@@ -458,36 +466,36 @@ def chosen(options: Options, ink: Ink, scale: float, unit: LengthUnit) -> tuple[
     for price, marks in options:
         if price >= least:
             break
-        found = price + cost(ink_of(marks, scale, unit), ink, least - price)
-        if found < least:
-            best, least = tuple(marks), found
+        total = price + cost(measure_ink(marks, scale, unit), ink, least - price)
+        if total < least:
+            best, least = tuple(marks), total
     return best
 
 
-def settled(
+def placed_marks(
     requests: Iterable[Options], fixed: Sequence[Mark], scale: float, unit: LengthUnit
 ) -> list[Mark]:
     """The fixed marks, and those of the best option of each request, one after the other; those
     that later ones are in the way of are chosen again.
     """
-    asked = [sorted(options, key=lambda option: option[0]) for options in requests]
-    always = ink_of(fixed, scale, unit)
-    places: list[tuple[Mark, ...]] = [() for _ in asked]
-    inks = [Ink() for _ in asked]
+    sorted_requests = [sorted(options, key=lambda option: option[0]) for options in requests]
+    always = measure_ink(fixed, scale, unit)
+    places: list[tuple[Mark, ...]] = [() for _ in sorted_requests]
+    inks = [Ink() for _ in sorted_requests]
     for turn in range(ROUNDS):
-        for number, options in enumerate(asked):
+        for number, options in enumerate(sorted_requests):
             others = together([always, *inks[:number], *inks[number + 1 :]])
             if turn and cost(inks[number], others) < UNREADABLE:
                 continue
-            places[number] = chosen(options, others, scale, unit)
-            inks[number] = ink_of(places[number], scale, unit)
+            places[number] = cheapest_marks(options, others, scale, unit)
+            inks[number] = measure_ink(places[number], scale, unit)
     return [*fixed, *(mark for marks in places for mark in marks)]
 
 
 def _interrupted(mark: Chain, rooms: Sequence[Boxes], lines: ComplexArray) -> Iterator[Mark]:
-    start, end = (complex(each) for each in mark.vertices)
+    start, end = (complex(vertex) for vertex in mark.vertices)
     spans = []
-    for low, high in (each.spans(lines) for each in rooms):
+    for low, high in (room.spans(lines) for room in rooms):
         spans += [span for span in zip(low[:, 0].tolist(), high[:, 0].tolist(), strict=True)
                   if span[0] < span[1]]  # fmt: skip
     place = 0.0
@@ -519,14 +527,14 @@ NAMED: Final = 3
 
 def across(view: View, sheet: Sheet) -> Iterator[str]:
     """The texts of a view that something is drawn across."""
-    ink = ink_of(view.marks, sheet.scale, sheet.unit)
-    over = ink.texts.overlap(ink.texts)
-    np.fill_diagonal(over, val=False)
+    ink = measure_ink(view.marks, sheet.scale, sheet.unit)
+    overlaps = ink.texts.overlap(ink.texts)
+    np.fill_diagonal(overlaps, val=False)
     lines = np.concatenate([ink.wide, ink.thin])
     written = [mark for mark in view.marks if isinstance(mark, Label | Distance | Diameter)]
-    for mark, poor in zip(written, ink.texts.hit(lines) | over.any(axis=1), strict=True):
+    for mark, poor in zip(written, ink.texts.hit(lines) | overlaps.any(axis=1), strict=True):
         if poor:
-            text = mark.text if isinstance(mark, Label) else number_of(mark, sheet.unit)
+            text = mark.text if isinstance(mark, Label) else dimension_text(mark, sheet.unit)
             yield text.replace(DIAMETER, "Ø")
 
 
@@ -535,7 +543,7 @@ def dots(sheet: Sheet) -> Iterator[tuple[float, complex]]:
     for view in sheet.views[:1]:
         for mark in view.marks:
             if isinstance(mark, Chain) and mark.closed and mark.layer in SEEN:
-                low, high = ink_of([mark], sheet.scale, sheet.unit).extent
+                low, high = measure_ink([mark], sheet.scale, sheet.unit).extent
                 size = high - low
                 if max(size.real, size.imag) < DOT:
                     yield max(size.real, size.imag), 0.5 * (low + high) / sheet.scale
@@ -593,8 +601,8 @@ class Boxes:
         spread = (
             self.halves.real[:, None] * signs.real + 1j * self.halves.imag[:, None] * signs.imag
         )
-        found: ComplexArray = self.middles[:, None] + self.alongs[:, None] * spread
-        return found
+        points: ComplexArray = self.middles[:, None] + self.alongs[:, None] * spread
+        return points
 
     def spans(self, lines: ComplexArray) -> tuple[FloatArray, FloatArray]:
         """(n, k) shares of each of k straight lines, (k, 2), between which they are in each box:
@@ -604,12 +612,12 @@ class Boxes:
         start = (lines[None, :, 0] - self.middles[:, None]) * turn
         step = (lines[:, 1] - lines[:, 0])[None, :] * turn
         low, high = np.zeros(start.shape), np.ones(start.shape)
-        for at, way, half in ((start.real, step.real, self.halves.real[:, None]),
+        for position, way, half in ((start.real, step.real, self.halves.real[:, None]),
                               (start.imag, step.imag, self.halves.imag[:, None])):  # fmt: skip
             with np.errstate(divide="ignore", invalid="ignore"):
-                one, other = (-half - at) / way, (half - at) / way
+                one, other = (-half - position) / way, (half - position) / way
             still = way == 0.0
-            outside = still & (np.abs(at) >= half)
+            outside = still & (np.abs(position) >= half)
             near = np.where(still, np.where(outside, 2.0, 0.0), np.minimum(one, other))
             far = np.where(still, np.where(outside, -1.0, 1.0), np.maximum(one, other))
             low, high = np.maximum(low, near), np.minimum(high, far)
@@ -618,36 +626,36 @@ class Boxes:
     def cut(self, lines: ComplexArray) -> BoolArray:
         """(n, k) whether each of k straight lines, (k, 2), goes through each box."""
         low, high = self.spans(lines)
-        found: BoolArray = low < high
-        return found
+        inside: BoolArray = low < high
+        return inside
 
     def hit(self, lines: ComplexArray) -> BoolArray:
         """(n,) whether any of k straight lines, (k, 2), goes through each box."""
-        found: BoolArray = np.any(self.cut(lines), axis=1)
-        return found
+        hits: BoolArray = np.any(self.cut(lines), axis=1)
+        return hits
 
     def overlap(self, other: Boxes) -> BoolArray:
         """(n, k) whether each of the boxes overlaps each of others: no line along a side separates
         them.
         """
-        between = self.middles[:, None] - other.middles[None, :]
-        apart = np.zeros(between.shape, dtype=bool)
+        offsets = self.middles[:, None] - other.middles[None, :]
+        separated = np.zeros(offsets.shape, dtype=bool)
         for axes in (self.alongs[:, None], other.alongs[None, :]):
             for axis in (axes, 1j * axes):
-                reach = np.zeros(between.shape)
+                reach = np.zeros(offsets.shape)
                 for boxes, shape in ((self, (-1, 1)), (other, (1, -1))):
                     along = boxes.alongs.reshape(shape) * np.conj(axis)
                     halves = boxes.halves.reshape(shape)
                     reach += halves.real * np.abs(along.real) + halves.imag * np.abs(along.imag)
-                apart |= np.abs((between * np.conj(axis)).real) >= reach
-        return ~apart
+                separated |= np.abs((offsets * np.conj(axis)).real) >= reach
+        return ~separated
 
 
-def boxes(found: Sequence[tuple[complex, complex, float, float]]) -> Boxes:
+def boxes(rectangles: Sequence[tuple[complex, complex, float, float]]) -> Boxes:
     """Boxes of middles, unit vectors along them, widths and heights [mm of paper]."""
-    if not found:
+    if not rectangles:
         return NONE
-    middles, alongs, widths, heights = zip(*found, strict=True)
+    middles, alongs, widths, heights = zip(*rectangles, strict=True)
     halves = 0.5 * np.array(widths) + 0.5j * np.array(heights)
     return Boxes(np.array(middles), np.array(alongs), halves)
 
@@ -698,23 +706,27 @@ class Ink:
             lines = chords(scale * mark.vertices, mark.sweeps, closed=mark.closed)
             if len(mark.vertices) == 2 and not mark.sweeps[0]:
                 yield from _interrupted(mark, rooms, lines)
-            elif not any(np.any(each.cut(lines)) for each in rooms):
+            elif not any(np.any(room.cut(lines)) for room in rooms):
                 yield mark
 
 
 def together(inks: Iterable[Ink]) -> Ink:
     """What all of them cover."""
-    found = list(inks)
+    all_inks = list(inks)
 
-    def all_of(kind: str) -> Boxes:
-        own = [getattr(each, kind) for each in found]
-        return Boxes(*(np.concatenate([getattr(b, name) for b in own]) for name in Boxes.__slots__))
+    def joined_boxes(kind: str) -> Boxes:
+        parts = [getattr(ink, kind) for ink in all_inks]
+        return Boxes(
+            *(np.concatenate([getattr(b, name) for b in parts]) for name in Boxes.__slots__)
+        )
 
-    def lines_of(kind: str) -> ComplexArray:
-        return np.concatenate([NO_LINES, *(getattr(each, kind) for each in found)])
+    def joined_lines(kind: str) -> ComplexArray:
+        return np.concatenate([NO_LINES, *(getattr(ink, kind) for ink in all_inks)])
 
-    texts, bars, frames = map(all_of, ("texts", "bars", "frames"))
-    return Ink(texts, bars, frames, lines_of("wide"), lines_of("thin"), lines_of("axes"))
+    texts, bars, frames = map(joined_boxes, ("texts", "bars", "frames"))
+    return Ink(
+        texts, bars, frames, joined_lines("wide"), joined_lines("thin"), joined_lines("axes")
+    )
 
 
 def crossings(one: ComplexArray, other: ComplexArray) -> int:
@@ -725,23 +737,23 @@ def crossings(one: ComplexArray, other: ComplexArray) -> int:
     c, d = other[None, :, 0], other[None, :, 1]
 
     def side(start: ComplexArray, end: ComplexArray, point: ComplexArray) -> FloatArray:
-        found: FloatArray = ((end - start).conj() * (point - start)).imag
-        return found
+        area: FloatArray = ((end - start).conj() * (point - start)).imag
+        return area
 
     across = (side(a, b, c) * side(a, b, d) < 0.0) & (side(c, d, a) * side(c, d, b) < 0.0)
     return int(np.count_nonzero(across))
 
 
-def ink_of(marks: Iterable[object], scale: float, unit: LengthUnit) -> Ink:
+def measure_ink(marks: Iterable[object], scale: float, unit: LengthUnit) -> Ink:
     """What marks cover at a scale [mm of paper for each of the marks]."""
     paper = _Paper(scale, unit)
     return together([Ink(), *map(paper.ink, marks)])
 
 
-def _lines(layer: str, found: ComplexArray) -> Ink:
+def _lines(layer: str, lines: ComplexArray) -> Ink:
     if layer in WIDE:
-        return Ink(wide=found)
-    return Ink(axes=found) if layer in AXES else Ink(thin=found)
+        return Ink(wide=lines)
+    return Ink(axes=lines) if layer in AXES else Ink(thin=lines)
 
 
 @dataclass(frozen=True, slots=True)
@@ -759,13 +771,13 @@ class _Paper:
     @ink.register
     def _(self, mark: Chain) -> Ink:
         corners = self.scale * mark.vertices
-        found = _lines(mark.layer, chords(corners, mark.sweeps, closed=mark.closed))
+        line_ink = _lines(mark.layer, chords(corners, mark.sweeps, closed=mark.closed))
         if mark.layer == "SYMBOL" and mark.closed and len(corners) == 4:
-            low, across, up = complex(corners[0]), complex(corners[1]), complex(corners[3])
+            low, across, upper = complex(corners[0]), complex(corners[1]), complex(corners[3])
             along = (across - low) / abs(across - low)
-            own = (0.5 * (across + up), along, abs(across - low), abs(up - low))
-            return replace(found, frames=boxes([own]))
-        return found
+            box = (0.5 * (across + upper), along, abs(across - low), abs(upper - low))
+            return replace(line_ink, frames=boxes([box]))
+        return line_ink
 
     @ink.register
     def _(self, mark: Round) -> Ink:
@@ -783,9 +795,9 @@ class _Paper:
 
     @ink.register
     def _(self, mark: Label) -> Ink:
-        wide = width_of(mark.text, mark.height) * mark.squeeze
+        wide = text_width(mark.text, mark.height) * mark.squeeze
         shift = {"left": 0.5, "centre": 0.0, "right": -0.5}[mark.across] * wide
-        middle = self.scale * mark.at + complex(shift, 0.5 * mark.height)
+        middle = self.scale * mark.place + complex(shift, 0.5 * mark.height)
         return Ink(texts=boxes([(middle, 1.0, wide, mark.height)]))
 
     @ink.register
@@ -797,17 +809,17 @@ class _Paper:
         lines = []
         for end, foot in zip(ends, feet, strict=True):
             length = abs(foot - end)
-            if length > BEFORE:
+            if length > EXTENSION_GAP:
                 way = (foot - end) / length
-                lines.append((end + BEFORE * way, foot + BEHIND * way))
+                lines.append((end + EXTENSION_GAP * way, foot + EXTENSION_OVERSHOOT * way))
         low, high = sorted(((foot - feet[0]) * along.conjugate()).real for foot in feet)
         if high - low < 2.0 * ARROW + LIFTED:  # arrows outside, each with a tail
             low, high = low - 2.0 * ARROW, high + 2.0 * ARROW
-        wide = width_of(number_of(mark, self.unit), LETTERS)
+        wide = text_width(dimension_text(mark, self.unit), LETTERS)
         middle = 0.5 * (feet[0] + feet[1])
-        at = ((middle - feet[0]) * along.conjugate()).real + mark.aside
+        text_place = ((middle - feet[0]) * along.conjugate()).real + mark.aside
         if mark.aside:
-            low, high = min(low, at - 0.5 * wide), max(high, at + 0.5 * wide)
+            low, high = min(low, text_place - 0.5 * wide), max(high, text_place + 0.5 * wide)
         lines.append((feet[0] + low * along, feet[0] + high * along))
         lifted = middle + along * (mark.aside + 1j * (LIFTED + 0.5 * LETTERS))
         bar = (feet[0] + 0.5 * (low + high) * along, along, high - low - 0.1, 2.0 * BAR)
@@ -817,13 +829,13 @@ class _Paper:
     def _(self, mark: Diameter) -> Ink:
         tip = self.scale * (mark.centre + cmath.rect(mark.radius, mark.angle))
         knee = tip + cmath.rect(mark.reach, mark.angle)
-        text = number_of(mark, self.unit)
-        shelf = shelf_of(text)
+        text = dimension_text(mark, self.unit)
+        shelf = shelf_length(text)
         end = knee + (shelf if knee.real > tip.real else -shelf)
         middle = 0.5 * (knee + end) + 1j * (LIFTED + 0.5 * LETTERS)
-        before = tip + cmath.rect(0.5, mark.angle)
-        lines = np.array([(before, knee), (knee, end)])
-        return Ink(boxes([(middle, 1.0, width_of(text, LETTERS), LETTERS)]), thin=lines)
+        start = tip + cmath.rect(0.5, mark.angle)
+        lines = np.array([(start, knee), (knee, end)])
+        return Ink(boxes([(middle, 1.0, text_width(text, LETTERS), LETTERS)]), thin=lines)
 
 
 def chords(vertices: ComplexArray, sweeps: FloatArray, *, closed: bool) -> ComplexArray:
@@ -846,5 +858,7 @@ def chords(vertices: ComplexArray, sweeps: FloatArray, *, closed: bool) -> Compl
     angle = sweeps[index, None]
     with np.errstate(divide="ignore", invalid="ignore"):
         turned = np.expm1(1j * angle * shares) / np.expm1(1j * angle)
-    found: ComplexArray = starts[index, None] + chord * np.where(bent[index, None], turned, shares)
-    return found
+    chord_ends: ComplexArray = starts[index, None] + chord * np.where(
+        bent[index, None], turned, shares
+    )
+    return chord_ends

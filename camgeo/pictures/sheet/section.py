@@ -36,12 +36,12 @@ from camgeo.pictures.sheet.marks import (
     Mark,
     Option,
     Options,
+    dimension_text,
     line,
     moved,
-    number_of,
     rectangle,
-    shelf_of,
-    width_of,
+    shelf_length,
+    text_width,
 )
 from camgeo.scene.formats.drawing import DrawingSpec
 from camgeo.units import LengthUnit
@@ -141,7 +141,11 @@ class Shape:
     def holes(self) -> list[tuple[complex, float]]:
         """Centre and radius [mm] of the round boundaries off the cam axis."""
         circles = [edge.circle for edge in self.edges]
-        return [each for each in circles if each is not None and abs(each[0]) > ROUND * self.size]
+        return [
+            circle
+            for circle in circles
+            if circle is not None and abs(circle[0]) > ROUND * self.size
+        ]
 
     def edge(self, boundary: Boundary) -> Edge:
         """The edge along a boundary."""
@@ -149,14 +153,14 @@ class Shape:
 
     def contours(self, layer: PartLayer) -> tuple[Contour, ...]:
         """Those of the boundaries of a layer."""
-        return tuple(self.edge(each).contour for each in layer.boundaries)
+        return tuple(self.edge(boundary).contour for boundary in layer.boundaries)
 
     @property
     def outlines(self) -> list[Mark]:
         """The edges of the part as they are seen from above."""
-        return [mark for edge in self.edges for mark in self.chains_of(edge)]
+        return [mark for edge in self.edges for mark in self.edge_chains(edge)]
 
-    def chains_of(self, edge: Edge) -> list[Chain]:
+    def edge_chains(self, edge: Edge) -> list[Chain]:
         """The edge as it is drawn: whole, or in stretches that are seen and hidden in turn."""
         contour, layer = edge.contour, _layer(edge)
         whole = Chain(contour.vertices, contour.sweeps, layer, closed=True)
@@ -167,33 +171,36 @@ class Shape:
 
         def covered(place: float) -> bool:
             here = Chain.along(contour, place * length, 0.0, "OUTLINE").vertices[0]
-            return any(_inside(rings, complex(here), BESIDE * size) for rings in covers)
+            return any(_inside(rings, complex(here), SEEN_DISTANCE * size) for rings in covers)
 
         ends = _changes(covered)
         if not ends:
             return [whole]
-        found = []
+        chains = []
         for first, last in pairwise([*ends, ends[0] + 1.0]):
             layer = "HIDDEN" if covered(0.5 * (first + last) % 1.0) else "OUTLINE"
-            found.append(Chain.along(contour, first * length, (last - first) * length, layer))
-        return found
+            chains.append(Chain.along(contour, first * length, (last - first) * length, layer))
+        return chains
 
     @staticmethod
-    def of(part: Part, tolerance: float, effort: Effort) -> Shape:
+    def from_part(part: Part, tolerance: float, effort: Effort) -> Shape:
         """The part with contours within `tolerance` [mm], those of a DXF for cutting."""
         fits = [
-            written_contour(each, "arcs", effort, tolerance).contour for each in part.boundaries
+            written_contour(boundary, "arcs", effort, tolerance).contour
+            for boundary in part.boundaries
         ]
-        found = {each.name: fit for each, fit in zip(part.boundaries, fits, strict=True)}
+        contour_by_name = {
+            boundary.name: fit for boundary, fit in zip(part.boundaries, fits, strict=True)
+        }
         coarse = COARSE * max(float(np.max(np.abs(fit.vertices))) for fit in fits)
-        chords = {name: fit.points(coarse) for name, fit in found.items()}
+        chords = {name: fit.points(coarse) for name, fit in contour_by_name.items()}
         edges = []
-        for each in part.boundaries:
-            top = max(k for k, layer in enumerate(part.layers) if each in layer.boundaries)
+        for boundary in part.boundaries:
+            top = max(k for k, layer in enumerate(part.layers) if boundary in layer.boundaries)
             above = part.layers[top + 1 :]
-            hidden = any(_covers([chords[b.name] for b in layer.boundaries], chords[each.name])
+            hidden = any(_covers([chords[b.name] for b in layer.boundaries], chords[boundary.name])
                          for layer in above)  # fmt: skip
-            edges.append(Edge(each, found[each.name], hidden))
+            edges.append(Edge(boundary, contour_by_name[boundary.name], hidden))
         return Shape(part, tuple(edges))
 
 
@@ -205,7 +212,7 @@ def _covers(section: Sequence[ComplexArray], points: ComplexArray) -> bool:
 
 def enclosing(rings: Sequence[ComplexArray], point: complex) -> int:
     """How often the ray from `point` to the right crosses closed polygons."""
-    return sum(int(np.count_nonzero(crossings(each, point.imag) > point.real)) for each in rings)
+    return sum(int(np.count_nonzero(crossings(ring, point.imag) > point.real)) for ring in rings)
 
 
 def crossings(ring: ComplexArray, y: float) -> FloatArray:
@@ -213,8 +220,10 @@ def crossings(ring: ComplexArray, y: float) -> FloatArray:
     ends = np.roll(ring, -1)
     across = (ring.imag > y) != (ends.imag > y)
     start, end = ring[across], ends[across]
-    found: FloatArray = start.real + (y - start.imag) / (end.imag - start.imag) * (end - start).real
-    return found
+    x_crossings: FloatArray = (
+        start.real + (y - start.imag) / (end.imag - start.imag) * (end - start).real
+    )
+    return x_crossings
 
 
 def extreme(contours: Sequence[Contour], direction: complex) -> complex:
@@ -235,7 +244,7 @@ def extreme(contours: Sequence[Contour], direction: complex) -> complex:
 
 
 @dataclass(frozen=True, slots=True)
-class Drawn:
+class ViewSubject:
     """What the views are made of.
 
     Attributes
@@ -267,7 +276,7 @@ class Drawn:
         return complex(left.real, low.imag), complex(right.real, high.imag)
 
     @property
-    def alone(self) -> Drawn:
+    def alone(self) -> ViewSubject:
         """The part without pitch curve and base circle."""
         return replace(self, pitch=None, base_radius=None)
 
@@ -284,7 +293,7 @@ class Drawn:
 ALONG: Final = 720
 """Along an edge."""
 
-BESIDE: Final = 1e-4
+SEEN_DISTANCE: Final = 1e-4
 """Of the size of the part: an edge nearer than that to one above it is seen."""
 
 FINE: Final = 1e-7
@@ -302,7 +311,7 @@ def _above(shape: Shape, edge: Edge) -> list[list[ComplexArray]]:
     layers, coarse = shape.part.layers, COARSE * shape.size
     top = max(k for k, layer in enumerate(layers) if edge.boundary in layer.boundaries)
     above = [shape.contours(layer) for layer in layers[top + 1 :]]
-    polygons = [[each.points(coarse) for each in contours] for contours in above]
+    polygons = [[contour.points(coarse) for contour in contours] for contours in above]
     nearest = float(np.min(np.abs(edge.contour.points(coarse))))
     return [rings for rings in polygons if float(np.max(np.abs(rings[0]))) > nearest]
 
@@ -323,18 +332,18 @@ def _distance(ring: ComplexArray, point: complex) -> float:
 def _changes(covered: Callable[[float], bool]) -> list[float]:
     """The places, as shares of the length, at which an edge goes under another or comes out."""
     places = (np.arange(ALONG + 1) / ALONG).tolist()
-    seen = [covered(each) for each in places[:-1]]
-    found = []
-    for (low, high), before, after in zip(
+    seen = [covered(place) for place in places[:-1]]
+    changes = []
+    for (low, high), state, next_state in zip(
         pairwise(places), seen, [*seen[1:], seen[0]], strict=True
     ):
-        if before == after:
+        if state == next_state:
             continue
         while high - low > FINE:
             middle = 0.5 * (low + high)
-            low, high = (middle, high) if covered(middle) == before else (low, middle)
-        found.append(0.5 * (low + high))
-    return found
+            low, high = (middle, high) if covered(middle) == state else (low, middle)
+        changes.append(0.5 * (low + high))
+    return changes
 
 
 # -- section ---------------------------------------------------------------------------------------
@@ -377,12 +386,12 @@ def section(shape: Shape) -> list[Mark]:
     sharp = [np.concatenate([kinks(c) for c in shape.contours(layer)]) for layer in layers]
     places = _places(rings, sharp, size)
     middles = [0.5 * (low + high) for low, high in pairwise(places)]
-    seen = [[_first(own, y) for y in middles] for own in rings]
+    seen = [[_first(layer_rings, y) for y in middles] for layer_rings in rings]
     low = layers[0].z0
     heights = [layers[0].z0 - low, *(layer.z1 - low for layer in layers)]
     marks: list[Mark] = []
-    for k, own in enumerate(seen):
-        for index, away in enumerate(own):
+    for k, distances in enumerate(seen):
+        for index, away in enumerate(distances):
             if away == 0.0:
                 (z0, z1), (y0, y1) = heights[k : k + 2], places[index : index + 2]
                 sides = [z0 + 1j * y0, z1 + 1j * y0, z1 + 1j * y1, z0 + 1j * y1]
@@ -391,11 +400,14 @@ def section(shape: Shape) -> list[Mark]:
     for k, height in enumerate(heights):
         below = seen[k - 1] if k else nothing
         above = seen[k] if k < len(seen) else nothing
-        for first, last, layer in _stretches(_between(below, above, SAME * size)):
+        for first, last, layer in _stretches(_boundary_lines(below, above, SAME * size)):
             marks.append(line(height + 1j * places[first], height + 1j * places[last], layer))
     for y in places:
-        drawn = [_edge(own, tips, y, size) for own, tips in zip(rings, sharp, strict=True)]
-        for first, last, layer in _stretches(drawn):
+        edge_layers = [
+            _edge(layer_rings, tips, y, size)
+            for layer_rings, tips in zip(rings, sharp, strict=True)
+        ]
+        for first, last, layer in _stretches(edge_layers):
             marks.append(line(heights[first] + 1j * y, heights[last] + 1j * y, layer))
     return marks
 
@@ -404,16 +416,16 @@ def _places(
     rings: Sequence[Sequence[ComplexArray]], sharp: Sequence[ComplexArray], size: float
 ) -> list[float]:
     """Heights [mm], ascending, between which what is seen changes steadily in every layer."""
-    found: list[float] = []
-    for ring in (ring for own in rings for ring in own):
-        found += crossings(1j * ring.conj(), 0.0).tolist()  # of its mirror image with x = 0
-        before, after = np.roll(ring, 1), np.roll(ring, -1)
-        turns = (ring.imag - before.imag) * (after.imag - ring.imag) <= 0.0
-        found += ring[turns & (ring.real > 0.0)].imag.tolist()
+    candidates: list[float] = []
+    for ring in (ring for layer_rings in rings for ring in layer_rings):
+        candidates += crossings(1j * ring.conj(), 0.0).tolist()  # of its mirror image with x = 0
+        previous, following = np.roll(ring, 1), np.roll(ring, -1)
+        turns = (ring.imag - previous.imag) * (following.imag - ring.imag) <= 0.0
+        candidates += ring[turns & (ring.real > 0.0)].imag.tolist()
     for tips in sharp:
-        found += tips[tips.real > 0.0].imag.tolist()
+        candidates += tips[tips.real > 0.0].imag.tolist()
     merged: list[float] = []
-    for y in sorted(found):
+    for y in sorted(candidates):
         if not merged or y - merged[-1] > 10.0 * COARSE * size:
             merged.append(y)
     return merged
@@ -427,7 +439,9 @@ def _first(rings: Sequence[ComplexArray], y: float) -> float:
     return min(ahead, default=NOTHING)
 
 
-def _between(below: Sequence[float], above: Sequence[float], same: float) -> Iterator[Layer | None]:
+def _boundary_lines(
+    below: Sequence[float], above: Sequence[float], same: float
+) -> Iterator[Layer | None]:
     """What the line between two layers is at each place, None where there is none."""
     for one, other in zip(below, above, strict=True):
         if one == other or abs(one - other) <= same:
@@ -510,16 +524,16 @@ def _mitres(bevel: Bevel, tolerance: float) -> Iterator[Chain]:
     if bevel.boundary.corner_radius is None:
         return
     contour = bevel.boundary.arcs(tolerance).contour
-    by = bevel.width if bevel.boundary.hole else -bevel.width
-    shares = np.linspace(0.0, 1.0, steps_to(contour, by, tolerance) + 1).tolist()
-    ways = np.array([parallel(contour, share * by).vertices for share in shares])
+    offset = bevel.width if bevel.boundary.hole else -bevel.width
+    shares = np.linspace(0.0, 1.0, steps_to(contour, offset, tolerance) + 1).tolist()
+    ways = np.array([parallel(contour, share * offset).vertices for share in shares])
     for k in np.flatnonzero(corners(contour)):
         yield Chain(ways[:, k], np.zeros(len(shares)), "EDGES")
 
 
-def corners_of(shape: Shape) -> list[Corner]:
+def chamfer_corners(shape: Shape) -> list[Corner]:
     """The corners of the section at which there are chamfers."""
-    found = []
+    cut_corners = []
     base, size = shape.part.layers[0].z0, shape.size
     for bevel in shape.part.bevels:
         near = _crossings(bevel.edge, size)
@@ -527,7 +541,7 @@ def corners_of(shape: Shape) -> list[Corner]:
             ends = [end for end in near if abs(end - y) <= 4.0 * bevel.width]
             if ends:
                 end = min(ends, key=lambda each: abs(each - y))
-                found.append(
+                cut_corners.append(
                     Corner(
                         complex(bevel.z - base, y),
                         complex(bevel.z - base, end),
@@ -535,7 +549,7 @@ def corners_of(shape: Shape) -> list[Corner]:
                         bevel.boundary.hole,
                     )
                 )
-    return found
+    return cut_corners
 
 
 def _crossings(boundary: Boundary, size: float) -> list[float]:
@@ -546,62 +560,62 @@ def _crossings(boundary: Boundary, size: float) -> list[float]:
 
 def bevelled(marks: Sequence[Mark], shape: Shape) -> list[Mark]:
     """The marks of a section with its chamfers."""
-    corners, near = corners_of(shape), NEAR * shape.size
-    found: list[Mark] = []
+    corners, near = chamfer_corners(shape), NEAR * shape.size
+    bevelled_marks: list[Mark] = []
     for mark in marks:
         if isinstance(mark, Hatched):
-            found.append(_cut(mark, corners))
+            bevelled_marks.append(_cut(mark, corners))
         elif isinstance(mark, Chain) and mark.layer == "SECTION":
-            found.append(_shortened(mark, corners, near))
+            bevelled_marks.append(_shortened(mark, corners, near))
         else:
-            found.append(mark)
+            bevelled_marks.append(mark)
     for corner in corners:
-        found.append(line(corner.on_face, corner.on_wall, "SECTION"))
+        bevelled_marks.append(line(corner.on_face, corner.on_wall, "SECTION"))
         if corner.hole:  # behind the plane the edge on the face goes on
-            found.append(line(corner.sharp, corner.on_face, "EDGES"))
-    found += _feet(shape)
-    return found
+            bevelled_marks.append(line(corner.sharp, corner.on_face, "EDGES"))
+    bevelled_marks += _feet(shape)
+    return bevelled_marks
 
 
 def _cut(face: Hatched, corners: Sequence[Corner]) -> Hatched:
     """A face without the corners that chamfers cut off."""
     points = face.corners
-    for each in corners:
-        z = sorted((each.on_wall.real, each.sharp.real))
-        y = sorted((each.on_face.imag, each.sharp.imag))
+    for corner in corners:
+        z = sorted((corner.on_wall.real, corner.sharp.real))
+        y = sorted((corner.on_face.imag, corner.sharp.imag))
         low, high = min(points.real), max(points.real)
         left, right = min(points.imag), max(points.imag)
         if min(z[1], high) > max(z[0], low) and min(y[1], right) > max(y[0], left):
-            points = _clipped(points, each.on_face, each.on_wall, each.sharp)
+            points = _clipped(points, corner.on_face, corner.on_wall, corner.sharp)
     return Hatched(points)
 
 
-def _clipped(points: ComplexArray, one: complex, other: complex, out: complex) -> ComplexArray:
-    """A convex polygon (n,) without what lies beyond a line, on the side of `out`."""
+def _clipped(points: ComplexArray, one: complex, other: complex, outer: complex) -> ComplexArray:
+    """A convex polygon (n,) without what lies beyond a line, on the side of the point `outer`."""
     way = other - one
-    side = np.sign(((out - one) * way.conjugate()).imag)
+    side = np.sign(((outer - one) * way.conjugate()).imag)
     beyond = ((points - one) * np.conj(way)).imag * side
-    kept: list[complex] = []
+    vertices: list[complex] = []
     for k, point in enumerate(points.tolist()):
-        after = (k + 1) % len(points)
+        following = (k + 1) % len(points)
         if beyond[k] <= 0.0:
-            kept.append(point)
-        if (beyond[k] > 0.0) != (beyond[after] > 0.0):
-            share = beyond[k] / (beyond[k] - beyond[after])
-            kept.append(complex(point + share * (points[after] - point)))
-    return np.array(kept, dtype=np.complex128)
+            vertices.append(point)
+        if (beyond[k] > 0.0) != (beyond[following] > 0.0):
+            share = beyond[k] / (beyond[k] - beyond[following])
+            vertices.append(complex(point + share * (points[following] - point)))
+    return np.array(vertices, dtype=np.complex128)
 
 
 def _shortened(chain: Chain, corners: Sequence[Corner], near: float) -> Chain:
     """A line up to the chamfers at its ends."""
     ends = chain.vertices.tolist()
     for k in (0, 1):
-        for each in corners:
-            if not each.has(ends[k], near):
+        for corner in corners:
+            if not corner.has(ends[k], near):
                 continue
             along = ends[1 - k] - ends[k]
-            for end in (each.on_face, each.on_wall):
-                way = end - each.sharp
+            for end in (corner.on_face, corner.on_wall):
+                way = end - corner.sharp
                 if (along * way.conjugate()).real > 0.5 * abs(along) * abs(way):
                     ends[k] = end
     return Chain(np.array(ends), chain.sweeps, chain.layer, chain.closed)
@@ -615,22 +629,22 @@ def _feet(shape: Shape) -> Iterator[Mark]:
     for bevel in shape.part.bevels:
         if not bevel.boundary.hole:
             continue
-        own = _crossings(bevel.boundary, size)
-        others = [y for each in _beside(shape, bevel) for y in _crossings(each, size)]
-        for low, high in zip(own[::2], own[1::2], strict=False):
+        wall_crossings = _crossings(bevel.boundary, size)
+        others = [y for boundary in _neighbours(shape, bevel) for y in _crossings(boundary, size)]
+        for low, high in zip(wall_crossings[::2], wall_crossings[1::2], strict=False):
             if not any(low < y < high for y in others):
                 z = bevel.foot - base
                 yield line(complex(z, low), complex(z, high), "EDGES")
 
 
-def _beside(shape: Shape, bevel: Bevel) -> list[Boundary]:
+def _neighbours(shape: Shape, bevel: Bevel) -> list[Boundary]:
     """The other boundaries at the height of a chamfer's foot."""
     return [
-        each
+        boundary
         for layer in shape.part.layers
         if layer.z0 <= bevel.foot <= layer.z1
-        for each in layer.boundaries
-        if each != bevel.boundary
+        for boundary in layer.boundaries
+        if boundary != bevel.boundary
     ]
 
 
@@ -642,13 +656,15 @@ PLACES: Final = 24
 """Distances from the section that are tried."""
 
 
-def diameters(rounds: Sequence[Turned], thickness: float, bench: Bench) -> Iterator[Options]:
+def diameters(
+    rounds: Sequence[TurnedDiameter], thickness: float, bench: Bench
+) -> Iterator[Options]:
     """The diameters that the section shows, the smallest first, which stands nearest; the datum A
     is at that of the bore.
     """
-    for each in rounds:
-        if in_section(each):
-            yield _diameter(each, thickness, bench)
+    for diameter in rounds:
+        if in_section(diameter):
+            yield _diameter(diameter, thickness, bench)
 
 
 def hole_centres(shape: Shape, scale: float) -> Iterator[Mark]:
@@ -661,40 +677,44 @@ def hole_centres(shape: Shape, scale: float) -> Iterator[Mark]:
             yield line(wall.z0 - base - far + level, wall.z1 - base + far + level, "CENTRE")
 
 
-def _diameter(each: Turned, thickness: float, bench: Bench) -> Options:
-    height = 1j * each.radius
-    mark = Distance(each.z1 - height, each.z1 + height, 0j, 0.5 * math.pi,
-                    DIAMETER, fit(each, bench.spec), EXACT[bench.unit])  # fmt: skip
+def _diameter(diameter: TurnedDiameter, thickness: float, bench: Bench) -> Options:
+    height = 1j * diameter.radius
+    mark = Distance(diameter.z1 - height, diameter.z1 + height, 0j, 0.5 * math.pi,
+                    DIAMETER, fit(diameter, bench.spec), EXACT[bench.unit])  # fmt: skip
     options = dimension_options(mark, 1.0 + 0.0j, _dimension_places(thickness, bench), 1j, bench)
-    return with_datum(options, "A", bench) if each.is_bore else options
+    return with_datum(options, "A", bench) if diameter.is_bore else options
 
 
 def _dimension_places(start: float, bench: Bench) -> Iterator[tuple[float, float]]:
     """Distances beyond an edge of the section [mm of the part], and what they cost."""
     steps = islice(count(STEP, FINER), PLACES)
-    return ((FARTHER * (each - STEP), start + each / bench.scale) for each in steps)
+    return ((FARTHER * (distance - STEP), start + distance / bench.scale) for distance in steps)
 
 
 def heights(
-    shape: Shape, drawn: Sequence[Mark], box: tuple[complex, complex], bench: Bench
+    shape: Shape, section_marks: Sequence[Mark], box: tuple[complex, complex], bench: Bench
 ) -> Iterator[Options]:
-    """The thickness below the section `drawn` with sharp edges, and above it the heights of its
-    walls, the smallest first; that of the whole part is not among them, nor those of letters, of
-    which notes speak. Their points are on the faces, beside chamfers.
+    """The dimension of the thickness below the section, and those of the heights of its walls above
+    it, the smallest first.
+
+    A wall as high as the whole part has none, nor have letters, which the notes describe. Points
+    that are measured lie on the faces, beside chamfers; `section_marks` have sharp edges.
     """
     layers, thickness = shape.part.layers, shape.part.thickness
-    corners = corners_of(shape)
+    corners = chamfer_corners(shape)
 
     def on_faces(ends: tuple[complex, complex]) -> tuple[complex, complex]:
         one, other = (
-            next((each.on_face for each in corners if each.has(end, NEAR * shape.size)), end)
+            next((corner.on_face for corner in corners if corner.has(end, NEAR * shape.size)), end)
             for end in ends
         )
         return one, other
 
     base = layers[0].z0
-    ends = (complex(0.0, _lowest(drawn, 0.0, layers[0].z1 - base)),
-            complex(thickness, _lowest(drawn, layers[-1].z0 - base, thickness)))  # fmt: skip
+    ends = (
+        complex(0.0, _lowest(section_marks, 0.0, layers[0].z1 - base)),
+        complex(thickness, _lowest(section_marks, layers[-1].z0 - base, thickness)),
+    )
     yield _height(on_faces(ends), -1j, -box[0].imag, bench)
     tops: dict[tuple[float, float], float] = {}
     for wall in shape.part.walls:
@@ -716,21 +736,21 @@ def _height(ends: tuple[complex, complex], way: complex, edge: float, bench: Ben
     return dimension_options(mark, way, _dimension_places(edge, bench), -1.0, bench)
 
 
-def _lowest(drawn: Sequence[Mark], z0: float, z1: float) -> float:
+def _lowest(marks: Sequence[Mark], z0: float, z1: float) -> float:
     """Lowest y [mm] of the edges of a section along the layer from `z0` to `z1`."""
-    found = []
-    for mark in drawn:
+    levels = []
+    for mark in marks:
         if isinstance(mark, Chain) and mark.vertices[0].imag == mark.vertices[1].imag:
             start, end = sorted(mark.vertices.real.tolist())
             if start <= z0 and end >= z1:
-                found.append(float(mark.vertices[0].imag))
-    return min(found, default=0.0)
+                levels.append(float(mark.vertices[0].imag))
+    return min(levels, default=0.0)
 
 
 # -- dimensions -----------------------------------------------------------------------------------
 # The dimensions of a part: definition points on its edges, and numbers that are measured.
 #
-# Each function gives the places that a dimension may have, for `settled` to choose from.
+# Each function gives the places that a dimension may have, for `placed_marks` to choose from.
 
 
 EXACT: Final[dict[LengthUnit, int]] = {"mm": 4, "inch": 5}
@@ -797,8 +817,8 @@ class Bench:
         and what they cost.
         """
         far = (self.reach + BEYOND / self.scale - start) * self.scale
-        steps = takewhile(lambda each: each <= max(far, STEP), count(STEP, FINER))
-        return ((FARTHER * (each - STEP), start + each / self.scale) for each in steps)
+        steps = takewhile(lambda distance: distance <= max(far, STEP), count(STEP, FINER))
+        return ((FARTHER * (distance - STEP), start + distance / self.scale) for distance in steps)
 
 
 @dataclass(frozen=True, slots=True)
@@ -825,7 +845,7 @@ class Keyway:
         return ((self.left + self.right) / 2.0 * self.outward.conjugate()).real
 
 
-def keyway_of(edge: Edge) -> Keyway | None:
+def find_keyway(edge: Edge) -> Keyway | None:
     """The keyway of a bore: three lines and the rest of the circle; None if it has none."""
     contour, circle = edge.contour, edge.circle
     lines = np.flatnonzero(contour.sweeps == 0.0)
@@ -840,14 +860,14 @@ def keyway_of(edge: Edge) -> Keyway | None:
     return Keyway(corners[1], corners[0], circle[0] - circle[1] * outward, outward, circle[1])
 
 
-def datum(at: complex, outward: complex, name: str) -> list[Mark]:
-    """A datum (ISO 5459): the triangle stands on a line at `at`, its letter is along `outward`."""
-    base = (at + 1.7j * outward, at - 1.7j * outward, at + 3.0 * outward)
-    middle = at + (7.0 + 0.5 * CELL) * outward
+def datum(foot: complex, outward: complex, name: str) -> list[Mark]:
+    """Datum (ISO 5459): its triangle stands on a line at `foot`, its letter is along `outward`."""
+    base = (foot + 1.7j * outward, foot - 1.7j * outward, foot + 3.0 * outward)
+    middle = foot + (7.0 + 0.5 * CELL) * outward
     corner = middle - complex(0.5 * CELL, 0.5 * CELL)
     return [
         Filled(base),
-        line(at + 3.0 * outward, at + 7.0 * outward, "SYMBOL"),
+        line(foot + 3.0 * outward, foot + 7.0 * outward, "SYMBOL"),
         rectangle(corner, CELL, CELL, "SYMBOL"),
         Label(name, middle - 0.5j * LETTER, LETTER, "centre", "SYMBOL"),
     ]
@@ -855,7 +875,7 @@ def datum(at: complex, outward: complex, name: str) -> list[Mark]:
 
 def has_room(mark: Distance, scale: float, unit: LengthUnit) -> bool:
     """Whether the text of a dimension fits between its extension lines."""
-    return width_of(number_of(mark, unit), LETTERS) + 1.0 <= mark.measure * scale
+    return text_width(dimension_text(mark, unit), LETTERS) + 1.0 <= mark.measure * scale
 
 
 def has_arrows_outside(mark: Distance, scale: float) -> bool:
@@ -874,9 +894,9 @@ def upright(mark: Distance) -> Distance:
     return replace(mark, angle=angle, first=ends[0], second=ends[1])
 
 
-def placed(mark: Distance, scale: float, unit: LengthUnit, towards: complex) -> Iterator[Option]:
+def placed(mark: Distance, scale: float, unit: LengthUnit, preferred: complex) -> Iterator[Option]:
     """The dimension with its text in the middle, if there is room, and outside, rather in the
-    direction `towards`.
+    direction `preferred`.
 
     Its line goes on below a text outside.
     """
@@ -885,36 +905,36 @@ def placed(mark: Distance, scale: float, unit: LengthUnit, towards: complex) -> 
     inside = has_room(mark, scale, unit)
     if inside:
         yield 0.0, (mark,)
-    wide, room = width_of(number_of(mark, unit), LETTERS), mark.measure * scale
-    better = 1.0 if (towards * along.conjugate()).real >= 0.0 else -1.0
+    wide, room = text_width(dimension_text(mark, unit), LETTERS), mark.measure * scale
+    better = 1.0 if (preferred * along.conjugate()).real >= 0.0 else -1.0
     for sense in (better, -better):
         price = (1.0 if inside else 0.0) + (0.5 if sense != better else 0.0)
         moved = replace(mark, aside=sense * (0.5 * room + TEXT_OUTSIDE + 0.5 * wide))
-        start = middle_of(moved) + sense * along * (0.5 * room + 0.5 * ARROW) / scale
-        end = middle_of(moved) + sense * along * (0.5 * room + TEXT_OUTSIDE + wide) / scale
+        start = line_middle(moved) + sense * along * (0.5 * room + 0.5 * ARROW) / scale
+        end = line_middle(moved) + sense * along * (0.5 * room + TEXT_OUTSIDE + wide) / scale
         yield price, (moved, line(start, end, "DIMENSION"))
 
 
-def middle_of(mark: Distance) -> complex:
+def line_middle(mark: Distance) -> complex:
     """The middle of the measured stretch on the dimension line."""
     along = cmath.rect(1.0, mark.angle)
-    between = 0.5 * (mark.first + mark.second) - mark.line
-    return mark.line + along * (between * along.conjugate()).real
+    offset = 0.5 * (mark.first + mark.second) - mark.line
+    return mark.line + along * (offset * along.conjugate()).real
 
 
 def dimension_options(
     mark: Distance,
     way: complex,
     places: Iterable[tuple[float, float]],
-    towards: complex,
+    preferred: complex,
     bench: Bench,
 ) -> Iterator[Option]:
     """The dimension with its line through each of the `places` along `way`, after their cost, and
     its text as `placed` has it.
     """
     for price, place in places:
-        own = replace(mark, line=way * place)
-        for more, marks in placed(own, bench.scale, bench.unit, towards):
+        candidate = replace(mark, line=way * place)
+        for more, marks in placed(candidate, bench.scale, bench.unit, preferred):
             yield price + more, marks
 
 
@@ -932,8 +952,8 @@ def with_datum(options: Iterable[Option], name: str, bench: Bench) -> Iterator[O
             if mark.aside and (mark.aside > 0.0) == (bare == 2):
                 continue
             foot = mark.line + along * ((end - mark.line) * along.conjugate()).real
-            own = replace(mark, bare=bare) if has_arrows_outside(mark, bench.scale) else mark
-            yield price, (own, *rest, *moved(datum(0j, way, name), foot, bench.scale))
+            dimension = replace(mark, bare=bare) if has_arrows_outside(mark, bench.scale) else mark
+            yield price, (dimension, *rest, *moved(datum(0j, way, name), foot, bench.scale))
 
 
 def keyway_width(key: Keyway, bench: Bench) -> Options:
@@ -952,13 +972,13 @@ def keyway_depth(key: Keyway, bench: Bench) -> Options:
     yield from _through_bore(key.far, (key.left, key.right), key.outward, key.radius, bench)
 
 
-def of_flat(edge: Edge, bench: Bench) -> Options:
+def flat_options(edge: Edge, bench: Bench) -> Options:
     """The size across the flat of a bore for a D-shaft; nothing without one."""
     contour, circle = edge.contour, edge.circle
     flats = np.flatnonzero(contour.sweeps == 0.0)
     if circle is None or len(flats) != 1:
         return
-    ends = [complex(each[flats[0]]) for each in (contour.vertices, contour.ends)]
+    ends = [complex(points[flats[0]]) for points in (contour.vertices, contour.ends)]
     middle = 0.5 * (ends[0] + ends[1]) - circle[0]
     outward = middle / abs(middle)
     yield from _through_bore(circle[0] - circle[1] * outward, ends, outward, circle[1], bench)
@@ -1008,7 +1028,7 @@ def _along(
 
 
 @dataclass(frozen=True, slots=True)
-class Turned:
+class TurnedDiameter:
     """A diameter about the cam axis, and the heights between which its edge stands [mm]."""
 
     edge: Edge
@@ -1023,38 +1043,46 @@ class Turned:
         return self.edge.boundary.name == "bore"
 
 
-def turned(shape: Shape) -> list[Turned]:
+def find_diameters(shape: Shape) -> list[TurnedDiameter]:
     """The round boundaries about the cam axis, the smallest first."""
     low = shape.part.layers[0].z0
-    found: list[Turned] = []
+    turned_diameters: list[TurnedDiameter] = []
     for wall in shape.part.bands:
         if not wall.is_upright:
             continue
         edge = shape.edge(wall.wall)
         if edge.circle is not None and abs(edge.circle[0]) <= 1e-9 * shape.size:
-            key = keyway_of(edge)
-            if any(math.isclose(each.radius, edge.circle[1], rel_tol=1e-9) for each in found):
+            key = find_keyway(edge)
+            if any(
+                math.isclose(other.radius, edge.circle[1], rel_tol=1e-9)
+                for other in turned_diameters
+            ):
                 continue  # the hubs on both sides
-            found.append(Turned(edge, edge.circle[1], wall.z0 - low, wall.z1 - low, key))
-    return sorted(found, key=lambda each: each.radius)
+            turned_diameters.append(
+                TurnedDiameter(edge, edge.circle[1], wall.z0 - low, wall.z1 - low, key)
+            )
+    return sorted(turned_diameters, key=lambda each: each.radius)
 
 
-def in_section(each: Turned) -> bool:
+def in_section(diameter: TurnedDiameter) -> bool:
     """Whether both ends of the diameter are on its edge in the section."""
-    return all(each.edge.has(end) for end in (1j * each.radius, -1j * each.radius))
+    return all(diameter.edge.has(end) for end in (1j * diameter.radius, -1j * diameter.radius))
 
 
-def fit(each: Turned, spec: DrawingSpec) -> str:
+def fit(diameter: TurnedDiameter, spec: DrawingSpec) -> str:
     """The tolerance class behind a diameter, empty without one."""
-    return f" {spec.bore_fit}" if each.is_bore and spec.bore_fit else ""
+    return f" {spec.bore_fit}" if diameter.is_bore and spec.bore_fit else ""
 
 
-def of_round(each: Turned, bench: Bench) -> Options:
+def round_options(diameter: TurnedDiameter, bench: Bench) -> Options:
     """A diameter about the cam axis in the front view, with the datum A at that of the bore."""
-    ways = [SLANTED + math.radians(each) for each in (0, 15, -15, 30, -30, 105, 120, 180, 225, 240)]
-    for price, mark in leaders(0j, each.radius, ways, fit(each, bench.spec), bench):
+    ways = [
+        SLANTED + math.radians(degrees)
+        for degrees in (0, 15, -15, 30, -30, 105, 120, 180, 225, 240)
+    ]
+    for price, mark in leaders(0j, diameter.radius, ways, fit(diameter, bench.spec), bench):
         marks: list[Mark] = [mark]
-        if each.is_bore and bench.spec.flank_tolerance is not None:
+        if diameter.is_bore and bench.spec.flank_tolerance is not None:
             marks += moved(datum(0j, -1j, "A"), _shelf(mark, bench), bench.scale)
         yield price, marks
 
@@ -1063,7 +1091,7 @@ def _shelf(mark: Diameter, bench: Bench) -> complex:
     """The middle of the line below the text of a diameter [mm of the part]."""
     tip = mark.centre + cmath.rect(mark.radius, mark.angle)
     knee = tip + cmath.rect(mark.reach / bench.scale, mark.angle)
-    half = 0.5 * shelf_of(number_of(mark, bench.unit)) / bench.scale
+    half = 0.5 * shelf_length(dimension_text(mark, bench.unit)) / bench.scale
     return knee + (half if knee.real > tip.real else -half)
 
 
@@ -1079,30 +1107,30 @@ def leaders(
             yield price, Diameter(centre, radius, angle, length, 1, suffix, EXACT[bench.unit])
 
 
-def of_holes(shape: Shape, bench: Bench) -> Iterator[Options]:
+def hole_requests(shape: Shape, bench: Bench) -> Iterator[Options]:
     """Round holes off the cam axis: one of each kind, after their number, and each pitch circle."""
     kinds: dict[tuple[float, float], list[complex]] = {}
     for centre, radius in shape.holes:
         kinds.setdefault((round(radius, 9), round(abs(centre), 9)), []).append(centre)
-    for (radius, _), found in kinds.items():
-        yield _of_hole(found, radius, bench)
-    circles = {size: found for (_, size), found in reversed(kinds.items()) if len(found) > 1}
-    for found in circles.values():
-        yield _of_circle(found, bench)
+    for (radius, _), centres in kinds.items():
+        yield _hole_options(centres, radius, bench)
+    circles = {size: centres for (_, size), centres in reversed(kinds.items()) if len(centres) > 1}
+    for centres in circles.values():
+        yield _pitch_circle_options(centres, bench)
 
 
-def _of_hole(found: Sequence[complex], radius: float, bench: Bench) -> Options:
+def _hole_options(centres: Sequence[complex], radius: float, bench: Bench) -> Options:
     """The diameter of one of equal holes, after their number."""
-    for number, centre in enumerate(found[:MOST_HOLES]):
-        ways = [phase(centre) + math.radians(each) for each in (0, 30, -30, 60, -60, 90, -90)]
+    for number, centre in enumerate(centres[:MOST_HOLES]):
+        ways = [phase(centre) + math.radians(degrees) for degrees in (0, 30, -30, 60, -60, 90, -90)]
         for price, mark in leaders(centre, radius, ways, "", bench):
-            yield price + TURNED * number, (replace(mark, count=len(found)),)
+            yield price + TURNED * number, (replace(mark, count=len(centres)),)
 
 
-def _of_circle(found: Sequence[complex], bench: Bench) -> Options:
+def _pitch_circle_options(centres: Sequence[complex], bench: Bench) -> Options:
     """The diameter of the circle through the middles of holes, between two of them."""
-    between = math.pi / len(found)
-    first = [phase(centre) for centre in found[:MOST_HOLES]]
-    ways = [each + share * between for share in (1.0, 0.6, 1.4) for each in first]
-    for price, mark in leaders(0j, abs(found[0]), ways, "", bench):
+    half_pitch = math.pi / len(centres)
+    first = [phase(centre) for centre in centres[:MOST_HOLES]]
+    ways = [direction + share * half_pitch for share in (1.0, 0.6, 1.4) for direction in first]
+    for price, mark in leaders(0j, abs(centres[0]), ways, "", bench):
         yield price, (mark,)

@@ -28,15 +28,15 @@ from camgeo.pictures.sheet.marks import (
     Round,
     Sheet,
     View,
-    ink_of,
     line,
+    measure_ink,
     moved,
+    placed_marks,
     rectangle,
-    settled,
+    text_width,
     texture,
-    width_of,
 )
-from camgeo.pictures.sheet.section import Drawn, Shape
+from camgeo.pictures.sheet.section import Shape, ViewSubject
 from camgeo.pictures.sheet.texts import (
     Region,
     Texts,
@@ -45,7 +45,7 @@ from camgeo.pictures.sheet.texts import (
 from camgeo.scene.formats.drawing import DrawingSpec
 from camgeo.units import MM_PER, LengthUnit
 
-BETWEEN: Final = 6.0
+VIEW_GAP: Final = 6.0
 """Between front view and section, with all that belongs to them, and farther where there is room,
 up to `SPREAD` [mm]."""
 
@@ -58,7 +58,7 @@ EDGE: Final = 1.5
 """Around the views [mm]."""
 
 
-def sheets_of(product: Product, tolerance: float) -> tuple[Sheet, ...]:
+def build_sheets(product: Product, tolerance: float) -> tuple[Sheet, ...]:
     """The sheets of a disc, whose edges lie within `tolerance` [mm]: the views are on the first
     one, and a table that does not fit there is on the next.
 
@@ -68,7 +68,7 @@ def sheets_of(product: Product, tolerance: float) -> tuple[Sheet, ...]:
         With the key of `[drawing]` that is at fault, if not all of it fits.
     """
     try:
-        return _sheets_of(product, tolerance)
+        return _build_sheets(product, tolerance)
     except GeometryError as error:
         if not error.key.startswith("drawing."):
             raise
@@ -78,28 +78,28 @@ def sheets_of(product: Product, tolerance: float) -> tuple[Sheet, ...]:
         raise SceneError([fault], scene.source.file) from error
 
 
-def _sheets_of(product: Product, tolerance: float) -> tuple[Sheet, ...]:
+def _build_sheets(product: Product, tolerance: float) -> tuple[Sheet, ...]:
     spec = product.scene.drawing
-    each = 2 if Texts(product, spec).is_apart else 1
+    sheets_per_disc = 2 if Texts(product, spec).has_table_sheet else 1
     if product.is_pair:  # the sheets of its discs have their curves
         spec = replace(spec, step=0, motion=False, scale="")
-    drawn = drawn_of(product, tolerance)
+    subject = view_subject(product, tolerance)
     texts = Texts(product, spec)
-    regions, marks = texts.beside(tolerance, drawn)
-    scale, views = _fitted(drawn, regions, product, spec)
-    if not spec.scale and _may_fit(drawn.alone, regions, DWARFED * float(scale)):
-        bare, bare_marks = texts.beside(tolerance, drawn.alone)
-        larger, bare_views = _fitted(drawn.alone, bare, product, spec)
+    regions, marks = texts.layout(tolerance, subject)
+    scale, views = _fitted(subject, regions, product, spec)
+    if not spec.scale and _may_fit(subject.alone, regions, DWARFED * float(scale)):
+        bare, bare_marks = texts.layout(tolerance, subject.alone)
+        larger, bare_views = _fitted(subject.alone, bare, product, spec)
         if larger >= DWARFED * scale:
             scale, views, marks = larger, bare_views, bare_marks
     contents = [(views, marks)]
-    if texts.is_apart:
-        contents.append(((), texts.table_apart()))
-    last = len(product.judgement.cams) * each + is_in_one_piece(product)
-    first = last if product.is_pair else product.position * each + 1
+    if texts.has_table_sheet:
+        contents.append(((), texts.table_sheet()))
+    last = len(product.judgement.cams) * sheets_per_disc + is_in_one_piece(product)
+    first = last if product.is_pair else product.position * sheets_per_disc + 1
     return tuple(
-        _sheet(product, spec, scale, own, drawn_on, (first + number, last))
-        for number, (own, drawn_on) in enumerate(contents)
+        _sheet(product, spec, scale, sheet_views, sheet_marks, (first + number, last))
+        for number, (sheet_views, sheet_marks) in enumerate(contents)
     )
 
 
@@ -116,10 +116,10 @@ def _sheet(
     """A sheet with its frame and title block."""
     texts, ratio = Texts(product, spec), spelled(scale)
     size, all_marks = texts.size, [*marks, *texts.frame_and_title(ratio, numbered)]
-    drawn_marks = tuple(in_dashes(all_marks, 1.0))
+    dashed_marks = tuple(in_dashes(all_marks, 1.0))
     comma = spec.language == "de"
     return Sheet(
-        size.width, size.height, float(scale), ratio, product.unit, comma, views, drawn_marks
+        size.width, size.height, float(scale), ratio, product.unit, comma, views, dashed_marks
     )
 
 
@@ -150,50 +150,50 @@ class _Laid:
     def placed(self, region: Region) -> tuple[View, ...]:
         """The views in the middle of a region, the section farther away if there is room."""
         spare = self.spare(region)
-        apart = min(spare.real / 3.0, SPREAD) if len(self.views) > 1 else 0.0
-        aside = 0.5 * (spare.real - apart)
-        at = region.low - self.low + complex(EDGE + aside, EDGE + 0.5 * spare.imag)
-        return tuple(replace(each, at=each.at + at + number * apart)
-                     for number, each in enumerate(self.views))  # fmt: skip
+        gap = min(spare.real / 3.0, SPREAD) if len(self.views) > 1 else 0.0
+        aside = 0.5 * (spare.real - gap)
+        shift = region.low - self.low + complex(EDGE + aside, EDGE + 0.5 * spare.imag)
+        return tuple(replace(view, origin=view.origin + shift + number * gap)
+                     for number, view in enumerate(self.views))  # fmt: skip
 
 
-def _laid(drawn: Drawn, scale: float, product: Product, spec: DrawingSpec) -> _Laid:
-    marks = tuple(front_view(drawn, scale, product, spec))
-    low, high = ink_of(marks, scale, product.unit).extent
+def _laid(subject: ViewSubject, scale: float, product: Product, spec: DrawingSpec) -> _Laid:
+    marks = tuple(front_view(subject, scale, product, spec))
+    low, high = measure_ink(marks, scale, product.unit).extent
     views = [View(0j, marks)]
-    if drawn.cut:
-        cut = tuple(section_view(drawn, scale, product, spec))
-        left, right = ink_of(cut, scale, product.unit).extent
-        at = high.real + BETWEEN - left.real
-        views.append(View(complex(at), cut))
+    if subject.cut:
+        cut = tuple(section_view(subject, scale, product, spec))
+        left, right = measure_ink(cut, scale, product.unit).extent
+        cut_origin = high.real + VIEW_GAP - left.real
+        views.append(View(complex(cut_origin), cut))
         low = complex(low.real, min(low.imag, left.imag))
-        high = complex(at + right.real, max(high.imag, right.imag))
+        high = complex(cut_origin + right.real, max(high.imag, right.imag))
     return _Laid(tuple(views), low, high)
 
 
 def _fitted(
-    drawn: Drawn, regions: Sequence[Region], product: Product, spec: DrawingSpec
+    subject: ViewSubject, regions: Sequence[Region], product: Product, spec: DrawingSpec
 ) -> tuple[Fraction, tuple[View, ...]]:
     """The stated scale, or the largest standard one at which the views fit, and the views."""
-    asked = scale_of(spec.scale) if spec.scale else None
-    tried = scales() if asked is None else (asked,)
-    for scale in tried:
-        if _may_fit(drawn, regions, float(scale)):
-            laid = _laid(drawn, float(scale), product, spec)
+    stated = parse_scale(spec.scale) if spec.scale else None
+    candidates = scales() if stated is None else (stated,)
+    for scale in candidates:
+        if _may_fit(subject, regions, float(scale)):
+            laid = _laid(subject, float(scale), product, spec)
             for region in filter(laid.fits, regions):
                 return scale, laid.placed(region)
-    if asked is None:
+    if stated is None:
         message = "leaves no room for the views; leave out table or diagram, or take A3"
         raise GeometryError(message, key="drawing.sheet", value=spec.sheet)
-    largest, _ = _fitted(drawn, regions, product, replace(spec, scale=""))
+    largest, _ = _fitted(subject, regions, product, replace(spec, scale=""))
     message = f'does not fit on the sheet: at most "{spelled(largest)}" does'
     raise GeometryError(message, key="drawing.scale", value=spec.scale)
 
 
-def _may_fit(drawn: Drawn, regions: Sequence[Region], scale: float) -> bool:
+def _may_fit(subject: ViewSubject, regions: Sequence[Region], scale: float) -> bool:
     """Whether the part itself fits, without anything around it."""
-    low, high = drawn.box
-    size = high - low + (drawn.shape.part.thickness if drawn.cut else 0.0)
+    low, high = subject.box
+    size = high - low + (subject.shape.part.thickness if subject.cut else 0.0)
     rooms = [region.size / scale for region in regions]
     return any(size.real <= room.real and size.imag <= room.imag for room in rooms)
 
@@ -210,9 +210,9 @@ SMALLEST: Final = 100_000
 def scales() -> tuple[Fraction, ...]:
     """Millimetres of paper for each of the part, the largest first."""
     sizes = [step * 10**power for power in range(6) for step in (1, 2, 5)]
-    up = [Fraction(size) for size in sizes if size <= LARGEST]
-    down = [Fraction(1, size) for size in sizes if 1 < size <= SMALLEST]
-    return (*reversed(up), *down)
+    enlargements = [Fraction(size) for size in sizes if size <= LARGEST]
+    reductions = [Fraction(1, size) for size in sizes if 1 < size <= SMALLEST]
+    return (*reversed(enlargements), *reductions)
 
 
 def spelled(scale: Fraction) -> str:
@@ -220,7 +220,7 @@ def spelled(scale: Fraction) -> str:
     return f"{scale.numerator}:{scale.denominator}"
 
 
-def scale_of(text: str) -> Fraction:
+def parse_scale(text: str) -> Fraction:
     """The scale that is spelled so."""
     first, _, second = text.partition(":")
     return Fraction(int(first), int(second))
@@ -246,56 +246,58 @@ TITLE: Final = 5.0
 """From the upper edge of the section to its title, beside the letter of its plane [mm of paper]."""
 
 
-def drawn_of(product: Product, tolerance: float) -> Drawn:
+def view_subject(product: Product, tolerance: float) -> ViewSubject:
     """What the views of a disc are made of, its curves within `tolerance` [mm]."""
-    drawn = product.drawn
-    shape = Shape.of(drawn.part, tolerance, drawn.effort)
+    contents = product.drawn
+    shape = Shape.from_part(contents.part, tolerance, contents.effort)
     cut = tuple(dimensions.section(shape)) if shape.has_heights else ()
-    edges = tuple(dimensions.edges_above(shape, tolerance, drawn.effort))
+    edges = tuple(dimensions.edges_above(shape, tolerance, contents.effort))
     if product.is_pair:
-        return Drawn(shape, None, None, cut, product.unit, edges)
+        return ViewSubject(shape, None, None, cut, product.unit, edges)
     pitch = None
-    if drawn.has_pitch_curve:
-        pitch = drawn.pitch_contour(WRITTEN_SHARE * tolerance).contour
-    return Drawn(shape, pitch, drawn.base_radius, cut, product.unit, edges)
+    if contents.has_pitch_curve:
+        pitch = contents.pitch_contour(WRITTEN_SHARE * tolerance).contour
+    return ViewSubject(shape, pitch, contents.base_radius, cut, product.unit, edges)
 
 
-def front_view(drawn: Drawn, scale: float, product: Product, spec: DrawingSpec) -> list[Mark]:
+def front_view(
+    subject: ViewSubject, scale: float, product: Product, spec: DrawingSpec
+) -> list[Mark]:
     """The part from above, its origin in the cam axis."""
-    shape, unit = drawn.shape, product.unit
-    low, high = drawn.box
+    shape, unit = subject.shape, product.unit
+    low, high = subject.box
     reach = max(abs(complex(x, y)) for x in (low.real, high.real) for y in (low.imag, high.imag))
     bench = dimensions.Bench(spec, unit, scale, reach)
     fixed: list[Mark] = []
-    if drawn.pitch is not None:
-        fixed += dashed(drawn.pitch, scale, "PITCH_CURVE", DASH_DOT)
-    if drawn.base_radius is not None:
-        fixed.append(Round(0j, drawn.base_radius, "BASE_CIRCLE"))
+    if subject.pitch is not None:
+        fixed += dashed(subject.pitch, scale, "PITCH_CURVE", DASH_DOT)
+    if subject.base_radius is not None:
+        fixed.append(Round(0j, subject.base_radius, "BASE_CIRCLE"))
     fixed += _cross(low, high, scale)
     fixed += pattern_centres(shape, scale)
     fixed += shape.outlines
-    fixed += drawn.edges
-    if drawn.cut:
+    fixed += subject.edges
+    if subject.cut:
         fixed += _plane(low, high, scale)
     requests: list[Options] = []
-    rounds = dimensions.turned(shape)
-    for each in rounds:
-        if each.keyway is not None:
-            requests.append(dimensions.keyway_width(each.keyway, bench))
-            requests.append(dimensions.keyway_depth(each.keyway, bench))
-    requests += [dimensions.of_flat(each.edge, bench) for each in rounds]
-    requests += [dimensions.of_round(each, bench) for each in rounds
-                 if not drawn.cut or not dimensions.in_section(each)]  # fmt: skip
-    requests += dimensions.of_holes(shape, bench)
-    requests.append(_zero_mark(drawn, scale))
+    rounds = dimensions.find_diameters(shape)
+    for diameter in rounds:
+        if diameter.keyway is not None:
+            requests.append(dimensions.keyway_width(diameter.keyway, bench))
+            requests.append(dimensions.keyway_depth(diameter.keyway, bench))
+    requests += [dimensions.flat_options(diameter.edge, bench) for diameter in rounds]
+    requests += [dimensions.round_options(diameter, bench) for diameter in rounds
+                 if not subject.cut or not dimensions.in_section(diameter)]  # fmt: skip
+    requests += dimensions.hole_requests(shape, bench)
+    requests.append(_zero_mark(subject, scale))
     requests += dimensions.overall(shape, (low, high), bench)
-    requests += [_flank(drawn, scale, spec), _sense(drawn, product.cam.rotation, scale)]
-    return _cleared(settled(requests, fixed, scale, unit), scale, unit)
+    requests += [_flank(subject, scale, spec), _sense(subject, product.cam.rotation, scale)]
+    return _cleared(placed_marks(requests, fixed, scale, unit), scale, unit)
 
 
 def _cleared(marks: list[Mark], scale: float, unit: LengthUnit) -> list[Mark]:
     """The marks of a view with thin lines kept off its texts and frames."""
-    return list(ink_of(marks, scale, unit).cleared(in_dashes(marks, scale), scale))
+    return list(measure_ink(marks, scale, unit).cleared(in_dashes(marks, scale), scale))
 
 
 def _cross(low: complex, high: complex, scale: float) -> list[Mark]:
@@ -307,19 +309,19 @@ def _cross(low: complex, high: complex, scale: float) -> list[Mark]:
     ]
 
 
-def _reach(drawn: Drawn, first: float, last: float) -> float:
+def _reach(subject: ViewSubject, first: float, last: float) -> float:
     """Largest distance from the cam axis of what is shown between two polar angles [mm]."""
-    contours = [edge.contour for edge in drawn.shape.edges]
-    contours += [] if drawn.pitch is None else [drawn.pitch]
-    points = np.concatenate([each.points(0.001 * drawn.shape.size) for each in contours])
+    contours = [edge.contour for edge in subject.shape.edges]
+    contours += [] if subject.pitch is None else [subject.pitch]
+    points = np.concatenate([contour.points(0.001 * subject.shape.size) for contour in contours])
     middle, half = 0.5 * (first + last), 0.5 * (last - first)
     near = np.abs(np.angle(points * cmath.exp(-1j * middle))) <= half + 0.02
-    return max(float(np.max(np.abs(points[near]), initial=0.0)), drawn.base_radius or 0.0)
+    return max(float(np.max(np.abs(points[near]), initial=0.0)), subject.base_radius or 0.0)
 
 
-def _zero_mark(drawn: Drawn, scale: float) -> Options:
+def _zero_mark(subject: ViewSubject, scale: float) -> Options:
     """A wide stroke at cam angle 0, outside of all."""
-    nearest = _reach(drawn, -0.03, 0.03) + 4.5 / scale
+    nearest = _reach(subject, -0.03, 0.03) + 4.5 / scale
     for farther in range(0, 40, 2):
         start = nearest + farther / scale
         text = Label("0°", complex(start, 1.5 / scale), 2.5, layer="SYMBOL")
@@ -332,12 +334,12 @@ def arrow(tip: complex, direction: complex, layer: Layer = "SYMBOL", size: float
     return Filled((tip, back + side, back - side), layer)
 
 
-def _sense(drawn: Drawn, rotation: int, scale: float) -> Options:
+def _sense(subject: ViewSubject, rotation: int, scale: float) -> Options:
     """An arrow in the sense of rotation around the view, on the lower right if there is room."""
     for number, middle in enumerate(np.radians([-49.0, -131.0, 49.0, 131.0, -30.0, 30.0])):
         first, last = middle - ARROW_SPAN, middle + ARROW_SPAN
         start, end = (first, last) if rotation > 0 else (last, first)
-        least = max(_reach(drawn, first, last) + 5.0 / scale, LEAST_RADIUS / scale)
+        least = max(_reach(subject, first, last) + 5.0 / scale, LEAST_RADIUS / scale)
         for farther in range(0, 40, 4):
             radius = least + farther / scale
             begin, tip = cmath.rect(radius, start), cmath.rect(radius, end)
@@ -367,39 +369,39 @@ def _plane(low: complex, high: complex, scale: float) -> list[Mark]:
         tail = end - 9.0 / scale
         marks.append(line(tail, end, "SYMBOL"))
         marks += moved([arrow(0j, 1.0 + 0j, size=4.0)], end - 0.2 / scale, scale)
-        at = tail - complex(1.0, (0.5 + 0.5 * way) * PLANE_LETTER - 0.5 * way) / scale
-        marks.append(Label("A", at, PLANE_LETTER, "right", "SYMBOL"))
+        place = tail - complex(1.0, (0.5 + 0.5 * way) * PLANE_LETTER - 0.5 * way) / scale
+        marks.append(Label("A", place, PLANE_LETTER, "right", "SYMBOL"))
     return marks
 
 
-def _flank(drawn: Drawn, scale: float, spec: DrawingSpec) -> Options:
+def _flank(subject: ViewSubject, scale: float, spec: DrawingSpec) -> Options:
     """The profile tolerance and the texture of the flanks, with a leader from above the view."""
     if spec.flank_tolerance is None and not spec.flank_surface:
         return
-    points = _flank_edge(drawn).points(0.0005 * drawn.shape.size)
-    above = drawn.box[1].imag + 4.0 / scale
-    stated = {sense: _stated(drawn, sense, spec) for sense in (-1.0, 1.0)}
+    points = _flank_edge(subject).points(0.0005 * subject.shape.size)
+    above = subject.box[1].imag + 4.0 / scale
+    stated = {sense: _stated(subject, sense, spec) for sense in (-1.0, 1.0)}
     for number, degrees in enumerate((120, 130, 110, 140, 150, 100, 70, 60, 50)):
         way = cmath.rect(1.0, math.radians(degrees))
-        at = complex(points[np.argmin(np.abs(np.angle(points / way)))])
-        head = moved([arrow(0j, -way, size=3.0)], at, scale)
+        foot = complex(points[np.argmin(np.abs(np.angle(points / way)))])
+        head = moved([arrow(0j, -way, size=3.0)], foot, scale)
         for higher in range(0, 60, 4):
             level = above + higher / scale
-            knee = at + way * max((level - at.imag) / way.imag, 4.0 / scale)
-            leader = line(at + 1.0 / scale * way, knee, "SYMBOL")
-            own = moved(stated[math.copysign(1.0, way.real)], knee, scale)
-            yield 0.3 * number + 0.1 * higher, [*head, leader, *own]
+            knee = foot + way * max((level - foot.imag) / way.imag, 4.0 / scale)
+            leader = line(foot + 1.0 / scale * way, knee, "SYMBOL")
+            stated_marks = moved(stated[math.copysign(1.0, way.real)], knee, scale)
+            yield 0.3 * number + 0.1 * higher, [*head, leader, *stated_marks]
 
 
-def _stated(drawn: Drawn, sense: float, spec: DrawingSpec) -> list[Mark]:
+def _stated(subject: ViewSubject, sense: float, spec: DrawingSpec) -> list[Mark]:
     """What the leader states, on the left or on the right of its end [mm of paper]."""
     shelf = sense * 4.0
     marks: list[Mark] = [line(0j, complex(shelf), "SYMBOL")]
-    wide, flanks = 0.0, sum(edge.is_flank for edge in drawn.shape.edges)
+    wide, flanks = 0.0, sum(edge.is_flank for edge in subject.shape.edges)
     if spec.flank_tolerance is not None:
-        value = f"{spec.flank_tolerance / MM_PER[drawn.unit]:.6f}".rstrip("0").rstrip(".")
+        value = f"{spec.flank_tolerance / MM_PER[subject.unit]:.6f}".rstrip("0").rstrip(".")
         value = decimal(value, spec.language)
-        names = ["A", "B"][: _datums(drawn)]
+        names = ["A", "B"][: _datums(subject)]
         wide = frame_width(value, names)
         corner = complex(shelf + min(sense * wide, 0.0), -0.5 * CELL)
         marks += tolerance_frame(corner, value, names)
@@ -407,7 +409,7 @@ def _stated(drawn: Drawn, sense: float, spec: DrawingSpec) -> list[Mark]:
         if flanks > 1:
             marks.append(Label(f"{flanks}x", corner + 1j * (CELL + 1.0), 3.5, layer="SYMBOL"))
     if spec.flank_surface:
-        size = width_of(spec.flank_surface, 2.5) + 6.0
+        size = text_width(spec.flank_surface, 2.5) + 6.0
         left = -max(size, 0.6 * wide) if sense < 0.0 else 9.0
         marks += texture(
             complex(shelf + left, 0.5 * CELL if wide else 0.0), spec.flank_surface, 2.5
@@ -415,33 +417,38 @@ def _stated(drawn: Drawn, sense: float, spec: DrawingSpec) -> list[Mark]:
     return marks
 
 
-def _flank_edge(drawn: Drawn) -> Contour:
+def _flank_edge(subject: ViewSubject) -> Contour:
     """The flank, of a groove the inner one."""
-    flanks = (edge for edge in drawn.shape.edges if edge.is_flank)
-    return next(flanks, drawn.shape.outermost).contour
+    flanks = (edge for edge in subject.shape.edges if edge.is_flank)
+    return next(flanks, subject.shape.outermost).contour
 
 
-def _datums(drawn: Drawn) -> int:
+def _datums(subject: ViewSubject) -> int:
     """How many datums the part has: its bore, and its keyway."""
-    bores = [each for each in dimensions.turned(drawn.shape) if each.edge.boundary.hole
-             and each.edge.boundary.name == "bore"]  # fmt: skip
+    bores = [
+        diameter
+        for diameter in dimensions.find_diameters(subject.shape)
+        if diameter.edge.boundary.hole and diameter.edge.boundary.name == "bore"
+    ]
     return 0 if not bores else 2 if bores[0].keyway is not None else 1
 
 
-def section_view(drawn: Drawn, scale: float, product: Product, spec: DrawingSpec) -> list[Mark]:
+def section_view(
+    subject: ViewSubject, scale: float, product: Product, spec: DrawingSpec
+) -> list[Mark]:
     """The section, its origin where the cam axis meets the lowest face."""
-    shape, unit = drawn.shape, product.unit
+    shape, unit = subject.shape, product.unit
     thick = shape.part.thickness
     bench = dimensions.Bench(spec, unit, scale, shape.size)
     far = BEYOND / scale
     fixed: list[Mark] = [line(complex(-far), complex(thick + far), "CENTRE")]
-    fixed += dimensions.bevelled(drawn.cut, shape)
+    fixed += dimensions.bevelled(subject.cut, shape)
     fixed += dimensions.hole_centres(shape, scale)
-    requests = [*dimensions.heights(shape, drawn.cut, drawn.box, bench),
-                *dimensions.diameters(dimensions.turned(shape), thick, bench)]  # fmt: skip
-    marks = settled(requests, fixed, scale, unit)
-    top = ink_of(marks, scale, unit).extent[1].imag
-    title = complex(0.5 * thick, max(top + 4.0, drawn.box[1].imag * scale + TITLE) / scale)
+    requests = [*dimensions.heights(shape, subject.cut, subject.box, bench),
+                *dimensions.diameters(dimensions.find_diameters(shape), thick, bench)]  # fmt: skip
+    marks = placed_marks(requests, fixed, scale, unit)
+    top = measure_ink(marks, scale, unit).extent[1].imag
+    title = complex(0.5 * thick, max(top + 4.0, subject.box[1].imag * scale + TITLE) / scale)
     marks.append(Label("A-A", title, PLANE_LETTER, "centre", "SYMBOL"))
     return _cleared(marks, scale, unit)
 
@@ -452,7 +459,7 @@ SINK = 0.5 * (CELL - LETTER)
 def tolerance_frame(corner: complex, value: str, datums: Sequence[str]) -> list[Mark]:
     """A frame of ISO 1101 for the profile of a surface, by its lower left corner."""
     marks: list[Mark] = []
-    widths = [CELL, width_of(value, LETTER) + 3.0, *(CELL for _ in datums)]
+    widths = [CELL, text_width(value, LETTER) + 3.0, *(CELL for _ in datums)]
     start = corner
     for width in widths:
         marks.append(rectangle(start, width, CELL, "SYMBOL"))
@@ -470,7 +477,7 @@ def tolerance_frame(corner: complex, value: str, datums: Sequence[str]) -> list[
 
 def frame_width(value: str, datums: Sequence[str]) -> float:
     """Width of such a frame [mm]."""
-    return CELL * (1 + len(datums)) + width_of(value, LETTER) + 3.0
+    return CELL * (1 + len(datums)) + text_width(value, LETTER) + 3.0
 
 
 # -- front -----------------------------------------------------------------------------------------
@@ -498,8 +505,8 @@ def pattern_centres(shape: Shape, scale: float) -> list[Mark]:
         outward = centre / abs(centre)
         far = radius + dimensions.SMALL_BEYOND / scale
         marks.append(line(centre - far * outward, centre + far * outward, "CENTRE"))
-        if sum(math.isclose(abs(each), abs(centre), rel_tol=1e-9) for each, _ in holes) > 1:
-            if not any(math.isclose(each, abs(centre), rel_tol=1e-9) for each in circles):
+        if sum(math.isclose(abs(hole), abs(centre), rel_tol=1e-9) for hole, _ in holes) > 1:
+            if not any(math.isclose(circle, abs(centre), rel_tol=1e-9) for circle in circles):
                 circles.add(abs(centre))
                 marks.append(Round(0j, abs(centre), "CENTRE"))
         else:
@@ -559,7 +566,7 @@ def dashed_stretch(mark: Chain, scale: float, pattern: Sequence[float]) -> Itera
 
 def _dashed_line(mark: Chain, scale: float, pattern: Sequence[float]) -> Iterator[Chain]:
     """A straight line that begins and ends with a dash; a short one is one dash."""
-    start, end = (complex(each) for each in mark.vertices)
+    start, end = (complex(vertex) for vertex in mark.vertices)
     count = round((abs(end - start) * scale - pattern[0]) / sum(pattern))
     if count < 1:
         yield mark

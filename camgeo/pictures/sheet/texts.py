@@ -22,10 +22,10 @@ from camgeo.pictures.sheet.marks import (
     line,
     path,
     rectangle,
+    text_width,
     texture,
-    width_of,
 )
-from camgeo.pictures.sheet.section import Drawn
+from camgeo.pictures.sheet.section import ViewSubject
 from camgeo.scene.formats.drawing import DrawingSpec, Language, SheetName
 from camgeo.units import MM_PER, TURN, LengthUnit
 
@@ -261,20 +261,24 @@ class Texts:
         return self.spec.sheet == "A3"
 
     @property
-    def is_apart(self) -> bool:
+    def has_table_sheet(self) -> bool:
         """Whether the table is on a sheet of its own."""
         return not self._is_wide and bool(self.spec.step) and 360 // self.spec.step > FURTHER
 
-    def beside(self, tolerance: float, drawn: Drawn) -> tuple[tuple[Region, ...], list[Mark]]:
+    def layout(
+        self, tolerance: float, subject: ViewSubject
+    ) -> tuple[tuple[Region, ...], list[Mark]]:
         """The regions that are left for the views, the better one first, and all other marks."""
         spec, words, width = self.spec, WORDS[self.spec.language], BLOCK_WIDTH - 4.0
-        stated = notes_of(self.product, spec, tolerance, self._length, apart=self.is_apart,
-                                drawn=drawn)  # fmt: skip
-        lines = lines_of(stated, width)
-        top = complex(self._left + 2.0, MARGIN + BLOCK_HEIGHT + height_of(lines) + 1.0)
-        marks = marks_of(lines, words["notes"], top, width)
+        stated = drawing_notes(
+            self.product, spec, tolerance, self._length, has_table_sheet=self.has_table_sheet,
+            subject=subject,
+        )  # fmt: skip
+        lines = note_lines(stated, width)
+        top = complex(self._left + 2.0, MARGIN + BLOCK_HEIGHT + notes_height(lines) + 1.0)
+        marks = note_marks(lines, words["notes"], top, width)
         floor, ceiling = top.imag + 1.0, self._high.imag - 2.0
-        if spec.step and not self.is_apart:
+        if spec.step and not self.has_table_sheet:
             table = self._table(centre=self._is_wide)
             groups = 2 if self._is_wide else 3
             needed = table.height(groups)
@@ -293,12 +297,12 @@ class Texts:
                 corner += 0.5j * (ceiling - floor - size.imag)
             marks += diagram(self.product, words, corner, size, self._written)
         right = self._left if self._is_wide else self._high.real
-        found = Region(complex(self._low.real, low), complex(right, self._high.imag))
+        region = Region(complex(self._low.real, low), complex(right, self._high.imag))
         if self._is_wide and not spec.step and not spec.has_motion:
-            return (Region(complex(self._low.real, floor), self._high), found), marks
-        return (found,), marks
+            return (Region(complex(self._low.real, floor), self._high), region), marks
+        return (region,), marks
 
-    def table_apart(self) -> list[Mark]:
+    def table_sheet(self) -> list[Mark]:
         """The table on a sheet of its own, with all that it can state."""
         title = WORDS[self.spec.language]["table"]
         corner = complex(self._left + 2.0, self._high.imag - 2.0)
@@ -313,15 +317,15 @@ class Texts:
         if spec.edges:
             marks += edges(corner + complex(108.0, 19.0), spec.edges)
         if spec.surface:
-            at = corner + complex(138.0, 18.8)
-            marks += texture(at, spec.surface, 2.0)
+            symbol_place = corner + complex(138.0, 18.8)
+            marks += texture(symbol_place, spec.surface, 2.0)
             if spec.flank_surface:
-                marks += others(at + texture_width(spec.surface, 2.0) + 4.0, 2.0)
+                marks += others(symbol_place + texture_width(spec.surface, 2.0) + 4.0, 2.0)
         return marks
 
     def _table(self, *, centre: bool) -> Table:
         words = WORDS[self.spec.language]
-        return table_of(self.product, words, self.spec.step, self._written, centre=centre)
+        return polar_table(self.product, words, self.spec.step, self._written, centre=centre)
 
     def _written(self, value: float, decimals: int) -> str:
         text = f"{value + 0.0:.{decimals}f}"
@@ -350,39 +354,41 @@ Length = Callable[[float], str]
 """Writes a length [mm] in the unit of the drawing."""
 
 
-def notes_of(
+def drawing_notes(
     product: Product,
     spec: DrawingSpec,
     tolerance: float,
     length: Length,
     *,
-    apart: bool,
-    drawn: Drawn,
+    has_table_sheet: bool,
+    subject: ViewSubject,
 ) -> list[str]:
-    """The sentences, in the language of the sheet; `apart` says that the table is on the next one,
-    `drawn` which curves there are and whether dimensions are in brackets.
+    """The notes as sentences in the language of the sheet.
+
+    `has_table_sheet` says that the table is on the next sheet; `subject`, which curves are drawn
+    and whether there are dimensions in brackets.
     """
     words, cam = WORDS[spec.language], product.cam
     name = product.scene.name
     if product.is_pair:
-        found = [words["pair_design"].format(name=name)]
+        notes = [words["pair_design"].format(name=name)]
         legend: list[str] = []
     else:
-        found = [(words["return_disc"] if product.position else words["design"]).format(name=name)]
-        found.append(_follower(product, spec, words, length))
-        legend = _legend(product, spec, words, apart=apart, drawn=drawn)
-    found += _features(product.drawn.spec, words, length, spec)
-    found += _pair(product.scene.part, words, length)
+        notes = [(words["return_disc"] if product.position else words["design"]).format(name=name)]
+        notes.append(_follower(product, spec, words, length))
+        legend = _legend(product, spec, words, has_table_sheet=has_table_sheet, subject=subject)
+    notes += _features(product.drawn.spec, words, length, spec)
+    notes += _pair(product.scene.part, words, length)
     sense = words["sense"].format(sense=words["ccw"] if cam.rotation > 0 else words["cw"])
-    found.append(f"{words['zero']} {sense}")
-    shown = decimal(f"{tolerance / MM_PER[product.unit]:.9f}".rstrip("0"), spec.language)
-    found.append(words["curve"].format(tolerance=shown, unit=product.unit))
-    if drawn.shape.outermost.circle is None:
+    notes.append(f"{words['zero']} {sense}")
+    tolerance_text = decimal(f"{tolerance / MM_PER[product.unit]:.9f}".rstrip("0"), spec.language)
+    notes.append(words["curve"].format(tolerance=tolerance_text, unit=product.unit))
+    if subject.shape.outermost.circle is None:
         legend.append(words["reference"])
     if legend:
-        found.append(" ".join(legend))
-    found.append(words["scene"].format(scene=product.scene_hash))
-    return found
+        notes.append(" ".join(legend))
+    notes.append(words["scene"].format(scene=product.scene_hash))
+    return notes
 
 
 def _follower(product: Product, spec: DrawingSpec, words: Words, length: Length) -> str:
@@ -395,30 +401,37 @@ def _follower(product: Product, spec: DrawingSpec, words: Words, length: Length)
             words["roller"].format(diameter=length(2.0 * radius)) if radius else words["knife_edge"]
         )
     if follower.pivot is None:
-        found = words["guided"].format(touching=touching, offset=length(follower.offset))
+        guidance = words["guided"].format(touching=touching, offset=length(follower.offset))
     else:
         x, y = length(follower.pivot.real), length(follower.pivot.imag)
-        found = words["rocking"].format(touching=touching, x=x, y=y)
+        guidance = words["rocking"].format(touching=touching, x=x, y=y)
     base = words["base"].format(radius=length(follower.base_radius))
     if cam.contact.closed_by_form and cam.clearance:
         base += f"; {words['clearance'].format(clearance=length(cam.clearance))}"
-    return f"{found}; {base[0].lower() if spec.language == 'en' else base[0]}{base[1:]}"
+    return f"{guidance}; {base[0].lower() if spec.language == 'en' else base[0]}{base[1:]}"
 
 
 def _legend(
-    product: Product, spec: DrawingSpec, words: Words, *, apart: bool, drawn: Drawn
+    product: Product,
+    spec: DrawingSpec,
+    words: Words,
+    *,
+    has_table_sheet: bool,
+    subject: ViewSubject,
 ) -> list[str]:
     """What lines and columns are."""
     cam, follower = product.cam, product.cam.follower
-    legend = [words["pitch"] if drawn.pitch is not None else words["base_circle"]]
-    if drawn.base_radius is None:
+    legend = [words["pitch"] if subject.pitch is not None else words["base_circle"]]
+    if subject.base_radius is None:
         legend = [words["left_out"]]
     if spec.step:
         if not cam.contact.closed_by_form:
             legend.append(words["polar"])
-        if follower.has_pitch_curve and (spec.sheet == "A3" or apart or cam.contact.closed_by_form):
+        if follower.has_pitch_curve and (
+            spec.sheet == "A3" or has_table_sheet or cam.contact.closed_by_form
+        ):
             legend.append(words["centre_polar"])
-    if apart:
+    if has_table_sheet:
         legend.append(words["next_sheet"])
     return legend
 
@@ -457,9 +470,9 @@ def _features(
         names = CHAMFERED[spec.language]
         stated = ((field.name, getattr(part.chamfers, field.name)) for field in fields(Chamfers))
         edges = (
-            names[each.edges].format(edge=names[name], width=length(each.width))
-            for name, each in stated
-            if each is not None
+            names[chamfer.edges].format(edge=names[name], width=length(chamfer.width))
+            for name, chamfer in stated
+            if chamfer is not None
         )
         yield words["chamfers"].format(edges="; ".join(edges))
     for text in part.engraving:
@@ -497,37 +510,39 @@ def wrapped(text: str, height: float, width: float) -> tuple[str, ...]:
     lines: list[str] = []
     for word in text.split(" "):
         longer = f"{lines[-1]} {word}" if lines else word
-        if lines and width_of(longer, height) <= width:
+        if lines and text_width(longer, height) <= width:
             lines[-1] = longer
         else:
             lines.append(word)
     return tuple(lines)
 
 
-def lines_of(notes: list[str], width: float) -> list[tuple[str, bool]]:
+def note_lines(notes: list[str], width: float) -> list[tuple[str, bool]]:
     """The notes in lines at most `width` [mm] wide, and whether each begins a note."""
-    found = []
+    lines = []
     for note in notes:
         first, *rest = wrapped(note, LETTER, SPARING * (width - 6.0))
-        found += [(first, True), *((text, False) for text in rest)]
-    return found
+        lines += [(first, True), *((text, False) for text in rest)]
+    return lines
 
 
-def height_of(lines: list[tuple[str, bool]]) -> float:
+def notes_height(lines: list[tuple[str, bool]]) -> float:
     """Height of the notes with their heading [mm]."""
     return 7.0 + STEP * len(lines)
 
 
-def marks_of(lines: list[tuple[str, bool]], heading: str, top: complex, width: float) -> list[Mark]:
+def note_marks(
+    lines: list[tuple[str, bool]], heading: str, top: complex, width: float
+) -> list[Mark]:
     """The notes, numbered, below `top`."""
     marks: list[Mark] = [Label(heading, top - 4.5j, 3.5)]
     number = 0
     for row, (text, begins) in enumerate(lines):
-        at = top - 1j * (6.0 + STEP * row + LETTER)
+        place = top - 1j * (6.0 + STEP * row + LETTER)
         if begins:
             number += 1
-            marks.append(Label(f"{number}", at, LETTER))
-        marks.append(Label(text, at + 5.0, LETTER, width=width - 5.0))
+            marks.append(Label(f"{number}", place, LETTER))
+        marks.append(Label(text, place + 5.0, LETTER, width=width - 5.0))
     return marks
 
 
@@ -576,7 +591,9 @@ class Table:
         return HEAD + ROW * self.groups(number)
 
 
-def table_of(product: Product, words: Words, step: int, written: Written, *, centre: bool) -> Table:
+def polar_table(
+    product: Product, words: Words, step: int, written: Written, *, centre: bool
+) -> Table:
     """Cam angle, lift, and polar coordinates of the point of contact at every `step` degrees.
 
     Of a groove, whose flanks are parallels of it, those of the roller's centre; with `centre` both,
@@ -593,8 +610,8 @@ def table_of(product: Product, words: Words, step: int, written: Written, *, cen
         words["angle_head"],
         words["swing_head"] if turning else f"{words['lift_head']} {unit}",
     ]
-    columns = [[written(each, 0) for each in degrees.tolist()],
-               [written(each, decimals) for each in lifts.tolist()]]  # fmt: skip
+    columns = [[written(value, 0) for value in degrees.tolist()],
+               [written(value, decimals) for value in lifts.tolist()]]  # fmt: skip
     pitch = cam.disc.pitch_curve.point(phi)
     if not cam.contact.closed_by_form:
         flank = cam.contact.main
@@ -611,21 +628,21 @@ def table_of(product: Product, words: Words, step: int, written: Written, *, cen
 def _polar(
     points: ComplexArray, mm: float, decimals: int, written: Written, lost: BoolArray
 ) -> list[list[str]]:
-    radii = [written(each, decimals) for each in (np.abs(points) / mm).tolist()]
+    radii = [written(value, decimals) for value in (np.abs(points) / mm).tolist()]
     turns = np.round(np.degrees(np.angle(points)) % 360.0, 3) % 360.0
-    angles = [written(each, 3) for each in turns.tolist()]
+    angles = [written(value, 3) for value in turns.tolist()]
     return [
-        [GAP if away else each for each, away in zip(column, lost, strict=True)]
+        [GAP if away else cell for cell, away in zip(column, lost, strict=True)]
         for column in (radii, angles)
     ]
 
 
 def _lost(product: Product, phi: FloatArray) -> BoolArray:
     """(n,) which cam angles belong to points of the flank that are cut off from the disc."""
-    found = np.zeros(len(phi), dtype=bool)
+    is_lost = np.zeros(len(phi), dtype=bool)
     for cut in product.pictured.trimmed_stretches:
-        found |= (phi - cut.start) % TURN < cut.end - cut.start
-    return found
+        is_lost |= (phi - cut.start) % TURN < cut.end - cut.start
+    return is_lost
 
 
 def table_marks(table: Table, title: str, top: complex, width: float, number: int) -> list[Mark]:
@@ -636,10 +653,10 @@ def table_marks(table: Table, title: str, top: complex, width: float, number: in
     begin = top - 6.0j
     for place in range(number):
         corner = begin + place * group
-        own = table.rows[place * rows : (place + 1) * rows]
-        if not own:
+        group_rows = table.rows[place * rows : (place + 1) * rows]
+        if not group_rows:
             break
-        height = 6.0 + ROW * len(own)
+        height = 6.0 + ROW * len(group_rows)
         marks.append(rectangle(corner - 1j * height, group, height, "GRID"))
         marks.append(line(corner - 6.0j, corner - 6.0j + group, "EDGES"))
         for index, head in enumerate(table.heads):
@@ -651,10 +668,14 @@ def table_marks(table: Table, title: str, top: complex, width: float, number: in
                     head, left + complex(0.5 * wide, -4.3), TABLE_LETTER, "centre", width=wide - 1.0
                 )
             )
-            for row, cells in enumerate(own):
-                at = left + complex(wide - 1.2, -6.0 - ROW * (row + 1) + 0.5 * (ROW - TABLE_LETTER))
-                marks.append(Label(cells[index], at, TABLE_LETTER, "right", width=wide - 1.6))
-        for row in range(5, len(own), 5):
+            for row, cells in enumerate(group_rows):
+                cell_place = left + complex(
+                    wide - 1.2, -6.0 - ROW * (row + 1) + 0.5 * (ROW - TABLE_LETTER)
+                )
+                marks.append(
+                    Label(cells[index], cell_place, TABLE_LETTER, "right", width=wide - 1.6)
+                )
+        for row in range(5, len(group_rows), 5):
             level = corner - 1j * (6.0 + ROW * row)
             marks.append(line(level, level + group, "GRID"))
     return marks
@@ -669,11 +690,11 @@ def diagram(
     factor = math.degrees(1.0) if turning else 1.0 / MM_PER[unit]
     phi = np.linspace(0.0, TURN, SAMPLES)
     values = drive.motion.jet(phi, "left")[0] * factor
-    low, high = (each * factor for each in lift_range(drive.motion))
+    low, high = (lift * factor for lift in lift_range(drive.motion))
     low, high = min(low, 0.0), max(high, 0.0)
     decimals = DECIMALS[unit]
-    texts = [written(each, decimals) for each in (low, high)]
-    left = max(width_of(each, TABLE_LETTER) for each in texts) + 4.0
+    texts = [written(value, decimals) for value in (low, high)]
+    left = max(text_width(text, TABLE_LETTER) for text in texts) + 4.0
     begin = corner + complex(left, 10.0)
     width, height = size.real - left - 2.0, size.imag - 20.0
     rise = height / (high - low) if high > low else 0.0
@@ -746,25 +767,25 @@ def frame(size: Size) -> list[Mark]:
     x, y = 0.5 * size.width, 0.5 * size.height
     ends = ((complex(x, low.imag), -1j), (complex(x, high.imag), 1j),
             (complex(low.real, y), -1.0), (complex(high.real, y), 1.0))  # fmt: skip
-    marks += [line(at + BAND * way, at, "FRAME") for at, way in ends]
+    marks += [line(middle + BAND * way, middle, "FRAME") for middle, way in ends]
     both = size.columns > 4
     for number in range(size.columns):
         start = x + (number - 0.5 * size.columns) * FIELD
-        ends_at = _clipped(start, FIELD, low.real, high.real)
+        field_ends = _clipped(start, FIELD, low.real, high.real)
         for side in (low.imag - BAND, high.imag) if both else (high.imag,):
             if number:
                 marks.append(line(complex(start, side), complex(start, side + BAND), "GRID"))
-            at = complex(0.5 * sum(ends_at), side + 1.25)
-            marks.append(Label(str(number + 1), at, 2.5, "centre", "GRID"))
+            label_place = complex(0.5 * sum(field_ends), side + 1.25)
+            marks.append(Label(str(number + 1), label_place, 2.5, "centre", "GRID"))
     for number in range(size.rows):
         start = y - (number - 0.5 * size.rows + 1.0) * FIELD
-        ends_at = _clipped(start, FIELD, low.imag, high.imag)
+        field_ends = _clipped(start, FIELD, low.imag, high.imag)
         for side in (low.real - BAND, high.real) if both else (high.real,):
             if number:
                 level = start + FIELD
                 marks.append(line(complex(side, level), complex(side + BAND, level), "GRID"))
-            at = complex(side + 0.5 * BAND, 0.5 * sum(ends_at) - 1.25)
-            marks.append(Label("ABCDEF"[number], at, 2.5, "centre", "GRID"))
+            label_place = complex(side + 0.5 * BAND, 0.5 * sum(field_ends) - 1.25)
+            marks.append(Label("ABCDEF"[number], label_place, 2.5, "centre", "GRID"))
     return marks
 
 
@@ -815,13 +836,15 @@ def title_block(
     for bottom, height, cells in rows:
         left = 0.0
         for label, text, width, letter in cells:
-            at = corner + complex(left, bottom)
-            marks.append(rectangle(at, width, height, "GRID"))
+            cell_corner = corner + complex(left, bottom)
+            marks.append(rectangle(cell_corner, width, height, "GRID"))
             if label:
-                head = at + complex(1.0, height - 2.6)
+                head = cell_corner + complex(1.0, height - 2.6)
                 marks.append(Label(label, head, 1.8, width=width - 2.0))
             if text:
-                marks.append(Label(text, at + complex(1.5, 1.3), letter, width=width - 3.0))
+                marks.append(
+                    Label(text, cell_corner + complex(1.5, 1.3), letter, width=width - 3.0)
+                )
             left += width
     marks += first_angle(corner + complex(171.0, 33.0))
     return marks
@@ -844,28 +867,28 @@ def first_angle(middle: complex) -> list[Mark]:
 
 def texture_width(text: str, letter: float = 2.5) -> float:
     """From the tip of that symbol to its right end [mm]."""
-    return 3.0 * letter * math.tan(math.pi / 6.0) + width_of(text, letter) + 1.5
+    return 3.0 * letter * math.tan(math.pi / 6.0) + text_width(text, letter) + 1.5
 
 
-def others(at: complex, letter: float = 2.5) -> list[Mark]:
+def others(tip: complex, letter: float = 2.5) -> list[Mark]:
     """The basic symbol in brackets, behind the texture of all surfaces: some state another one. Its
-    tip is at `at`.
+    tip is at `tip`.
     """
     aside = 1.4 * letter * complex(math.tan(math.pi / 6.0), 1.0)
-    end = at + 2.6 * letter * complex(math.tan(math.pi / 6.0), 1.0)
-    low = at + 0.3j * letter
+    end = tip + 2.6 * letter * complex(math.tan(math.pi / 6.0), 1.0)
+    low = tip + 0.3j * letter
     return [
-        path((at - aside.conjugate(), at, end), "SYMBOL"),
+        path((tip - aside.conjugate(), tip, end), "SYMBOL"),
         Label("(", low - 1.2 * letter, 1.6 * letter, "right", "SYMBOL"),
         Label(")", low + 1.8 * letter, 1.6 * letter, "left", "SYMBOL"),
     ]
 
 
-def edges(at: complex, text: str, letter: float = 2.5) -> list[Mark]:
-    """The symbol of ISO 13715 for edges of undefined shape, its corner at `at`."""
-    tip = at + complex(2.0, 2.0) * letter / 2.5
+def edges(corner: complex, text: str, letter: float = 2.5) -> list[Mark]:
+    """The symbol of ISO 13715 for edges of undefined shape, its corner at `corner`."""
+    tip = corner + complex(2.0, 2.0) * letter / 2.5
     return [
-        path((at - 1.5, at, at - 1.5j), "SYMBOL"),
-        path((at, tip, tip + width_of(text, letter) + 1.0), "SYMBOL"),
+        path((corner - 1.5, corner, corner - 1.5j), "SYMBOL"),
+        path((corner, tip, tip + text_width(text, letter) + 1.0), "SYMBOL"),
         Label(text, tip + complex(0.7, 0.8), letter, layer="SYMBOL"),
     ]

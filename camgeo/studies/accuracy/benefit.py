@@ -67,9 +67,10 @@ class BenefitRow:
         follower that is held both ways as `camgeo.dynamics.effects.results.ContactForce` has it,
         negative where the other side carries.
     exact_lowest, exact_highest : the same for the exact motion.
-    lift_off : speed [rad/s] from which the contact force is 0 somewhere; infinite if it never is;
-        None also if it was not found for an elastic train, and if the follower is held both ways.
-    exact_lift_off : the same for the exact motion.
+    lift_off_speed : speed [rad/s] from which the contact force is 0 somewhere; infinite if it never
+        is; None also if it was not found for an elastic train, and if the follower is held both
+        ways.
+    exact_lift_off_speed : the same for the exact motion.
     fault : why values are missing; else empty.
     octaves : effective value of the deviation of the acceleration, jumps of the velocity included,
         in each octave of the cam's frequency: its harmonics 1, 2 and 3, 4 to 7 and so on [mm/s^2 or
@@ -89,8 +90,8 @@ class BenefitRow:
     highest: float | None = None
     exact_lowest: float | None = None
     exact_highest: float | None = None
-    lift_off: float | None = None
-    exact_lift_off: float | None = None
+    lift_off_speed: float | None = None
+    exact_lift_off_speed: float | None = None
     fault: str = ""
     octaves: tuple[float, ...] = ()
     octave_error: float | None = None
@@ -125,10 +126,10 @@ class BenefitRow:
     @property
     def lift_off_share(self) -> float | None:
         """How far the speed of lift-off is from the exact one, over that one; None if infinite."""
-        own, exact = self.lift_off, self.exact_lift_off
-        if own is None or exact is None or not math.isfinite(own + exact):
+        actual, exact = self.lift_off_speed, self.exact_lift_off_speed
+        if actual is None or exact is None or not math.isfinite(actual + exact):
             return None
-        return abs(exact - own) / exact
+        return abs(exact - actual) / exact
 
 
 def benefit_rows(
@@ -148,30 +149,30 @@ def benefit_rows(
     first = exact_motion(design, min(speeds))
     if not first.of_one_speed:
         first = exact_motion(design, SLOW * first.speed)
-    exact = {speed: first.known_at(speed) for speed in speeds}
+    exact = {speed: first.for_speed(speed) for speed in speeds}
     rows: list[BenefitRow] = []
     for form in forms:
         for tolerance in tolerances:
             progress(f"{form}, {tolerance:g} mm")
             bare = [BenefitRow(form, tolerance, speed) for speed in speeds]
             try:
-                made = first.written_as(Writing(form, tolerance, design.scene.output.fit))
-                pair = _Pair(first, made)
+                written = first.with_contour(Writing(form, tolerance, design.scene.output.fit))
+                pair = _MotionPair(first, written)
                 rows += [pair.row(row, exact[row.speed]) for row in bare]
             except (ToleranceError, GeometryError, EffectError, SceneError) as error:
                 rows += [replace(row, fault=reason(error)) for row in bare]
     return tuple(rows)
 
 
-def exact_motion(design: Design, speed: float) -> Made:
+def exact_motion(design: Design, speed: float) -> SteadyMotion:
     """The exact motion at a constant `speed` [rad/s], with the train of the scene."""
     edits = {"cam.speed": speed / RPM, "cam.speed_curve": None, "state": None}
     subject = Design(design.scene.with_values(edits)).effects.subject
-    return Made(replace(subject, output=design.scene.train), design.scene.effects, speed)
+    return SteadyMotion(replace(subject, output=design.scene.train), design.scene.effects, speed)
 
 
 @dataclass(frozen=True)
-class Made:
+class SteadyMotion:
     """One motion of the follower at one constant speed of the cam, and the forces on it.
 
     Attributes
@@ -185,7 +186,7 @@ class Made:
     tables: Mapping[str, Mapping[str, Any]]
     speed: float
 
-    def written_as(self, writing: Writing) -> Made:
+    def with_contour(self, writing: Writing) -> SteadyMotion:
         """That of a contour of the same disc."""
         return replace(self, subject=self.subject.with_written_contours(writing, FIRST))
 
@@ -201,7 +202,7 @@ class Made:
         """
         return self.elastic or holds_both_ways(self.subject)
 
-    def known_at(self, speed: float) -> Made:
+    def for_speed(self, speed: float) -> SteadyMotion:
         """That of which the forces at `speed` [rad/s] are known."""
         if not self.of_one_speed or speed == self.speed:
             return self
@@ -227,50 +228,50 @@ class Made:
                 "forces with an elastic train are computed on contours of up to"
                 f" {MOST_PIECES} pieces only"
             )
-        found = self.effects.result(CONTACT_FORCE)
-        return found if found.forces else None
+        contact_force = self.effects.result(CONTACT_FORCE)
+        return contact_force if contact_force.forces else None
 
     def acceleration(self, phi: FloatArray, side: Side) -> FloatArray:
         """(n,) of the output over the cam angle [mm or rad per rad^2]."""
         return np.asarray(self.subject.state.output.jet(phi, side, 2)[2])
 
     def force(self, speed: float) -> Quantity:
-        """(n,) the contact force [N] at a constant `speed` [rad/s], see `known_at`: on the only
+        """(n,) the contact force [N] at a constant `speed` [rad/s], see `for_speed`: on the only
         flank, or in the sense of `ContactForce`.
         """
         contact = self.contact
         assert contact is not None
         sense = 1 if holds_both_ways(self.subject) else self.subject.cam.contact.push
 
-        def found(phi: FloatArray, side: Side) -> FloatArray:
+        def normal_force(phi: FloatArray, side: Side) -> FloatArray:
             if self.of_one_speed:
                 return sense * contact.normal(phi, side)
             rates = np.zeros((2, len(phi)))
             rates[0] = speed
             return sense * contact.normal_at_rates(phi, side, rates)
 
-        return found
+        return normal_force
 
     @cached_property
-    def lift_off(self) -> float | None:
+    def lift_off_speed(self) -> float | None:
         """Speed [rad/s] from which the force on the flank is 0 somewhere; infinite if it never is;
         None if it was not found, see `camgeo.dynamics.effects.lift_off.elastic_speed`, and if the
         follower is held both ways.
         """
         if holds_both_ways(self.subject):
             return None
-        found = self.effects.result(str(LIFT_OFF)).speed
-        return None if found is None else found.value * self.speed
+        relative_speed = self.effects.result(str(LIFT_OFF)).speed
+        return None if relative_speed is None else relative_speed.value * self.speed
 
 
 @dataclass(frozen=True)
-class _Pair:
+class _MotionPair:
     """The exact motion and that of a contour."""
 
-    exact: Made
-    made: Made
+    exact: SteadyMotion
+    written: SteadyMotion
 
-    def row(self, bare: BenefitRow, exact: Made) -> BenefitRow:
+    def row(self, bare: BenefitRow, exact: SteadyMotion) -> BenefitRow:
         """The row with its values; `exact` is the exact motion known at its speed."""
         square = bare.speed**2
         row = replace(
@@ -286,33 +287,38 @@ class _Pair:
             row = self._with_forces(row, exact)
             if row.force is None:
                 return row
-            row = replace(row, exact_lift_off=self.exact.lift_off)
-            return replace(row, lift_off=self.made.lift_off)
+            row = replace(row, exact_lift_off_speed=self.exact.lift_off_speed)
+            return replace(row, lift_off_speed=self.written.lift_off_speed)
         except (GeometryError, EffectError) as error:
             return replace(row, fault=reason(error))
 
-    def _with_forces(self, row: BenefitRow, exact: Made) -> BenefitRow:
+    def _with_forces(self, row: BenefitRow, exact: SteadyMotion) -> BenefitRow:
         """The row with its forces, if the scene has any."""
-        made = self.made.known_at(row.speed)
-        if exact.contact is None or made.contact is None:
+        written = self.written.for_speed(row.speed)
+        if exact.contact is None or written.contact is None:
             return row
-        edges = merged(np.concatenate((exact.contact.edges, made.contact.edges, self._joints.ends)))
-        forces = made.force(row.speed), exact.force(row.speed)
-        own, demanded = (piecewise_extremes(each, edges) for each in forces)
+        edges = merged(
+            np.concatenate((exact.contact.edges, written.contact.edges, self._joints.ends))
+        )
+        forces = written.force(row.speed), exact.force(row.speed)
+        actual, demanded = (piecewise_extremes(force, edges) for force in forces)
         return replace(
             row,
             force=self._deviation(*forces, edges),
-            lowest=own.lowest.value,
-            highest=own.highest.value,
+            lowest=actual.lowest.value,
+            highest=actual.highest.value,
             exact_lowest=demanded.lowest.value,
             exact_highest=demanded.highest.value,
         )
 
     @cached_property
     def _acceleration(self) -> float:
-        made, exact = self.made.subject.state.smooth_angles, self.exact.subject.state.smooth_angles
-        edges = merged(np.concatenate((made, exact, self._joints.ends)))
-        return self._deviation(self.made.acceleration, self.exact.acceleration, edges)
+        written_angles, exact_angles = (
+            self.written.subject.state.smooth_angles,
+            self.exact.subject.state.smooth_angles,
+        )
+        edges = merged(np.concatenate((written_angles, exact_angles, self._joints.ends)))
+        return self._deviation(self.written.acceleration, self.exact.acceleration, edges)
 
     @cached_property
     def _exact_acceleration(self) -> float:
@@ -321,23 +327,23 @@ class _Pair:
 
     @cached_property
     def _spectrum(self) -> Spectrum:
-        return ripple_spectrum(self.made.subject.state, self.exact.subject.state)
+        return ripple_spectrum(self.written.subject.state, self.exact.subject.state)
 
     @cached_property
     def _jump(self) -> float:
-        state = self.made.subject.state
+        state = self.written.subject.state
         places = np.array(state.shocks)
-        before, after = (state.output.jet(places, side, 1)[1] for side in SIDES)
-        return float(np.max(np.abs(after - before), initial=0.0))
+        left, right = (state.output.jet(places, side, 1)[1] for side in SIDES)
+        return float(np.max(np.abs(right - left), initial=0.0))
 
     @cached_property
     def _joints(self) -> AccelerationJoints:
         """Of the exact motion, as the contour places them."""
-        state, own = self.made.subject.state, self.exact.subject.state
+        state, exact = self.written.subject.state, self.exact.subject.state
         assert isinstance(state, Written)
-        edges = merged(np.concatenate((state.smooth_angles, own.smooth_angles)))
+        edges = merged(np.concatenate((state.smooth_angles, exact.smooth_angles)))
         return AccelerationJoints.between(
-            state.replay.lift.shift_of, state.motion.jet, own.motion, edges
+            state.replay.lift.shift_of, state.motion.jet, exact.motion, edges
         )
 
     def _deviation(self, quantity: Quantity, exact: Quantity, edges: FloatArray) -> float:
@@ -396,33 +402,35 @@ class Spectrum:
         return int(self.numbers[np.argmax(self.amplitudes)])
 
 
-def ripple_spectrum(made: State, exact: State, most: int = MOST) -> Spectrum:
-    """The first `most` harmonics of the ripple of the motion `made`, which should be `exact`."""
-    edges = merged(np.concatenate((made.smooth_angles, exact.smooth_angles)))
+def ripple_spectrum(written: State, exact: State, most: int = MOST) -> Spectrum:
+    """The first `most` harmonics of the `written` motion's acceleration less the `exact` one's."""
+    edges = merged(np.concatenate((written.smooth_angles, exact.smooth_angles)))
     widths = np.diff(edges)
     index, rank = grouped(np.maximum(1, np.ceil(widths * most / PHASE)).astype(np.intp))
     counts = np.bincount(index)
     width = (widths / counts)[index]
     low = edges[index] + rank * width
     numbers = np.arange(1, most + 1)
-    found, sizes = [], []
+    integrals, sizes = [], []
     for nodes in GAUSS:
         places, weights = np.polynomial.legendre.leggauss(nodes)
         phi = (low[:, np.newaxis] + 0.5 * width[:, np.newaxis] * (1.0 + places)).ravel()
         shares = (0.5 * width[:, np.newaxis] * weights).ravel()
-        term = shares * (made.output.jet(phi, "right", 1)[1] - exact.output.jet(phi, "right", 1)[1])
+        term = shares * (
+            written.output.jet(phi, "right", 1)[1] - exact.output.jet(phi, "right", 1)[1]
+        )
         term, turn = term.astype(np.complex128), np.exp(-1j * phi)
         sizes.append(float(np.sum(np.abs(term))))
         sums = np.empty(most, np.complex128)
         for k in range(most):
             term *= turn
             sums[k] = np.sum(term)
-        found.append(sums)
+        integrals.append(sums)
     # Each product turns by a phase rounded like phi, and is itself rounded.
     rounded = numbers * 8.0 * EPS * max(sizes)
     factor = numbers / np.pi
-    error = float(np.max(factor * (np.abs(found[1] - found[0]) + rounded), initial=0.0))
-    return Spectrum(numbers, factor * np.abs(found[1]), error)
+    error = float(np.max(factor * (np.abs(integrals[1] - integrals[0]) + rounded), initial=0.0))
+    return Spectrum(numbers, factor * np.abs(integrals[1]), error)
 
 
 # -- knee ------------------------------------------------------------------------------------------
@@ -526,7 +534,7 @@ class Knee:
         return f"from {loose.tolerance:g} mm to {tight.tolerance:g} mm costs {text}"
 
 
-def knee_of(
+def find_knee(
     rows: Sequence[ContourRow], benefits: Sequence[BenefitRow] = (), *, timed: bool = True
 ) -> Knee | None:
     """The knee of `rows` of one form and effort, the loosest first; None if nothing can be reached.
@@ -547,14 +555,18 @@ def knee_of(
         (_tightest({row.tolerance: row.decimals for row in known}, 1.0), "decimals"),
     ]
     ripples = {row.tolerance: row.ripple for row in known if row.ripple is not None}
-    off = {row.tolerance: row.ripple for row in benefits if row.ripple is not None} or ripples
+    deviations = {
+        row.tolerance: row.ripple for row in benefits if row.ripple is not None
+    } or ripples
     if ripples:
         least = min(ripples.values())
-        limits.append((max(t for t, each in ripples.items() if each <= SLACK * least), "ripple"))
+        limits.append(
+            (max(t for t, ripple in ripples.items() if ripple <= SLACK * least), "ripple")
+        )
     if benefits:
-        found = enough(benefits)
-        limits.append((None if found is None else found.row.tolerance, "benefit"))
-    if not off:
+        sufficient = find_sufficient(benefits)
+        limits.append((None if sufficient is None else sufficient.row.tolerance, "benefit"))
+    if not deviations:
         costs = {row.tolerance: _cost(row, timed=timed) for row in known}
         limits.append((_tightest(costs, STEP**STEPS), "cost"))
     tightest, end = max(
@@ -564,7 +576,7 @@ def knee_of(
     if number == len(known) - 1:
         end = "reach" if rows[-1].tolerance < known[-1].tolerance else "range"
     step = tuple(known[number - 1 : number + 1] if number else known[:2])
-    ends = [off[row.tolerance] for row in step if row.tolerance in off]
+    ends = [deviations[row.tolerance] for row in step if row.tolerance in deviations]
     bought = ends[0] - ends[1] if len(ends) > 1 else None
     return Knee(known[number], end, quick, step if len(step) > 1 else (), bought)
 
@@ -643,7 +655,7 @@ SHARE: Final = 0.05
 
 
 @dataclass(frozen=True, slots=True)
-class Enough:
+class SufficientContour:
     """The contour that is enough.
 
     Attributes
@@ -659,7 +671,7 @@ class Enough:
     last: bool
 
 
-def enough(rows: Sequence[BenefitRow]) -> Enough | None:
+def find_sufficient(rows: Sequence[BenefitRow]) -> SufficientContour | None:
     """The contour that is enough, of `rows` of one form and speed; None if none has values."""
     known = sorted(
         (row for row in rows if row.acceleration is not None),
@@ -669,7 +681,7 @@ def enough(rows: Sequence[BenefitRow]) -> Enough | None:
     for number, row in enumerate(known):
         gain = max((change(row, other) for other in known[number + 1 :]), default=0.0)
         if gain <= SHARE:
-            return Enough(row, gain, last=number == len(known) - 1)
+            return SufficientContour(row, gain, last=number == len(known) - 1)
     return None
 
 
@@ -678,27 +690,27 @@ def change(row: BenefitRow, other: BenefitRow) -> float:
     figures = (
         (row.acceleration, other.acceleration, row.exact_acceleration),
         (row.force, other.force, row.exact_force),
-        (row.lift_off, other.lift_off, row.exact_lift_off),
+        (row.lift_off_speed, other.lift_off_speed, row.exact_lift_off_speed),
     )
-    found = [
+    changes = [
         abs(one - two) / exact
         for one, two, exact in figures
         if one is not None and two is not None and exact and math.isfinite(one + two + exact)
     ]
-    return max(found, default=0.0)
+    return max(changes, default=0.0)
 
 
-def words(found: Enough | None) -> str:
+def sufficient_sentence(sufficient: SufficientContour | None) -> str:
     """What is enough, and why."""
-    if found is None:
+    if sufficient is None:
         return "the motion on the written contour is not known for any of these tolerances"
-    row = found.row
+    row = sufficient.row
     parts = [f"{row.form} within {row.tolerance:g} mm"]
     if row.ripple is not None:
         parts.append(f"the acceleration is off by up to {100.0 * row.ripple:.3g} % of its peak")
     if row.force is not None:
         parts.append(f"the contact force by up to {row.force:.3g} N")
-    if found.last:
+    if sufficient.last:
         return f"{', '.join(parts)}; it still improves, and no tighter tolerance was tried"
-    gain = f"{100.0 * found.gain:.2g} %"
+    gain = f"{100.0 * sufficient.gain:.2g} %"
     return f"{', '.join(parts)}; tighter ones change none of its benefits by more than {gain}"

@@ -140,7 +140,7 @@ class ContourRow:
     @property
     def spread(self) -> float:
         """Of what the drawing takes: the larger one of its fits and of its file."""
-        return max((each.spread for each in (self.count, self.drawing) if each), default=1.0)
+        return max((cost.spread for cost in (self.count, self.drawing) if cost), default=1.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -209,16 +209,16 @@ def in_length(row: Any, mm: float, moved: float = 1.0) -> Any:
     """A row with its tolerance, and what it has of deviations, in units of `mm`; octaves of the
     acceleration in units of `moved`.
     """
-    found: dict[str, Any] = {}
-    for each in fields(row):
-        value = getattr(row, each.name)
+    values: dict[str, Any] = {}
+    for field in fields(row):
+        value = getattr(row, field.name)
         if is_dataclass(value):
-            found[each.name] = in_length(value, mm, moved)
-        elif each.name in ("tolerance", "deviation") and value is not None:
-            found[each.name] = value / mm
-        elif each.name == "octaves":
-            found[each.name] = tuple(octave / moved for octave in value)
-    return replace(row, **found)
+            values[field.name] = in_length(value, mm, moved)
+        elif field.name in ("tolerance", "deviation") and value is not None:
+            values[field.name] = value / mm
+        elif field.name == "octaves":
+            values[field.name] = tuple(octave / moved for octave in value)
+    return replace(row, **values)
 
 
 # -- clock ----------------------------------------------------------------------------------------
@@ -291,8 +291,8 @@ def repeated(run: Callable[[Clock], Result], most_runs: int = MOST_RUNS) -> tupl
         clocks.append(Clock())
         result = run(clocks[-1])
         totals.append(math.fsum(clocks[-1].seconds.values()))
-    counted = [each.seconds for each in (clocks[1:] if len(clocks) >= RUNS else clocks)]
-    medians = {name: statistics.median(each[name] for each in counted) for name in counted[0]}
+    counted = [clock.seconds for clock in (clocks[1:] if len(clocks) >= RUNS else clocks)]
+    medians = {name: statistics.median(seconds[name] for seconds in counted) for name in counted[0]}
     return result, Timing(medians, _spread(totals))
 
 
@@ -372,7 +372,7 @@ def forced_pieces(path: Path, widest: float = TURN) -> int:
     legs = legs_of(path)
     sweeps = [leg.end for leg in legs if isinstance(leg, TurnLeg)]
     stretches = [leg.pieces for leg in legs if isinstance(leg, StretchLeg)]
-    sweeps += [each.end - each.start for pieces in stretches for each in pieces if each.is_arc]
+    sweeps += [piece.end - piece.start for pieces in stretches for piece in pieces if piece.is_arc]
     # As a contour is split: rounding makes no arc wider.
     return sum(max(1, math.ceil(sweep / widest - 1e-12)) for sweep in sweeps)
 
@@ -435,8 +435,8 @@ def _bend_slope(curve: WorkingCurve, phi: FloatArray) -> FloatArray:
     regular = 1.0 + curve.distance * kappa
     slope = curve.pitch.curvature_slope(phi)
     denominator = _speed(curve, phi) * regular**3
-    out: FloatArray = np.zeros_like(slope)
-    return np.divide(slope, denominator, out=out, where=denominator > 0.0)
+    bend_slope: FloatArray = np.zeros_like(slope)
+    return np.divide(slope, denominator, out=bend_slope, where=denominator > 0.0)
 
 
 # -- contours -------------------------------------------------------------------------------------
@@ -460,10 +460,12 @@ NOT_WRITTEN: Final = (ToleranceError, GeometryError, SceneError, FileError)
 """Errors that say why there is no contour or no file; a row states them."""
 
 
-def flanks_of(design: Design) -> tuple[CurveBoundary, ...]:
+def flank_boundaries(design: Design) -> tuple[CurveBoundary, ...]:
     """The boundaries of the part that are flanks; bore and rim are exact at any tolerance."""
     return tuple(
-        each for each in design.disc.drawn.part.boundaries if isinstance(each, CurveBoundary)
+        boundary
+        for boundary in design.disc.drawn.part.boundaries
+        if isinstance(boundary, CurveBoundary)
     )
 
 
@@ -493,21 +495,21 @@ def contour_rows(
     rows = []
     for form in forms:
         for effort in efforts:
-            drawn = drawn_as(design, form, effort)
+            variant = with_contour_form(design, form, effort)
             with suppress(*NOT_WRITTEN):  # which the row will state
-                file_cost(drawn.disc, DRAWING, max(tolerances), runs=1)
+                file_cost(variant.disc, DRAWING, max(tolerances), runs=1)
             for tolerance in tolerances:
                 progress(f"{form}, {effort}, {tolerance:g} mm")
                 rows.append(
                     _row(
-                        drawn, ContourRow(form, effort, tolerance), ripple=ripple,
+                        variant, ContourRow(form, effort, tolerance), ripple=ripple,
                         programs=programs, runs=runs,
                     )
                 )  # fmt: skip
     return tuple(rows)
 
 
-def drawn_as(design: Design, form: Form, effort: Effort) -> Design:
+def with_contour_form(design: Design, form: Form, effort: Effort) -> Design:
     """The same design with its drawing in another form."""
     return design.with_output({"fit": effort, "dxf.entity": form})
 
@@ -518,12 +520,12 @@ def _row(design: Design, row: ContourRow, *, ripple: bool, programs: bool, runs:
     # Machine of the scene, or the default; without a tool there is no feed, and no time.
     spec = design.disc.options[FORMAT]
     machine = load(spec.machine)
-    flanks, milled = flanks_of(design), not FORMAT.lacking(design.disc.values)
+    flanks, milled = flank_boundaries(design), not FORMAT.lacking(design.disc.values)
 
     def fitted_and_proved(clock: Clock) -> list[Fit | SplineFit]:
         forget(design.disc, tolerance)
         fits = clock.step(
-            "fit", lambda: [written_contour(each, form, effort, tolerance) for each in flanks]
+            "fit", lambda: [written_contour(flank, form, effort, tolerance) for flank in flanks]
         )
         for flank, fit in zip(flanks, fits, strict=True):
             clock.step("proof", partial(replace(flank).deviation, fit.contour))
@@ -577,8 +579,8 @@ def _round(
         return None
     smoothing, chord = machine.smoothed(tolerance), machine.arcs.interpolation
     return math.fsum(
-        contour_time(each, feed, machine.dynamics, chord=chord, smoothing=smoothing)
-        for each in contours
+        contour_time(contour, feed, machine.dynamics, chord=chord, smoothing=smoothing)
+        for contour in contours
     )
 
 
@@ -605,17 +607,17 @@ def file_cost(
     def written_and_read(clock: Clock) -> tuple[list[Written], list[float | None]]:
         for piece in pieces:
             forget(piece, tolerance, fits=fit_seconds is None, plans=format == PROGRAM)
-        written = clock.step("write", lambda: [writer.write(each, tolerance) for each in pieces])
+        written = clock.step("write", lambda: [writer.write(piece, tolerance) for piece in pieces])
         for piece in pieces:
             forget(piece, tolerance, fits=False)
         read = zip(pieces, written, strict=True)
         return written, clock.step("read", lambda: [writer.measure(a, b.data) for a, b in read])
 
-    (written, found), timing = repeated(written_and_read, runs)
-    deviation = max((each for each in found if each is not None), default=None)
+    (written, deviations), timing = repeated(written_and_read, runs)
+    deviation = max((deviation for deviation in deviations if deviation is not None), default=None)
     if deviation is not None and not deviation <= tolerance:
         raise ToleranceError(f"the {format} file, read back, is off", tolerance, deviation)
-    size = sum(len(each.data) for each in written)
+    size = sum(len(file.data) for file in written)
     seconds = ((fit_seconds or 0.0) + timing.seconds["write"], timing.seconds["read"])
     return FileCost(size, deviation, *seconds, written[0].facts, timing.spread)
 
@@ -635,10 +637,10 @@ def forget(product: Product, tolerance: float, *, fits: bool = True, plans: bool
         if isinstance(boundary, CurveBoundary | ExactBoundary):
             known = boundary.known
             for key in [
-                each
-                for each in known
-                if isinstance(each, bytes)
-                or (fits and each[1] <= tolerance and each[1] != TOPOLOGY_TOLERANCE)
+                key
+                for key in known
+                if isinstance(key, bytes)
+                or (fits and key[1] <= tolerance and key[1] != TOPOLOGY_TOLERANCE)
             ]:
                 del known[key]
 
@@ -658,10 +660,10 @@ def _ripple(
     """The largest ripple of all flanks; None where no acceleration is prescribed, or where the
     roller drops off an edge.
     """
-    found = (
+    ripples = (
         replay_contour(
             design.cam.disc.pitch_curve, contour, Flank.OUTER if flank.hole else Flank.INNER
         ).ripple
         for flank, contour in zip(flanks, contours, strict=True)
     )
-    return max((ripple for ripple in found if ripple is not None), default=None)
+    return max((ripple for ripple in ripples if ripple is not None), default=None)

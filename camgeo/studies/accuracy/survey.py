@@ -27,7 +27,7 @@ from camgeo.part.boundaries import CurveBoundary
 from camgeo.part.part import written_contour
 from camgeo.scene.formats.dxf import FORMAT
 from camgeo.scene.scene import Scene
-from camgeo.studies.accuracy.benefit import BenefitRow, Knee, knee_of
+from camgeo.studies.accuracy.benefit import BenefitRow, Knee, find_knee
 from camgeo.studies.accuracy.contours import (
     EFFORTS,
     FORMS,
@@ -76,29 +76,29 @@ Figures = dict[str, FloatArray]
 
 
 @dataclass(frozen=True, slots=True)
-class Off:
+class FigureDifference:
     """How far a figure is off.
 
     Attributes
     ----------
     figure : name of the finding or column.
-    off : from the reference, in the unit of the figure.
+    difference : from the reference, in the unit of the figure.
     bound : what the result states.
     """
 
     figure: str
-    off: float
+    difference: float
     bound: Bound
 
     @property
     def share(self) -> float:
         """Relative to the scale of the figure."""
-        return Bound(self.off, self.bound.scale).share
+        return Bound(self.difference, self.bound.scale).share
 
     @property
     def holds(self) -> bool:
         """Whether the figure is off by no more than stated."""
-        return self.off <= self.bound.error
+        return self.difference <= self.bound.error
 
 
 def effect_rows(
@@ -126,7 +126,7 @@ def _rows(
         progress(f"{name}, {tolerance:g}")
         row, result = _row(design, name, tolerance)
         if result is not None and reference is not None and reference[0] * TIGHTER <= tolerance:
-            row = _compared(row, result, reference[1])
+            row = _with_difference(row, result, reference[1])
         if row.rounded and not rows:
             return [row]
         rows.append(replace(row, rounded=False))
@@ -171,45 +171,47 @@ def _row(design: Design, name: str, tolerance: float) -> tuple[EffectRow, Result
     ), result
 
 
-def _compared(row: EffectRow, result: Result, reference: Result) -> EffectRow:
+def _with_difference(row: EffectRow, result: Result, reference: Result) -> EffectRow:
     """The row with the differences; a figure that is off by more than stated is a fault."""
-    found = compared(result, reference)
-    wrong = [each.figure for each in found if not each.holds]
-    largest = max(found, key=lambda each: each.share, default=None)
-    off = None if largest is None else largest.share
+    differences = compare_figures(result, reference)
+    wrong = [difference.figure for difference in differences if not difference.holds]
+    largest = max(differences, key=lambda each: each.share, default=None)
+    share = None if largest is None else largest.share
     return replace(
         row,
-        difference=off,
-        figure="" if largest is None or not off else largest.figure,
-        rounded=max(off or 0.0, row.error or 0.0) <= ROUNDED and not wrong,
+        difference=share,
+        figure="" if largest is None or not share else largest.figure,
+        rounded=max(share or 0.0, row.error or 0.0) <= ROUNDED and not wrong,
         fault=f"off by more than estimated: {', '.join(wrong)}" if wrong else "",
     )
 
 
-def compared(result: Result, reference: Result) -> tuple[Off, ...]:
+def compare_figures(result: Result, reference: Result) -> tuple[FigureDifference, ...]:
     """All figures that both results have, with their differences.
 
     A figure without an error is exact to rounding, `camgeo.numeric.arrays.SHARE` of its largest
     magnitude.
     """
-    own, best = figures_of(result), figures_of(reference)
-    found = []
-    for name, values in own.items():
-        if name not in best or best[name].shape != values.shape:
+    figures, reference_figures = result_figures(result), result_figures(reference)
+    differences = []
+    for name, values in figures.items():
+        if name not in reference_figures or reference_figures[name].shape != values.shape:
             continue
-        size = float(max(np.max(np.abs(values)), np.max(np.abs(best[name]))))
+        size = float(max(np.max(np.abs(values)), np.max(np.abs(reference_figures[name]))))
         bound = result.errors.get(name, Bound(SHARE * size, size))
-        found.append(Off(name, float(np.max(np.abs(values - best[name]))), bound))
-    return tuple(found)
+        differences.append(
+            FigureDifference(name, float(np.max(np.abs(values - reference_figures[name]))), bound)
+        )
+    return tuple(differences)
 
 
-def figures_of(result: Result) -> Figures:
+def result_figures(result: Result) -> Figures:
     """All figures of a result."""
-    found: dict[str, list[float]] = {}
+    finding_values: dict[str, list[float]] = {}
     for finding in result.findings:
         if finding.value is not None:
-            found.setdefault(finding.name, []).append(finding.value)
-    figures = {name: np.array(values, dtype=np.float64) for name, values in found.items()}
+            finding_values.setdefault(finding.name, []).append(finding.value)
+    figures = {name: np.array(values, dtype=np.float64) for name, values in finding_values.items()}
     return figures | {column.name: _sampled(column) for column in result.columns}
 
 
@@ -248,11 +250,11 @@ def table_rows(
     for step in steps:
         progress(f"value table, {step} degrees")
 
-        def made(step: Decimal = step) -> tuple[int, int]:
+        def compute_table(step: Decimal = step) -> tuple[int, int]:
             table = design.tabulated.table(step)
             return len(table.values), len(table.encoded())
 
-        (count, size), timing = repeated(partial(Clock.step, name="table", work=made))
+        (count, size), timing = repeated(partial(Clock.step, name="table", work=compute_table))
         error = interpolation_error(design.scene.plan, np.radians(cam_angles(step)))
         rows.append(TableRow(step, count, size, timing.seconds["table"], error, timing.spread))
     return tuple(rows)
@@ -366,7 +368,7 @@ def survey(
     GeometryError
         If the part is impossible.
     """
-    form, effort = own_contour(design.scene)
+    form, effort = scene_contour(design.scene)
     forms, efforts = (FORMS, EFFORTS) if complete else ((form,), (effort,))
     contours = contour_rows(
         design, tolerances, ripple=ripple, progress=progress, forms=forms, efforts=efforts,
@@ -379,8 +381,8 @@ def survey(
         contours,
         solid_rows(design, tolerances, progress=progress) if complete else (),
         table_rows(design, steps, progress=progress) if complete else (),
-        knee_of(
-            own_rows(design.scene, contours),
+        find_knee(
+            scene_rows(design.scene, contours),
             [row for row in benefits if row.form == form],
             timed=timed,
         ),
@@ -390,14 +392,14 @@ def survey(
     )
 
 
-def own_contour(scene: Scene) -> tuple[Form, Effort]:
+def scene_contour(scene: Scene) -> tuple[Form, Effort]:
     """Form and fit of the contour in the drawing of a scene."""
     return scene.output.options[FORMAT].form, scene.output.fit
 
 
-def own_rows(scene: Scene, rows: Sequence[ContourRow]) -> tuple[ContourRow, ...]:
+def scene_rows(scene: Scene, rows: Sequence[ContourRow]) -> tuple[ContourRow, ...]:
     """Those of the contour in the drawing of a scene."""
-    return tuple(row for row in rows if (row.form, row.effort) == own_contour(scene))
+    return tuple(row for row in rows if (row.form, row.effort) == scene_contour(scene))
 
 
 def solid_rows(
@@ -470,8 +472,8 @@ class BillRow:
     @property
     def stages(self) -> dict[Stage, float]:
         """Seconds by stage; empty if nothing was built."""
-        found: dict[Stage, float | None] = {name: getattr(self, name) for name in STAGES}
-        return {name: seconds for name, seconds in found.items() if seconds is not None}
+        seconds_by_stage: dict[Stage, float | None] = {name: getattr(self, name) for name in STAGES}
+        return {name: seconds for name, seconds in seconds_by_stage.items() if seconds is not None}
 
     @property
     def total(self) -> float | None:
@@ -521,15 +523,15 @@ def _built_row(scene: Scene, row: BillRow) -> BillRow:
 
 def staged(runs: Iterable[Computation], total: float) -> dict[str, float]:
     """Seconds by stage of a build that took `total` seconds, in which `runs` were computed."""
-    found: dict[str, list[float]] = {stage: [] for stage in STAGES}
+    seconds_by_stage: dict[str, list[float]] = {stage: [] for stage in STAGES}
     for run in runs:
-        found[stage_of(run.name)].append(run.net_seconds)
-    spent = {stage: math.fsum(seconds) for stage, seconds in found.items()}
+        seconds_by_stage[quantity_stage(run.name)].append(run.net_seconds)
+    spent = {stage: math.fsum(seconds) for stage, seconds in seconds_by_stage.items()}
     spent["write"] += total - math.fsum(spent.values())
     return spent
 
 
-def stage_of(name: str) -> Stage:
+def quantity_stage(name: str) -> Stage:
     """The stage of the quantity of that name."""
     if READ in name:
         return "read"
@@ -545,16 +547,16 @@ def _pieces(design: Design, tolerance: float) -> int:
     output = design.scene.output
     form = output.options[FORMAT].form
     return sum(
-        len(written_contour(each, form, output.fit, tolerance).contour)
+        len(written_contour(boundary, form, output.fit, tolerance).contour)
         for disc in design.discs
-        for each in disc.drawn.part.boundaries
-        if isinstance(each, CurveBoundary)
+        for boundary in disc.drawn.part.boundaries
+        if isinstance(boundary, CurveBoundary)
     )
 
 
 def _machining(report: Report) -> float | None:
     """Seconds that the programs state, together."""
-    known = [float(each.facts[MACHINED]) for each in report.files if MACHINED in each.facts]
+    known = [float(file.facts[MACHINED]) for file in report.files if MACHINED in file.facts]
     return math.fsum(known) if known else None
 
 

@@ -31,20 +31,20 @@ from camgeo.studies.sweep.family import (
     Variable,
     family_of,
     mark,
-    variables_in,
+    stated_variables,
 )
 from camgeo.studies.sweep.rows import (
     VERDICT,
-    Asked,
+    DesignReading,
+    DesignRow,
     Engine,
     Loop,
-    Reading,
-    Row,
+    Question,
     Work,
-    asked_of,
+    all_findings,
     canonical,
-    judged,
-    reason_of,
+    failure_reason,
+    parse_questions,
 )
 from camgeo.units import counted
 
@@ -66,7 +66,7 @@ ALL: Final = "limits"
 class Goal:
     """An objective: what is asked, and whether it should be small or large."""
 
-    asked: Asked
+    question: Question
     sense: Sense
 
     def cost(self, value: float) -> float:
@@ -80,22 +80,22 @@ class Limit:
 
     Attributes
     ----------
-    asked : what is limited.
+    question : what is limited.
     sign : "<=" or ">=".
     bound : the limit, in the unit in which the answer is stated.
     """
 
-    asked: Asked
+    question: Question
     sign: str
     bound: float
 
     def __str__(self) -> str:
-        return f"{self.asked.word} {self.sign} {self.bound:g}"
+        return f"{self.question.word} {self.sign} {self.bound:g}"
 
     def margin(self, value: float) -> float:
         """How far the value is within the limit, relative to it; negative beyond."""
-        apart = value - self.bound if self.sign == ">=" else self.bound - value
-        return apart / (abs(self.bound) or 1.0)
+        distance = value - self.bound if self.sign == ">=" else self.bound - value
+        return distance / (abs(self.bound) or 1.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,7 +114,7 @@ class Effort:
     seconds: float | None = None
 
     @classmethod
-    def of(cls, table: Mapping[str, Any]) -> Effort:
+    def from_table(cls, table: Mapping[str, Any]) -> Effort:
         """What a table of a scene states."""
         seconds = table.get("seconds")
         return cls(
@@ -125,7 +125,7 @@ class Effort:
 
 
 @dataclass(frozen=True, slots=True)
-class Sought:
+class Criteria:
     """What makes a design good or bad.
 
     Attributes
@@ -140,20 +140,25 @@ class Sought:
     ignored: frozenset[str]
 
     @property
-    def asked(self) -> tuple[Asked, ...]:
+    def questions(self) -> tuple[Question, ...]:
         """What is asked of each design, each once: objectives, then limits."""
-        found = [*(goal.asked for goal in self.goals), *(limit.asked for limit in self.limits)]
-        return tuple(dict.fromkeys(found))
+        questions = [
+            *(goal.question for goal in self.goals),
+            *(limit.question for limit in self.limits),
+        ]
+        return tuple(dict.fromkeys(questions))
 
     @property
     def replaced(self) -> frozenset[str]:
         """Findings whose limits in the scene have others in their place."""
-        return frozenset(each.asked.name for each in self.limits if each.asked.how == "value")
+        return frozenset(
+            limit.question.name for limit in self.limits if limit.question.how == "value"
+        )
 
     @property
     def machining(self) -> bool:
         """Whether the milling programs count: whoever asks for their time means to run them."""
-        return any(each.group == "machining" for each in self.asked)
+        return any(question.group == "machining" for question in self.questions)
 
     def matters(self, name: str) -> bool:
         """Whether a broken limit of the scene, of the finding of that name, matters."""
@@ -161,7 +166,7 @@ class Sought:
 
 
 @dataclass(frozen=True, slots=True)
-class Task(Sought):
+class Task(Criteria):
     """What is sought, and where.
 
     Attributes
@@ -205,7 +210,7 @@ def task_of(
         For a name that no finding or column has, with the nearest one.
     """
     # Of designs that are drawn, ranges need no count; how many is not used.
-    family = family_of(scene, vary or variables_in(scene, OPTIMISE), Sample(1))
+    family = family_of(scene, vary or stated_variables(scene, OPTIMISE), Sample(1))
     table = scene.values.get(OPTIMISE, {})
     least, largest = tuple(least), tuple(largest)
     if not least and not largest:
@@ -216,7 +221,7 @@ def task_of(
         *(Goal(_number(design, word), "least") for word in least),
         *(Goal(_number(design, word), "largest") for word in largest),
     )
-    names = [goal.asked.word for goal in goals]
+    names = [goal.question.word for goal in goals]
     if not goals:
         raise GeometryError("names no objective: say what should be --least or --largest", "least")
     if len(set(names)) < len(names):
@@ -227,16 +232,16 @@ def task_of(
     limits = tuple(_limit(design, text) for text in keep)
     words = [canonical(word) for word in ignore]
     named = [word for word in words if word != ALL]
-    ignored = [each.name for each in asked_of(design, named)] if named else []
+    ignored = [question.name for question in parse_questions(design, named)] if named else []
     everything = [ALL] if ALL in words else []
-    return Task(goals, limits, frozenset([*ignored, *everything]), family, Effort.of(table))
+    return Task(goals, limits, frozenset([*ignored, *everything]), family, Effort.from_table(table))
 
 
-def _number(design: Design, word: str) -> Asked:
-    (found,) = asked_of(design, [word])
-    if found.name == VERDICT and found.how == "value":
+def _number(design: Design, word: str) -> Question:
+    (question,) = parse_questions(design, [word])
+    if question.name == VERDICT and question.how == "value":
         raise GeometryError("is a word, which is neither small nor large", VERDICT)
-    return replace(found, word=canonical(word))
+    return replace(question, word=canonical(word))
 
 
 def _limit(design: Design, text: str) -> Limit:
@@ -279,54 +284,61 @@ class Space:
     @property
     def continuous(self) -> BoolArray:
         """(n,) which variables take any number of their range."""
-        return np.array([_continuous(each) is not None for each in self.variables])
+        return np.array([_continuous(variable) is not None for variable in self.variables])
 
     @property
     def upper(self) -> FloatArray:
         """(n,) upper ends of the sides; the lower ones are 0."""
         return np.array(
-            [1.0 if _continuous(each) else each.values.count - 1.0 for each in self.variables]
+            [
+                1.0 if _continuous(variable) else variable.values.count - 1.0
+                for variable in self.variables
+            ]
         )
 
     @property
     def count(self) -> int | None:
         """How many designs there are; None if a variable is continuous."""
-        found = 1
-        for each in self.variables:
-            if _continuous(each):
+        total = 1
+        for variable in self.variables:
+            if _continuous(variable):
                 return None
-            found *= each.values.count
-        return found
+            total *= variable.values.count
+        return total
 
     def point(self, place: FloatArray) -> Point:
         """The values of the design at (n,) a place; outside the box, those at its border."""
         values: list[Value] = []
-        for variable, at in zip(self.variables, place, strict=True):
-            within = _continuous(variable)
-            if within is None:
-                number = round(min(max(float(at), 0.0), variable.values.count - 1.0))
-                values += variable.values.at(number)
+        for variable, coordinate in zip(self.variables, place, strict=True):
+            interval = _continuous(variable)
+            if interval is None:
+                number = round(min(max(float(coordinate), 0.0), variable.values.count - 1.0))
+                values += variable.values.row(number)
             else:
-                values += (plain(_between(within, float(at))),) * within.keys
+                values += (plain(_interpolate(interval, float(coordinate))),) * interval.keys
         return tuple(values)
 
     def everything(self) -> Iterator[FloatArray]:
         """All places, if no variable is continuous."""
-        for numbers in product(*(range(each.values.count) for each in self.variables)):
+        for numbers in product(*(range(variable.values.count) for variable in self.variables)):
             yield np.array(numbers, dtype=float)
 
-    def place_of(self, scene: Scene) -> FloatArray | None:
+    def scene_place(self, scene: Scene) -> FloatArray | None:
         """(n,) where the scene lies; None if it does not state all values, or has others."""
         tree: Any = scene.stated.scene.exact
-        found = []
+        coordinates = []
         for variable in self.variables:
-            own = tuple(tree_value(tree, value_path(tree, key)) for key in variable.keys)
-            within = _continuous(variable)
-            at = _number_in(variable, own) if within is None else _share_of_range(within, own)
-            if at is None:
+            stated = tuple(tree_value(tree, value_path(tree, key)) for key in variable.keys)
+            interval = _continuous(variable)
+            coordinate = (
+                _list_position(variable, stated)
+                if interval is None
+                else _share_of_range(interval, stated)
+            )
+            if coordinate is None:
                 return None
-            found.append(at)
-        return np.array(found)
+            coordinates.append(coordinate)
+        return np.array(coordinates)
 
     def rounded(self, place: FloatArray, finer: int = 0) -> Iterator[Point]:
         """Designs next to a place with short numbers, all combinations of up and down.
@@ -335,15 +347,15 @@ class Space:
         those with one number rounded the other way.
         """
         choices: list[Sequence[tuple[Value, ...]]] = []
-        for variable, at in zip(self.variables, place, strict=True):
-            within = _continuous(variable)
-            if within is None:
-                choices.append([variable.values.at(round(float(at)))])
+        for variable, coordinate in zip(self.variables, place, strict=True):
+            interval = _continuous(variable)
+            if interval is None:
+                choices.append([variable.values.row(round(float(coordinate)))])
                 continue
-            value = _between(within, float(at))
-            near = _short_numbers(value, within, finer)
-            choices.append([(plain(each),) * within.keys for each in near])
-        if sum(len(each) > 1 for each in choices) <= 6:
+            value = _interpolate(interval, float(coordinate))
+            near = _short_numbers(value, interval, finer)
+            choices.append([(plain(number),) * interval.keys for number in near])
+        if sum(len(choice) > 1 for choice in choices) <= 6:
             combined: Iterator[tuple[tuple[Value, ...], ...]] = product(*choices)
         else:
             combined = _one_other(choices)
@@ -357,25 +369,25 @@ def _continuous(variable: Variable) -> Range | None:
     return values if isinstance(values, Range) and values.steps is None else None
 
 
-def _between(within: Range, share: float) -> float:
-    start, stop = float(within.start), float(within.stop)
+def _interpolate(interval: Range, share: float) -> float:
+    start, stop = float(interval.start), float(interval.stop)
     if share >= 1.0:
         return stop
     return start if share <= 0.0 else start + (stop - start) * share
 
 
-def _share_of_range(within: Range, own: tuple[Any, ...]) -> float | None:
-    if any(isinstance(each, bool) or not isinstance(each, int | Decimal) for each in own):
+def _share_of_range(interval: Range, stated: tuple[Any, ...]) -> float | None:
+    if any(isinstance(value, bool) or not isinstance(value, int | Decimal) for value in stated):
         return None
-    if any(each != own[0] for each in own):
+    if any(value != stated[0] for value in stated):
         return None
-    at = float((Decimal(own[0]) - within.start) / (within.stop - within.start))
-    return at if 0.0 <= at <= 1.0 else None
+    share = float((Decimal(stated[0]) - interval.start) / (interval.stop - interval.start))
+    return share if 0.0 <= share <= 1.0 else None
 
 
-def _number_in(variable: Variable, own: tuple[Any, ...]) -> float | None:
+def _list_position(variable: Variable, stated: tuple[Any, ...]) -> float | None:
     for number in range(variable.values.count):
-        if all(_same(*pair) for pair in zip(variable.values.at(number), own, strict=True)):
+        if all(_same(*pair) for pair in zip(variable.values.row(number), stated, strict=True)):
             return float(number)
     return None
 
@@ -386,25 +398,25 @@ def _same(one: Any, other: Any) -> bool:
     return isinstance(other, int | Decimal) and float(one) == float(other)
 
 
-def _short_numbers(value: float, within: Range, finer: int) -> list[float]:
+def _short_numbers(value: float, interval: Range, finer: int) -> list[float]:
     """The short numbers below and above a value that lie in its range; itself if there are none."""
-    low, high = sorted((within.start, within.stop))
+    low, high = sorted((interval.start, interval.stop))
     size = max(
         Decimal(abs(value)).scaleb(-DIGITS), (high - low).scaleb(-SMALL)
     )  # above 0, as the range is not empty
     last = Decimal(1).scaleb(size.adjusted() - finer)
     near = (Decimal(value).quantize(last, way) for way in (ROUND_FLOOR, ROUND_CEILING))
-    found = [float(each) for each in dict.fromkeys(near) if low <= each <= high]
-    return sorted(found, key=lambda each: abs(each - value)) or [value]
+    numbers = [float(number) for number in dict.fromkeys(near) if low <= number <= high]
+    return sorted(numbers, key=lambda each: abs(each - value)) or [value]
 
 
 def _one_other(
     choices: Sequence[Sequence[tuple[Value, ...]]],
 ) -> Iterator[tuple[tuple[Value, ...], ...]]:
-    first = [each[0] for each in choices]
+    first = [choice[0] for choice in choices]
     yield tuple(first)
-    for number, each in enumerate(choices):
-        for other in each[1:]:
+    for number, choice in enumerate(choices):
+        for other in choice[1:]:
             yield (*first[:number], other, *first[number + 1 :])
 
 
@@ -418,19 +430,19 @@ def front(costs: FloatArray) -> BoolArray:
     A row dominates another if it is nowhere worse and somewhere better; equal rows stay together. A
     row with a NaN has no place in the order: it neither dominates nor is on the front.
     """
-    found = np.zeros(len(costs), dtype=bool)
+    undominated = np.zeros(len(costs), dtype=bool)
     whole = np.flatnonzero(~np.isnan(costs).any(axis=1))
     # In lexical order a row can only be dominated by an earlier one that is on the front itself.
     order = whole[np.lexsort(costs[whole].T[::-1])]
-    kept = np.empty((0, costs.shape[1]))
+    front_costs = np.empty((0, costs.shape[1]))
     for row in order:
         here = costs[row]
-        beaten = np.all(kept <= here, axis=1) & np.any(kept < here, axis=1)
+        beaten = np.all(front_costs <= here, axis=1) & np.any(front_costs < here, axis=1)
         if not beaten.any():
-            found[row] = True
-            if not (len(kept) and np.array_equal(kept[-1], here)):
-                kept = np.vstack((kept, here))
-    return found
+            undominated[row] = True
+            if not (len(front_costs) and np.array_equal(front_costs[-1], here)):
+                front_costs = np.vstack((front_costs, here))
+    return undominated
 
 
 # -- optimise -------------------------------------------------------------------------------------
@@ -449,7 +461,7 @@ INTERRUPTED: Final = "interrupted"
 
 
 @dataclass(frozen=True, slots=True)
-class Found:
+class OptimisationResult:
     """What an optimisation found.
 
     Attributes
@@ -479,7 +491,7 @@ class Found:
     @property
     def scene(self) -> Scene | None:
         """The scene with the values of `made`."""
-        return None if self.made is None else self.task.family.scene_of(self.made.point)
+        return None if self.made is None else self.task.family.design_scene(self.made.point)
 
     @property
     def interrupted(self) -> bool:
@@ -495,7 +507,7 @@ def optimise(
     seconds: float | None = None,
     engine: Engine | None = None,
     progress: Callable[[str], None] = lambda _: None,
-) -> Found:
+) -> OptimisationResult:
     """Search for the best design; the same seed finds the same, unless time ends the search.
 
     Parameters
@@ -528,13 +540,15 @@ def optimise(
     trials = Trials(task, evaluations, seconds, _Watch(task, progress), engine)
     with engine.held():
         ended = _searched(trials, seed)
-        on_front = _front(trials.made)
+        on_front = _front(trials.computed)
         best = _best(trials, on_front)
         short = _short(trials, best) if best.feasible else None
-    place = trials.space.place_of(task.family.scene)
-    own = None if place is None else trials.space.point(place)
-    start = next((each for each in trials.made if each.point == own), None)
-    return Found(task, seed, evaluations, trials.made, start, best, short, on_front, ended)
+    place = trials.space.scene_place(task.family.scene)
+    scene_point = None if place is None else trials.space.point(place)
+    start = next((trial for trial in trials.computed if trial.point == scene_point), None)
+    return OptimisationResult(
+        task, seed, evaluations, trials.computed, start, best, short, on_front, ended
+    )
 
 
 def _searched(trials: Trials, seed: int) -> str:
@@ -567,7 +581,7 @@ class _Watch:
             words += f", {count / elapsed:.3g}/s"
         if np.isfinite(self._best):
             value = self._best if self._goal.sense == "least" else -self._best
-            words += f", {self._goal.asked.word} {value:.7g}"
+            words += f", {self._goal.question.word} {value:.7g}"
         else:
             words += ", none keeps all limits yet"
         self._progress(words)
@@ -575,22 +589,22 @@ class _Watch:
 
 def _front(trials: tuple[Trial, ...]) -> tuple[Trial, ...]:
     """The designs within limits that no other one beats, ordered by the first objective."""
-    kept = [each for each in trials if each.feasible]
-    if not kept:
+    feasible = [trial for trial in trials if trial.feasible]
+    if not feasible:
         return ()
-    mask = front(np.array([each.costs for each in kept]))
-    found = [each for each, on in zip(kept, mask, strict=True) if on]
-    return tuple(sorted(found, key=lambda each: (*each.costs, each.number)))
+    mask = front(np.array([trial.costs for trial in feasible]))
+    front_trials = [trial for trial, undominated in zip(feasible, mask, strict=True) if undominated]
+    return tuple(sorted(front_trials, key=lambda each: (*each.costs, each.number)))
 
 
 def _best(trials: Trials, on_front: tuple[Trial, ...]) -> Trial:
     ways = directions(len(trials.task.goals))
     if not on_front:
-        return direction(ways[0], trials).best(trials.made)
+        return scaled_direction(ways[0], trials).best(trials.computed)
     if len(ways[0]) == 1:
-        return direction(ways[0], trials).best(on_front)
-    even = np.full(len(ways[0]), 1.0 / len(ways[0]))
-    return direction(even, trials).best(on_front)
+        return scaled_direction(ways[0], trials).best(on_front)
+    equal_weights = np.full(len(ways[0]), 1.0 / len(ways[0]))
+    return scaled_direction(equal_weights, trials).best(on_front)
 
 
 def _short(trials: Trials, best: Trial) -> Trial:
@@ -598,10 +612,10 @@ def _short(trials: Trials, best: Trial) -> Trial:
     if best.place is None or not trials.space.continuous.any():
         return best
     for finer in range(FINER):
-        tried = trials.all_of(trials.space.rounded(best.place, finer))
-        kept = [each for each in tried if each.feasible and _equal(each, best)]
-        if kept:
-            return min(kept, key=lambda each: each.costs)
+        tried = trials.evaluate_points(trials.space.rounded(best.place, finer))
+        feasible = [trial for trial in tried if trial.feasible and _equal(trial, best)]
+        if feasible:
+            return min(feasible, key=lambda each: each.costs)
     return best
 
 
@@ -641,7 +655,7 @@ FINEST: Final = 1e-9
 SHRINK, GROW = 0.5, 1.5
 """Factors of the step where no direction helps, and where one does."""
 
-DRAWN: Final = 2
+RANDOM_SETS: Final = 2
 """Sets of directions at right angles to each other that are drawn for each step."""
 
 HALVINGS: Final = 34
@@ -682,8 +696,8 @@ class Direction:
             return float("nan")
         if np.count_nonzero(self.weights) == 1:
             return float(costs[self.weights > 0.0][0])
-        apart = (costs - self.ideal) / self.span
-        return float(np.max(self.weights * apart) + 1e-3 * np.sum(apart))
+        distances = (costs - self.ideal) / self.span
+        return float(np.max(self.weights * distances) + 1e-3 * np.sum(distances))
 
     def key(self, trial: Trial) -> tuple[float, float]:
         """By which designs are ordered, the best first; the first of equal ones wins."""
@@ -703,17 +717,17 @@ class Direction:
 def directions(count: int) -> list[FloatArray]:
     """Weights of `count` objectives: each alone, then evenly spaced."""
     parts = LATTICE.get(count, 2)
-    found = [np.eye(count)[number] for number in range(count)]
+    all_weights = [np.eye(count)[number] for number in range(count)]
     for chosen in combinations_with_replacement(range(count), parts):
         weights = np.bincount(chosen, minlength=count) / parts
         if np.max(weights) < 1.0:
-            found.append(weights)
-    return found
+            all_weights.append(weights)
+    return all_weights
 
 
-def direction(weights: FloatArray, trials: Trials) -> Direction:
+def scaled_direction(weights: FloatArray, trials: Trials) -> Direction:
     """The direction with these weights, the range of the costs taken from the trials so far."""
-    costs = np.array([each.costs for each in trials.made if each.feasible])
+    costs = np.array([trial.costs for trial in trials.computed if trial.feasible])
     if not len(costs):
         return Direction(weights, np.zeros_like(weights), np.ones_like(weights))
     # The range is that between the best designs of each objective alone.
@@ -722,21 +736,21 @@ def direction(weights: FloatArray, trials: Trials) -> Direction:
     return Direction(weights, np.min(costs, axis=0), np.where(span > 0.0, span, 1.0))
 
 
-def evolve(trials: Trials, towards: Direction, seed: int, most: int) -> bool:
+def evolve(trials: Trials, direction: Direction, seed: int, most: int) -> bool:
     """Differential evolution with at most so many new designs; whether it came together."""
     from scipy.optimize import differential_evolution
 
     space = trials.space
     sides = np.flatnonzero(space.upper > 0.0)
     size = max(POPULATION, POPULATION * len(sides))
-    start = _population(trials, towards, sides, seed, size)
+    start = _population(trials, direction, sides, seed, size)
     last = len(trials) + most
 
     def energies(_: object, generation: Iterable[FloatArray]) -> list[float]:
         members = np.array(list(generation))
         places = np.zeros((len(members), len(space.upper)))
         places[:, sides] = members
-        return [towards.energy(each) for each in trials.all_at(places)]
+        return [direction.energy(trial) for trial in trials.evaluate_all(places)]
 
     def ended(*_: object, **__: object) -> bool:
         return len(trials) + size > last
@@ -762,61 +776,63 @@ def evolve(trials: Trials, towards: Direction, seed: int, most: int) -> bool:
 
 
 def _population(
-    trials: Trials, towards: Direction, sides: np.ndarray, seed: int, size: int
+    trials: Trials, direction: Direction, sides: np.ndarray, seed: int, size: int
 ) -> FloatArray:
     """The first generation: a Latin square, in which the best designs so far take places."""
     from scipy.stats import qmc
 
     space = trials.space
     shares = qmc.LatinHypercube(len(sides), rng=np.random.default_rng(seed)).random(size)
-    found: FloatArray = shares * space.upper[sides]
+    generation: FloatArray = shares * space.upper[sides]
     whole = ~space.continuous[sides]
     # Each number of a list is as likely as the others.
     counts = space.upper[sides][whole] + 1.0
-    found[:, whole] = np.minimum(np.floor(shares[:, whole] * counts), counts - 1.0)
-    known = sorted((each for each in trials.made if each.place is not None), key=towards.key)
+    generation[:, whole] = np.minimum(np.floor(shares[:, whole] * counts), counts - 1.0)
+    known = sorted(
+        (trial for trial in trials.computed if trial.place is not None), key=direction.key
+    )
     for row, trial in enumerate(known[: size // 3]):
         assert trial.place is not None
-        found[row] = trial.place[sides]
-    return found
+        generation[row] = trial.place[sides]
+    return generation
 
 
-def polish(trials: Trials, towards: Direction, seed: int) -> None:
+def polish(trials: Trials, direction: Direction, seed: int) -> None:
     """Local searches from the best design so far, in its continuous variables."""
     free = np.flatnonzero(trials.space.continuous)
-    start = towards.best(each for each in trials.made if each.place is not None)
-    if not len(free) or not np.isfinite(towards.cost(start)):
+    start = direction.best(trial for trial in trials.computed if trial.place is not None)
+    if not len(free) or not np.isfinite(direction.cost(start)):
         return
-    if np.count_nonzero(towards.weights) == 1:  # else the cost has edges
-        _follow(trials, towards, start, free)
-    start = towards.best(each for each in trials.made if each.place is not None)
-    _step(trials, towards, start, free, seed)
+    if np.count_nonzero(direction.weights) == 1:  # else the cost has edges
+        _follow(trials, direction, start, free)
+    start = direction.best(trial for trial in trials.computed if trial.place is not None)
+    _step(trials, direction, start, free, seed)
 
 
-def _follow(trials: Trials, towards: Direction, start: Trial, free: np.ndarray) -> None:
+def _follow(trials: Trials, direction: Direction, start: Trial, free: np.ndarray) -> None:
     """COBYQA, then bisection to the border of what is allowed if it ended beyond."""
     from scipy.optimize import Bounds, NonlinearConstraint, minimize
 
     base = start.place
     assert base is not None
     names = tuple(start.margins)
-    first = towards.cost(start)
+    first = direction.cost(start)
     scale = abs(first) or 1.0
 
-    def at(numbers: FloatArray) -> Trial:
+    def evaluate(numbers: FloatArray) -> Trial:
         place = base.copy()
         place[free] = np.clip(numbers, 0.0, 1.0)
-        return trials.at(place)
+        return trials.evaluate(place)
 
     def cost(numbers: FloatArray) -> float:
-        found = towards.cost(at(numbers))
-        return found / scale if np.isfinite(found) else 1e6
+        trial_cost = direction.cost(evaluate(numbers))
+        return trial_cost / scale if np.isfinite(trial_cost) else 1e6
 
     def margins(numbers: FloatArray) -> FloatArray:
-        found = at(numbers)
-        missing = -1.0 if found.violation >= 1.0 else 1.0
-        each = [min(found.margins.get(name, missing), 1.0) for name in names]
-        return np.array([*each, -min(found.violation, 1e6)])
+        trial = evaluate(numbers)
+        missing = -1.0 if trial.violation >= 1.0 else 1.0
+        limit_margins = [min(trial.margins.get(name, missing), 1.0) for name in names]
+        return np.array([*limit_margins, -min(trial.violation, 1e6)])
 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
@@ -832,41 +848,43 @@ def _follow(trials: Trials, towards: Direction, start: Trial, free: np.ndarray) 
                 "maxfev": 60 * (len(free) + 1),
             },
         )
-    beyond = at(result.x)
-    within = towards.best((start, *trials.made))
-    if beyond.feasible or not within.feasible or within.place is None:
+    beyond = evaluate(result.x)
+    best = direction.best((start, *trials.computed))
+    if beyond.feasible or not best.feasible or best.place is None:
         return
-    low, high = within.place, np.array(beyond.place)
+    low, high = best.place, np.array(beyond.place)
     if not np.array_equal(low[~trials.space.continuous], high[~trials.space.continuous]):
         return
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
-        found = trials.at(middle)
-        if found.feasible and towards.key(found) <= towards.key(within):
-            low, within = middle, found
+        trial = trials.evaluate(middle)
+        if trial.feasible and direction.key(trial) <= direction.key(best):
+            low, best = middle, trial
         else:
             high = middle
 
 
-def _step(trials: Trials, towards: Direction, best: Trial, free: np.ndarray, seed: int) -> None:
+def _step(trials: Trials, direction: Direction, best: Trial, free: np.ndarray, seed: int) -> None:
     """Steps along each number, in drawn directions, and on from the last success.
 
     Where limits meet at an angle only few directions are within both and better.
     """
-    drawn = np.random.default_rng(seed)
+    generator = np.random.default_rng(seed)
     step, last = FIRST, np.zeros(len(free))
     while step > FINEST:
         turned = np.eye(len(free))
         if len(free) > 1:
-            turned = np.vstack((turned, *(_rotation(drawn, len(free)) for _ in range(DRAWN))))
+            turned = np.vstack(
+                (turned, *(_rotation(generator, len(free)) for _ in range(RANDOM_SETS)))
+            )
         ways = np.vstack((last, turned, -turned)) if last.any() else np.vstack((turned, -turned))
         for way in ways:
             assert best.place is not None
             place = best.place.copy()
             place[free] = np.clip(place[free] + step * way, 0.0, 1.0)
-            found = trials.at(place)
-            if found.place is not None and towards.key(found) < towards.key(best):
-                best, last = found, way
+            trial = trials.evaluate(place)
+            if trial.place is not None and direction.key(trial) < direction.key(best):
+                best, last = trial, way
                 step *= GROW
                 break
         else:
@@ -874,29 +892,29 @@ def _step(trials: Trials, towards: Direction, best: Trial, free: np.ndarray, see
             last = np.zeros(len(free))
 
 
-def _rotation(drawn: np.random.Generator, count: int) -> FloatArray:
+def _rotation(generator: np.random.Generator, count: int) -> FloatArray:
     """(count, count) unit vectors at right angles to each other, drawn evenly."""
-    found: FloatArray = np.linalg.qr(drawn.standard_normal((count, count)))[0].T
-    return found
+    rotation: FloatArray = np.linalg.qr(generator.standard_normal((count, count)))[0].T
+    return rotation
 
 
 def search(trials: Trials, seed: int) -> str:
     """Try designs; why it ended."""
     space, task = trials.space, trials.task
     try:
-        start = space.place_of(task.family.scene)
+        start = space.scene_place(task.family.scene)
         if start is not None:
-            trials.at(start)
+            trials.evaluate(start)
         if space.count is not None and space.count <= trials.most:
             places = space.everything()
             while batch := list(islice(places, BATCH)):
-                trials.all_at(batch)
+                trials.evaluate_all(batch)
             return "all designs were tried"
         ways = directions(len(task.goals))
         whole = True
         for number, weights in enumerate(ways):
             left = (trials.most - len(trials)) // (len(ways) - number)
-            towards = direction(weights, trials)
+            towards = scaled_direction(weights, trials)
             trials.share = len(trials) + left
             try:
                 together = evolve(trials, towards, seed + number, int((1.0 - POLISHED) * left))
@@ -932,12 +950,12 @@ class Trials:
     ----------
     most : designs that may be computed.
     seconds : that may pass before others are; None for no limit.
-    told : called after each design.
+    notify : called after each design.
     engine : where several at once are computed; None for this process.
 
     Attributes
     ----------
-    share : how many there may be before `at` and `all_at` raise SpentError.
+    share : number of designs from which `evaluate` and `evaluate_all` raise SpentError.
     """
 
     def __init__(
@@ -945,7 +963,7 @@ class Trials:
         task: Task,
         most: int,
         seconds: float | None = None,
-        told: Callable[[Trials], None] = lambda _: None,
+        notify: Callable[[Trials], None] = lambda _: None,
         engine: Engine | None = None,
     ) -> None:
         self.task = task
@@ -953,15 +971,15 @@ class Trials:
         self.most = most
         self.share = most
         self.started = time.monotonic()
-        self._judge = Judge.on(task)
+        self._judge = Judge.for_task(task)
         self._engine = engine or Loop()
         self._seconds = seconds
-        self._told = told
+        self._notify = notify
         self._known: dict[str, Trial] = {}
         self._answered = np.zeros(len(task.goals), dtype=bool)
 
     @property
-    def made(self) -> tuple[Trial, ...]:
+    def computed(self) -> tuple[Trial, ...]:
         """In their order."""
         return tuple(self._known.values())
 
@@ -973,11 +991,11 @@ class Trials:
     def __len__(self) -> int:
         return len(self._known)
 
-    def at(self, place: FloatArray) -> Trial:
-        """The design at a place; see `all_at`."""
-        return self.all_at([place])[0]
+    def evaluate(self, place: FloatArray) -> Trial:
+        """The design at a place; see `evaluate_all`."""
+        return self.evaluate_all([place])[0]
 
-    def all_at(self, places: Iterable[FloatArray]) -> list[Trial]:
+    def evaluate_all(self, places: Iterable[FloatArray]) -> list[Trial]:
         """The designs at some places, numbered in this order, wherever they are computed.
 
         Raises StoppedError if no more may be computed, or if an objective is never answered,
@@ -990,7 +1008,7 @@ class Trials:
             self._compute(left[: self._room()], timed=True)
         return [self._known[mark(point)] for point, _ in points]
 
-    def all_of(self, points: Iterable[Point]) -> list[Trial]:
+    def evaluate_points(self, points: Iterable[Point]) -> list[Trial]:
         """The designs with these values, however many were computed before."""
         wanted = {mark(point): point for point in points}
         self._compute([(point, None) for name, point in wanted.items() if name not in self._known])
@@ -1004,9 +1022,9 @@ class Trials:
         if self._late:
             raise StoppedError(f"{self._seconds:g} s were allowed")
         if count >= DUMB and silent:
-            goal = self.task.goals[int(np.argmin(self._answered))].asked.word
-            told = (words for each in self.made for words in each.broken)
-            why = next((words for words in told if words.startswith(f"{goal}: ")), goal)
+            goal = self.task.goals[int(np.argmin(self._answered))].question.word
+            sentences = (words for trial in self.computed for words in trial.broken)
+            why = next((words for words in sentences if words.startswith(f"{goal}: ")), goal)
             raise StoppedError(f"no design has an answer to {why}")
         if count >= self.share:
             raise SpentError
@@ -1021,27 +1039,27 @@ class Trials:
     ) -> None:
         """Compute designs; whatever ends it, those that are finished are kept, in their order."""
         engine = self._engine if len(wanted) > 1 else Loop()
-        found: dict[str, Verdict] = {}
+        verdicts: dict[str, Verdict] = {}
         left = list(reversed(wanted))
         try:
             with closing(engine.rows(self._judge, iter([point for point, _ in wanted]))) as chunks:
                 for rows in chunks:
-                    found |= {mark(row.point): cast("Verdict", row) for row in rows}
-                    while left and mark(left[-1][0]) in found:
-                        self._add(*left.pop(), found)
+                    verdicts |= {mark(row.point): cast("Verdict", row) for row in rows}
+                    while left and mark(left[-1][0]) in verdicts:
+                        self._add(*left.pop(), verdicts)
                     if timed and self._late:
                         break
         finally:
             for point, place in reversed(left):
-                if mark(point) in found:
-                    self._add(point, place, found)
+                if mark(point) in verdicts:
+                    self._add(point, place, verdicts)
 
-    def _add(self, point: Point, place: FloatArray | None, found: Mapping[str, Verdict]) -> None:
-        verdict = found[mark(point)]
-        judged = {each.name: getattr(verdict, each.name) for each in fields(verdict)}
+    def _add(self, point: Point, place: FloatArray | None, verdicts: Mapping[str, Verdict]) -> None:
+        verdict = verdicts[mark(point)]
+        judged = {attribute.name: getattr(verdict, attribute.name) for attribute in fields(verdict)}
         self._known[mark(point)] = Trial(**judged, number=len(self._known) + 1, place=place)
         self._answered |= ~np.isnan(verdict.costs)
-        self._told(self)
+        self._notify(self)
 
 
 # -- judging --------------------------------------------------------------------------------------
@@ -1059,7 +1077,7 @@ REFUSED: Final = 10.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Verdict(Row):
+class Verdict(DesignRow):
     """A row with what a search needs of it.
 
     Attributes
@@ -1112,56 +1130,56 @@ class Judge(Work):
 
     Attributes
     ----------
-    sought : the objectives and the limits.
+    criteria : the objectives and the limits.
     """
 
-    sought: Sought
+    criteria: Criteria
 
     @classmethod
-    def on(cls, task: Task) -> Judge:
+    def for_task(cls, task: Task) -> Judge:
         """The work on the designs of a task."""
-        work = Work.of(task.family, task.asked)
-        sought = Sought(task.goals, task.limits, task.ignored)
-        return cls(work.text, work.contents, work.keys, work.asked, work.versions, sought)
+        work = Work.for_family(task.family, task.questions)
+        criteria = Criteria(task.goals, task.limits, task.ignored)
+        return cls(work.text, work.contents, work.keys, work.questions, work.versions, criteria)
 
     def nothing(self, point: Point, reason: str) -> Verdict:
         """See `Work.nothing`."""
-        count, costs = len(self.asked), (np.nan,) * len(self.sought.goals)
+        count, costs = len(self.questions), (np.nan,) * len(self.criteria.goals)
         return Verdict(
             point, (None,) * count, ("",) * count, reason, costs, {}, IMPOSSIBLE, (reason,)
         )
 
-    def answers(self, design: Design, point: Point, found: Sequence[Reading]) -> Verdict:
+    def answers(self, design: Design, point: Point, readings: Sequence[DesignReading]) -> Verdict:
         """See `Work.answers`."""
-        judging = _Judging(self.sought)
-        readings = dict(zip(self.asked, found, strict=True))
+        judging = _Judging(self.criteria)
+        reading_by_question = dict(zip(self.questions, readings, strict=True))
         costs: list[float] = []
-        for goal in self.sought.goals:
-            reading = readings[goal.asked]
+        for goal in self.criteria.goals:
+            reading = reading_by_question[goal.question]
             if isinstance(reading.value, float | int):
                 costs.append(goal.cost(float(reading.value)))
             else:
                 costs.append(np.nan)
-                judging.unanswered(goal.asked.word, reading.reason or "it does not arise")
-        for limit in self.sought.limits:
-            reading = readings[limit.asked]
+                judging.unanswered(goal.question.word, reading.reason or "it does not arise")
+        for limit in self.criteria.limits:
+            reading = reading_by_question[limit.question]
             if isinstance(reading.value, float | int):
                 value = float(reading.value)
                 judging.limited(str(limit), limit.margin(value), value)
             elif reading.reason:
-                judging.unanswered(limit.asked.word, reading.reason)
+                judging.unanswered(limit.question.word, reading.reason)
         try:
-            for finding in judged(design, machining=self.sought.machining):
+            for finding in all_findings(design, machining=self.criteria.machining):
                 judging.judge(finding)
         except MemoryError:
             raise
         except Exception as error:
-            judging.unanswered("findings", reason_of(error))
+            judging.unanswered("findings", failure_reason(error))
         values = tuple(
-            float(each.value) if isinstance(each.value, float | int) else None
-            for each in readings.values()
+            float(reading.value) if isinstance(reading.value, float | int) else None
+            for reading in reading_by_question.values()
         )
-        units = tuple(each.unit for each in readings.values())
+        units = tuple(reading.unit for reading in reading_by_question.values())
         return Verdict(
             point, values, units, "", tuple(costs), judging.margins, judging.violation,
             judging.broken, tuple(judging.remarks),
@@ -1171,40 +1189,40 @@ class Judge(Work):
 class _Judging:
     """Gathers what one design violates."""
 
-    def __init__(self, sought: Sought) -> None:
+    def __init__(self, criteria: Criteria) -> None:
         self.margins: dict[str, float] = {}
         self.remarks: list[str] = []
-        self._sought = sought
-        self._found: list[tuple[float, str]] = []
+        self._criteria = criteria
+        self._violations: list[tuple[float, str]] = []
 
     @property
     def violation(self) -> float:
-        return sum((share for share, _ in self._found), 0.0)
+        return sum((share for share, _ in self._violations), 0.0)
 
     @property
     def broken(self) -> tuple[str, ...]:
-        return tuple(words for _, words in sorted(self._found, key=lambda each: -each[0]))
+        return tuple(words for _, words in sorted(self._violations, key=lambda each: -each[0]))
 
     def unanswered(self, word: str, why: str) -> None:
-        self._found.append((UNANSWERED, f"{word}: {why}"))
+        self._violations.append((UNANSWERED, f"{word}: {why}"))
 
     def limited(self, name: str, margin: float, value: float) -> None:
         """A limit stated with the call."""
         self.margins[name] = margin
         if margin < 0.0:
-            self._found.append((_share(margin), f"{name}: it is {value:.7g}"))
+            self._violations.append((_share(margin), f"{name}: it is {value:.7g}"))
 
     def judge(self, finding: Finding) -> None:
         """A limit of the scene, or what rules out the disc."""
         margin, name = _margin(finding), "-".join(finding.name.split())
         if finding.severity in NO_OUTLINE:
-            self._found.append((REFUSED + _share(margin), finding.sentence))
-        elif not self._sought.matters(name):
+            self._violations.append((REFUSED + _share(margin), finding.sentence))
+        elif not self._criteria.matters(name):
             if finding.severity == "broken":
                 self.remarks.append(finding.sentence)
             return
         elif finding.severity == "broken":
-            self._found.append((_share(margin), finding.sentence))
+            self._violations.append((_share(margin), finding.sentence))
         if finding.limit is not None and finding.severity != "warning":
             self.margins[name] = min(margin, self.margins.get(name, np.inf))
 
@@ -1213,8 +1231,8 @@ def _margin(finding: Finding) -> float:
     """Relative distance of a value from its limit, negative if that is broken."""
     if finding.value is None or finding.limit is None:
         return 1.0 if finding.severity in ("ok", "warning") else -1.0
-    apart = abs(finding.value - finding.limit) / (abs(finding.limit) or 1.0)
-    return apart if finding.severity in ("ok", "warning") else -apart
+    distance = abs(finding.value - finding.limit) / (abs(finding.limit) or 1.0)
+    return distance if finding.severity in ("ok", "warning") else -distance
 
 
 def _share(margin: float) -> float:

@@ -28,7 +28,16 @@ from typing import Any, Final
 
 from camgeo.errors import CamgeoError, GeometryError
 from camgeo.studies.sweep.family import Point
-from camgeo.studies.sweep.rows import AHEAD, Chunks, Pace, Row, Versions, Work, dead, timed_rows_of
+from camgeo.studies.sweep.rows import (
+    AHEAD,
+    Chunks,
+    DesignRow,
+    Pace,
+    Versions,
+    Work,
+    compute_timed_rows,
+    dead,
+)
 
 ADDRESS: Final = re.compile(
     r"(?P<protocol>tcp|tls)://(?P<host>[\w.-]+|\[[0-9a-fA-F:]+\]):(?P<port>\d{1,5})"
@@ -66,7 +75,7 @@ Future = Any
 
 Chunk = tuple[Point, ...]
 
-Computed = tuple[tuple[Row, ...], float]
+Computed = tuple[tuple[DesignRow, ...], float]
 """The rows of a chunk, and the seconds that they took."""
 
 _ONE: Final = threading.Lock()
@@ -84,11 +93,11 @@ class Cluster:
     name = "cluster"
 
     def __init__(self, address: int | str) -> None:
-        found = ADDRESS.fullmatch(str(address))
-        if not found or not 1 <= int(found["port"]) <= 65535:
+        match = ADDRESS.fullmatch(str(address))
+        if not match or not 1 <= int(match["port"]) <= 65535:
             message = "must be tcp://HOST:PORT or tls://HOST:PORT, with a port up to 65535"
             raise GeometryError(message, "cluster", str(address))
-        if found["protocol"] == "tcp" and not _is_here(found["host"].strip("[]")):
+        if match["protocol"] == "tcp" and not _is_here(match["host"].strip("[]")):
             message = (
                 "leaves this machine without TLS, by which anybody could run programs on it: take"
                 " tls://HOST:PORT, or an SSH tunnel to a port of 127.0.0.1"
@@ -110,20 +119,20 @@ class Cluster:
             while True:
                 if suspects and not link.running:
                     alone = True
-                    link.hand_out(suspects.popleft())
+                    link.submit(suspects.popleft())
                 elif not suspects and not (alone and link.running):
                     alone = False
                     while len(link.running) < AHEAD * link.threads:
                         if not (chunk := pace.take(points)):
                             break
-                        link.hand_out(chunk)
+                        link.submit(chunk)
                 if not link.running:
                     return
                 chunk, outcome = link.finished()
                 if not isinstance(outcome, int):
-                    found, seconds = outcome
+                    chunk_rows, seconds = outcome
                     pace.note(len(chunk), seconds, SHARE * link.threads)
-                    yield found
+                    yield chunk_rows
                 elif alone and len(chunk) == 1:
                     yield (dead(work, chunk[0], outcome),)
                 else:
@@ -162,11 +171,11 @@ class _Link:
         with contextlib.suppress(Exception):  # it ends either way
             self._client.close(timeout=REACHED)
 
-    def hand_out(self, chunk: Chunk) -> None:
+    def submit(self, chunk: Chunk) -> None:
         """To a worker, whichever is free first."""
         key = f"camgeo-{uuid.uuid4()}"
         arguments = (self._versions, self._work, pickle.dumps(chunk))
-        future = self._client.submit(computed, *arguments, key=key, pure=False)
+        future = self._client.submit(compute_chunk, *arguments, key=key, pure=False)
         self.running[key] = chunk, future
         future.add_done_callback(self._done.put)
 
@@ -203,7 +212,7 @@ class _Link:
             self._client = _connected(self._address, RESTARTED)
         self._seen = time.monotonic()
         for chunk in chunks:
-            self.hand_out(chunk)
+            self.submit(chunk)
 
     def _count(self) -> None:
         """How many threads there are; CamgeoError if there have been none for too long."""
@@ -246,8 +255,8 @@ def _outcome(future: Future) -> Computed | int:
     else:
         try:
             if future.status == "finished":
-                found: Computed = future.result()
-                return found
+                outcome: Computed = future.result()
+                return outcome
             raise _LostError
         except (OSError, concurrent.futures.CancelledError) as lost:
             raise _LostError from lost
@@ -263,7 +272,7 @@ def _outcome(future: Future) -> Computed | int:
     ) from error
 
 
-def computed(versions: tuple[str, str, str], work: bytes, chunk: bytes) -> Computed:
+def compute_chunk(versions: tuple[str, str, str], work: bytes, chunk: bytes) -> Computed:
     """In a worker: the rows of a chunk, and the seconds that they took.
 
     Versions are compared before anything else is read: what another camgeo has pickled may not be
@@ -280,14 +289,14 @@ def computed(versions: tuple[str, str, str], work: bytes, chunk: bytes) -> Compu
         address = get_worker().address
         raise VersionError(f"{error} (worker {address} on {platform.node()})") from None
     with _ONE:
-        return timed_rows_of(_work_of(work), pickle.loads(chunk))
+        return compute_timed_rows(_unpickled_work(work), pickle.loads(chunk))
 
 
 @lru_cache(maxsize=1)
-def _work_of(data: bytes) -> Work:
+def _unpickled_work(data: bytes) -> Work:
     """The work as it came first, with its scene: each chunk brings another copy."""
-    found: Work = pickle.loads(data)
-    return found
+    work: Work = pickle.loads(data)
+    return work
 
 
 def _connected(address: str, seconds: float) -> Client:
@@ -313,11 +322,11 @@ def _quiet() -> Iterator[None]:
     with contextlib.suppress(ImportError):  # which is told where a connection is made
         importlib.import_module("distributed")  # states the levels of its loggers
     names = [name for name in logging.root.manager.loggerDict if name.startswith("distributed")]
-    before = {name: logging.getLogger(name).level for name in names}
+    levels = {name: logging.getLogger(name).level for name in names}
     for name in names:
         logging.getLogger(name).setLevel(logging.CRITICAL + 1)
     try:
         yield
     finally:
-        for name, level in before.items():
+        for name, level in levels.items():
             logging.getLogger(name).setLevel(level)

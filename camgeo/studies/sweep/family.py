@@ -77,8 +77,8 @@ class Sample:
 
         # Only a power of two is balanced; the first of one are what the sequence has first anyway.
         power = max(self.count - 1, 0).bit_length()
-        found: FloatArray = qmc.Sobol(dimensions, rng=generator).random_base2(power)
-        return found[: self.count]
+        samples: FloatArray = qmc.Sobol(dimensions, rng=generator).random_base2(power)
+        return samples[: self.count]
 
 
 @dataclass(frozen=True)
@@ -112,14 +112,14 @@ class Family:
             raise GeometryError("states no key: nothing varies", "sweep.vary")
         tree = self.scene.stated.scene.exact
         seen: set[str] = set()
-        found = []
+        variables = []
         for variable in self.variables:
             keys = [spelled(design_path(tree, key, seen)) for key in variable.keys]
-            found.append(Variable(tuple(keys), variable.values))
+            variables.append(Variable(tuple(keys), variable.values))
             if self.sample is None and not variable.values.count:
                 message = "needs a COUNT, START:STOP:COUNT, unless designs are samples"
                 raise GeometryError(message, keys[0])
-        object.__setattr__(self, "variables", tuple(found))
+        object.__setattr__(self, "variables", tuple(variables))
         if self.count > MOST:
             message = (
                 f"{counted(self.count, 'design')} are more than {MOST:,}; nothing was computed"
@@ -145,34 +145,34 @@ class Family:
 
     def point(self, number: int) -> Point:
         """The values of the design `number`, from 0."""
-        values = [variable.values for variable in self.variables]
+        choices = [variable.values for variable in self.variables]
         if self.sample is not None:
             rows = [
-                each.share(float(share))
-                for each, share in zip(values, self._shares[number], strict=True)
+                choice.row_at_share(float(share))
+                for choice, share in zip(choices, self._shares[number], strict=True)
             ]
         else:
             rows = []
-            for each in reversed(values):
-                number, place = divmod(number, each.count)
-                rows.append(each.at(place))
+            for choice in reversed(choices):
+                number, place = divmod(number, choice.count)
+                rows.append(choice.row(place))
             rows.reverse()
         return tuple(value for row in rows for value in row)
 
     def points(self) -> Iterator[Point]:
         """The values of all designs in their order; a point that comes again is left out."""
-        drawn = self.sample is not None
+        sampled = self.sample is not None
         seen: set[str] = set()
         for number in range(self.count):
             point = self.point(number)
-            if drawn:  # samples of lists repeat themselves
+            if sampled:  # samples of lists repeat themselves
                 name = mark(point)
                 if name in seen:
                     continue
                 seen.add(name)
             yield point
 
-    def scene_of(self, point: Point) -> Scene:
+    def design_scene(self, point: Point) -> Scene:
         """The scene of a design; SceneError with its faults."""
         return self.scene.with_values(self.edits(point))
 
@@ -185,7 +185,7 @@ class Family:
 
         A file that cannot be read is left out: designs that name it are rows with that reason.
         """
-        found = dict(self.scene.source.contents)
+        file_contents = dict(self.scene.source.contents)
         for variable in self.variables:
             if not isinstance(variable.values, Listed):
                 continue
@@ -194,10 +194,10 @@ class Family:
                     continue
                 edits: dict[str, Any] = dict(zip(variable.keys, row, strict=True))
                 try:
-                    found |= self.scene.with_values(edits).source.contents
+                    file_contents |= self.scene.with_values(edits).source.contents
                 except SceneError:
                     continue
-        return found
+        return file_contents
 
 
 def mark(point: Point) -> str:
@@ -237,11 +237,11 @@ class Listed:
         """How many there are."""
         return len(self.rows)
 
-    def at(self, place: int) -> tuple[Value, ...]:
+    def row(self, place: int) -> tuple[Value, ...]:
         """The row at a place, from 0."""
         return self.rows[place]
 
-    def share(self, share: float) -> tuple[Value, ...]:
+    def row_at_share(self, share: float) -> tuple[Value, ...]:
         """The row at a share, from 0 to below 1, of the list."""
         return self.rows[min(int(share * self.count), self.count - 1)]
 
@@ -267,16 +267,16 @@ class Range:
         """How many there are; 0 if it is only sampled."""
         return self.steps or 0
 
-    def at(self, place: int) -> tuple[Value, ...]:
+    def row(self, place: int) -> tuple[Value, ...]:
         """The number at a place, from 0, for each key: exact, rounded once."""
         first, last = Fraction(self.start), Fraction(self.stop)
         parts = max(self.count - 1, 1)
         return (plain(float(first + (last - first) * place / parts)),) * self.keys
 
-    def share(self, share: float) -> tuple[Value, ...]:
+    def row_at_share(self, share: float) -> tuple[Value, ...]:
         """The number at a share, from 0 to below 1, of the range, for each key."""
         if self.steps is not None:
-            return self.at(min(int(share * self.count), self.count - 1))
+            return self.row(min(int(share * self.count), self.count - 1))
         start, stop = float(self.start), float(self.stop)
         return (plain(start + (stop - start) * share),) * self.keys
 
@@ -387,32 +387,32 @@ def family_of(
         sample = Sample(
             int(table["samples"]), table.get("method", "sobol"), int(table.get("seed", 0))
         )
-    variables = tuple(_parsed(vary)) if vary else variables_in(scene, SWEEP)
+    variables = tuple(_parsed(vary)) if vary else stated_variables(scene, SWEEP)
     return Family(scene, variables, sample)
 
 
-def variables_in(scene: Scene, name: str) -> tuple[Variable, ...]:
+def stated_variables(scene: Scene, name: str) -> tuple[Variable, ...]:
     """The variables that the scene states in the table of that name, which its rules have checked;
     none if there is no such table.
     """
     return tuple(_stated(scene.values.get(name, {}).get("vary", ())))
 
 
-def questions_of(scene: Scene, ask: Iterable[str] = ()) -> tuple[str, ...]:
+def question_names(scene: Scene, ask: Iterable[str] = ()) -> tuple[str, ...]:
     """The names of what is asked, of which each text may have several, comma-separated.
 
     If there are none, those that the scene states.
     """
-    return names_in(ask) or tuple(scene.values.get(SWEEP, {}).get("ask", ()))
+    return split_names(ask) or tuple(scene.values.get(SWEEP, {}).get("ask", ()))
 
 
-def names_in(texts: Iterable[str]) -> tuple[str, ...]:
+def split_names(texts: Iterable[str]) -> tuple[str, ...]:
     """All names in texts, of which each may have several, comma-separated."""
     return tuple(word.strip() for text in texts for word in text.split(",") if word.strip())
 
 
 def _parsed(vary: Iterable[str | Variable]) -> Iterator[Variable]:
-    return (parse(each) if isinstance(each, str) else each for each in vary)
+    return (parse(variable) if isinstance(variable, str) else variable for variable in vary)
 
 
 def _stated(tables: Iterable[Mapping[str, Any]]) -> Iterator[Variable]:

@@ -17,7 +17,7 @@ from typing import Any, Final
 
 from camgeo.errors import CamgeoError, GeometryError
 from camgeo.studies.sweep.family import Point
-from camgeo.studies.sweep.rows import AHEAD, Chunks, Pace, Row, Work, dead, timed_rows_of
+from camgeo.studies.sweep.rows import AHEAD, Chunks, DesignRow, Pace, Work, compute_timed_rows, dead
 
 THREADS: Final = (
     "OPENBLAS_NUM_THREADS",
@@ -39,7 +39,7 @@ NO_START: Final = (
 
 Chunk = tuple[Point, ...]
 
-Computed = Future[tuple[tuple[Row, ...], float]]
+Computed = Future[tuple[tuple[DesignRow, ...], float]]
 """The rows of a chunk, and the seconds that they took."""
 
 
@@ -87,12 +87,12 @@ class Pool:
             while True:
                 if suspects and not running:
                     chunk = suspects.popleft()
-                    running[processes.computed(work, chunk)] = chunk
+                    running[processes.submit(work, chunk)] = chunk
                 alone = len(running) == 1
                 while not suspects and len(running) < AHEAD * self._workers:
                     if not (chunk := pace.take(points)):
                         break
-                    running[processes.computed(work, chunk)] = chunk
+                    running[processes.submit(work, chunk)] = chunk
                     alone = False
                 if not running:
                     return
@@ -101,12 +101,12 @@ class Pool:
                 for future in finished:
                     chunk = running.pop(future)
                     try:
-                        found, seconds = future.result()
+                        chunk_rows, seconds = future.result()
                     except BrokenProcessPool:
                         lost.append(chunk)
                     else:
                         pace.note(len(chunk), seconds)
-                        yield found
+                        yield chunk_rows
                 if lost:
                     lost += running.values()
                     running.clear()
@@ -137,9 +137,9 @@ class _Context(SpawnContext):
         super().__init__()
         self.listed: list[SpawnProcess] = []
 
-    def Process(self, *given: Any, **named: Any) -> SpawnProcess:  # type: ignore[override]  # a class there
+    def Process(self, *arguments: Any, **keywords: Any) -> SpawnProcess:  # type: ignore[override]  # a class there
         """See `multiprocessing.context.BaseContext`."""
-        self.listed.append(SpawnProcess(*given, **named))
+        self.listed.append(SpawnProcess(*arguments, **keywords))
         return self.listed[-1]
 
 
@@ -151,14 +151,14 @@ class _Processes:
         self._context = _Context()
         self._executor: ProcessPoolExecutor | None = None
 
-    def computed(self, work: Work, chunk: Chunk) -> Computed:
+    def submit(self, work: Work, chunk: Chunk) -> Computed:
         """The chunk handed out."""
         try:
             with _one_thread():
                 try:
-                    return self._running.submit(timed_rows_of, work, chunk)
+                    return self._running.submit(compute_timed_rows, work, chunk)
                 except OSError:  # a process died as another was started; now the pool is broken
-                    return self._running.submit(timed_rows_of, work, chunk)
+                    return self._running.submit(compute_timed_rows, work, chunk)
         except BrokenProcessPool as error:  # a process died while none of its chunks was waited for
             failed: Computed = Future()
             failed.set_exception(error)
@@ -179,7 +179,7 @@ class _Processes:
         An executor that is broken ends them itself, except one that was being started at that
         moment: that one stays, and the executor may wait for it for ever.
         """
-        started = [each for each in self._context.listed if each.pid is not None]
+        started = [process for process in self._context.listed if process.pid is not None]
         for process in started:
             process.kill()
         self.close(cancelled=True)
@@ -205,12 +205,12 @@ class _Processes:
 @contextlib.contextmanager
 def _one_thread() -> Iterator[None]:
     """Processes that are started within have one BLAS thread."""
-    before = {name: os.environ.get(name) for name in THREADS}
+    previous = {name: os.environ.get(name) for name in THREADS}
     os.environ.update(dict.fromkeys(THREADS, "1"))
     try:
         yield
     finally:
-        for name, value in before.items():
+        for name, value in previous.items():
             if value is None:
                 del os.environ[name]
             else:
@@ -223,9 +223,9 @@ def _begin() -> None:
         signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = multiprocessing.parent_process()
     if parent is not None:
-        threading.Thread(target=_end_with, args=(parent.sentinel,), daemon=True).start()
+        threading.Thread(target=_exit_with_parent, args=(parent.sentinel,), daemon=True).start()
 
 
-def _end_with(sentinel: int) -> None:
+def _exit_with_parent(sentinel: int) -> None:
     connection.wait([sentinel])
     os._exit(1)

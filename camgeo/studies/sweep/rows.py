@@ -73,7 +73,7 @@ LISTED: Final = "; "
 
 
 @dataclass(frozen=True, slots=True)
-class Row:
+class DesignRow:
     """What one design of a family answers.
 
     Attributes
@@ -131,26 +131,26 @@ class Work:
     text : TOML of the scene that the family starts from.
     contents : of the files that designs name, by these names.
     keys : that vary.
-    asked : of each design.
+    questions : asked of each design.
     versions : with which the rows are to be computed.
     """
 
     text: str
     contents: tuple[tuple[str, bytes], ...]
     keys: tuple[str, ...]
-    asked: tuple[Asked, ...]
+    questions: tuple[Question, ...]
     versions: Versions
 
     @classmethod
-    def of(cls, family: Family, asked: Iterable[Asked]) -> Work:
+    def for_family(cls, family: Family, questions: Iterable[Question]) -> Work:
         """The work on a family, for processes with the versions of this one."""
         contents = tuple(sorted(family.contents().items()))
         text = family.scene.to_toml()
-        return cls(text, contents, family.keys, tuple(asked), Versions.here())
+        return cls(text, contents, family.keys, tuple(questions), Versions.here())
 
     def __getstate__(self) -> dict[str, Any]:
         """The fields alone: whoever receives the work builds the scene."""
-        return {each.name: getattr(self, each.name) for each in fields(self)}
+        return {attribute.name: getattr(self, attribute.name) for attribute in fields(self)}
 
     @cached_property
     def source(self) -> Source:
@@ -171,23 +171,25 @@ class Work:
         """
         return {}
 
-    def scene_of(self, point: Point) -> Scene:
+    def design_scene(self, point: Point) -> Scene:
         """The scene of a design; SceneError with its faults."""
         edits = dict(zip(self.keys, point, strict=True))
-        of_follower = {key: each for key, each in edits.items() if key.startswith(FOLLOWER)}
-        others = tuple((type(each), each) for key, each in edits.items() if key not in of_follower)
+        follower_edits = {key: value for key, value in edits.items() if key.startswith(FOLLOWER)}
+        others = tuple(
+            (type(value), value) for key, value in edits.items() if key not in follower_edits
+        )
         earlier = self._begun.get(others)
-        start, edits = (self.base, edits) if earlier is None else (earlier, of_follower)
+        start, edits = (self.base, edits) if earlier is None else (earlier, follower_edits)
         tree = with_edits(start.stated.scene.exact, edits)
         document = document_of_tree(tree, earlier=start.stated.scene)
-        found = Scene.from_document(document, self.source, start)
+        scene = Scene.from_document(document, self.source, start)
         if earlier is None:
             while len(self._begun) >= MOST_BEGUN:
                 self._begun.pop(next(iter(self._begun)))
-            self._begun[others] = found
-        return found
+            self._begun[others] = scene
+        return scene
 
-    def rows(self, points: Sequence[Point], ledger: Ledger | None = None) -> list[Row]:
+    def rows(self, points: Sequence[Point], ledger: Ledger | None = None) -> list[DesignRow]:
         """The rows of designs, each with the bits that it has alone; with the reason if its scene
         is wrong.
 
@@ -195,56 +197,59 @@ class Work:
         """
         base = self.base
         assert base is not None  # its errors are not those of one design
-        found: dict[int, Row] = {}
+        row_by_number: dict[int, DesignRow] = {}
         designs: dict[int, Design] = {}
         for number, point in enumerate(points):
             try:
-                scene = self.scene_of(point)
+                scene = self.design_scene(point)
                 designs[number] = Design(scene) if ledger is None else Design(scene, ledger)
             except MemoryError:
                 raise  # which is not the design's fault
             except Exception as error:
-                found[number] = self.nothing(point, reason_of(error))
+                row_by_number[number] = self.nothing(point, failure_reason(error))
         answers = self._together(designs)
         for number in [*designs]:
             design = designs.pop(number)  # which has computed much, and is needed no longer
             readings = [
-                answers.get((number, asked.word)) or read(design, asked) for asked in self.asked
+                answers.get((number, question.word)) or read(design, question)
+                for question in self.questions
             ]
-            found[number] = self.answers(design, points[number], readings)
-        return [found[number] for number in range(len(points))]
+            row_by_number[number] = self.answers(design, points[number], readings)
+        return [row_by_number[number] for number in range(len(points))]
 
-    def nothing(self, point: Point, reason: str) -> Row:
+    def nothing(self, point: Point, reason: str) -> DesignRow:
         """The row of a design that has no answers at all."""
-        count = len(self.asked)
-        return Row(point, (None,) * count, ("",) * count, reason)
+        count = len(self.questions)
+        return DesignRow(point, (None,) * count, ("",) * count, reason)
 
-    def _together(self, designs: Mapping[int, Design]) -> dict[tuple[int, str], Reading]:
+    def _together(self, designs: Mapping[int, Design]) -> dict[tuple[int, str], DesignReading]:
         """What can be answered for many designs at once, by their numbers and what is asked."""
-        words = [asked for asked in self.asked if asked.group in TOGETHER]
+        words = [question for question in self.questions if question.group in TOGETHER]
         groups: dict[Hashable, list[int]] = {}
         for number, design in sorted(designs.items(), key=_linkage) if words else ():
             groups.setdefault(alike_designs(design), []).append(number)
         return {
-            (number, asked.word): reading
+            (number, question.word): reading
             for numbers in groups.values()
-            for asked in words
+            for question in words
             for number, reading in zip(
-                numbers, read_each([designs[each] for each in numbers], asked), strict=True
+                numbers,
+                read_together([designs[member] for member in numbers], question),
+                strict=True,
             )
         }
 
-    def answers(self, design: Design, point: Point, found: Sequence[Reading]) -> Row:
-        """The row of a design, of which `found` is what is asked."""
+    def answers(self, design: Design, point: Point, readings: Sequence[DesignReading]) -> DesignRow:
+        """The row of a design from its `readings`, one for each question."""
         reasons: dict[str, list[str]] = {}
-        for asked, reading in zip(self.asked, found, strict=True):
+        for question, reading in zip(self.questions, readings, strict=True):
             if reading.reason:
-                reasons.setdefault(reading.reason, []).append(asked.word)
+                reasons.setdefault(reading.reason, []).append(question.word)
         stated = [f"{', '.join(words)}: {reason}" for reason, words in reasons.items()]
-        return Row(
+        return DesignRow(
             point,
-            tuple(each.value for each in found),
-            tuple(each.unit for each in found),
+            tuple(reading.value for reading in readings),
+            tuple(reading.unit for reading in readings),
             LISTED.join(stated),
         )
 
@@ -254,19 +259,19 @@ def _linkage(item: tuple[int, Design]) -> int:
     return id(item[1].scene.linkage)
 
 
-def rows_of(work: Work, points: Iterable[Point]) -> tuple[Row, ...]:
+def compute_rows(work: Work, points: Iterable[Point]) -> tuple[DesignRow, ...]:
     """The rows of several designs, as a worker computes them."""
     known, rest = _known(work), iter(points)
-    found: list[Row] = []
+    rows: list[DesignRow] = []
     while some := tuple(islice(rest, MOST_TOGETHER)):
-        found += known.rows(some)
-    return tuple(found)
+        rows += known.rows(some)
+    return tuple(rows)
 
 
-def timed_rows_of(work: Work, points: Iterable[Point]) -> tuple[tuple[Row, ...], float]:
+def compute_timed_rows(work: Work, points: Iterable[Point]) -> tuple[tuple[DesignRow, ...], float]:
     """The same, with the seconds that they took."""
     start = time.perf_counter()
-    return rows_of(work, points), time.perf_counter() - start
+    return compute_rows(work, points), time.perf_counter() - start
 
 
 @lru_cache(maxsize=1)
@@ -300,7 +305,7 @@ AHEAD: Final = 2
 DIED: Final = "the process that computed it died, {times}: killed, or out of memory"
 
 
-Chunks = Generator[tuple[Row, ...], None, None]
+Chunks = Generator[tuple[DesignRow, ...], None, None]
 """Rows in chunks, as they are finished; closing it ends the work."""
 
 
@@ -358,9 +363,9 @@ class Loop:
         """See `Engine.rows`."""
         pace = Pace()
         while chunk := pace.take(points):
-            found, seconds = timed_rows_of(work, chunk)
+            chunk_rows, seconds = compute_timed_rows(work, chunk)
             pace.note(len(chunk), seconds)
-            yield found
+            yield chunk_rows
 
     def held(self) -> AbstractContextManager[None]:
         """See `Engine.held`: there is no other process."""
@@ -384,11 +389,11 @@ def engine_of(name: str, where: int | str = 1) -> Engine:
     """
     if name not in ENGINES:
         raise UnknownNameError("engine", name, ENGINES)
-    found: Engine = pkgutil.resolve_name(ENGINES[name])(where)
-    return found
+    engine: Engine = pkgutil.resolve_name(ENGINES[name])(where)
+    return engine
 
 
-def dead(work: Work, point: Point, times: int) -> Row:
+def dead(work: Work, point: Point, times: int) -> DesignRow:
     """The row of a design that ended its process so many times."""
     return work.nothing(point, DIED.format(times=counted(times, "time")))
 
@@ -406,7 +411,7 @@ class NoValueError(Exception):
 
 
 @dataclass(frozen=True, slots=True)
-class Reading:
+class DesignReading:
     """The answer of a design: a number in `unit`, or a word; None if there is none, perhaps with
     the reason.
     """
@@ -416,43 +421,45 @@ class Reading:
     reason: str = ""
 
 
-def read(design: Design, asked: Asked) -> Reading:
+def read(design: Design, question: Question) -> DesignReading:
     """What the design answers. Every error except MemoryError becomes a reason."""
     try:
-        found = ANSWERS[asked.group](design, asked)
+        reading = ANSWERS[question.group](design, question)
     except NoValueError as none:
-        return Reading(None, reason=in_a_line(str(none)))
+        return DesignReading(None, reason=in_a_line(str(none)))
     except MemoryError:
         raise  # which is not the design's fault
     except Exception as error:
-        return Reading(None, reason=reason_of(error))
-    return _settled(found)
+        return DesignReading(None, reason=failure_reason(error))
+    return _finite_reading(reading)
 
 
-def _settled(found: Reading) -> Reading:
+def _finite_reading(reading: DesignReading) -> DesignReading:
     """The same, if it is finite."""
-    if isinstance(found.value, float):
-        if not math.isfinite(found.value):
-            return Reading(None, found.unit, found.reason or "is infinite")
-        return Reading(found.value + 0.0, found.unit, in_a_line(found.reason))  # no -0.0
-    return found
+    if isinstance(reading.value, float):
+        if not math.isfinite(reading.value):
+            return DesignReading(None, reading.unit, reading.reason or "is infinite")
+        return DesignReading(
+            reading.value + 0.0, reading.unit, in_a_line(reading.reason)
+        )  # no -0.0
+    return reading
 
 
-def read_each(designs: Sequence[Design], asked: Asked) -> list[Reading]:
+def read_together(designs: Sequence[Design], question: Question) -> list[DesignReading]:
     """What each of the designs answers, with the same bits as `read`: those that are alike at once.
 
     Where that fails, one of them has no answer: halves are tried, down to a design alone.
     """
     if len(designs) == 1:
-        return [read(designs[0], asked)]
+        return [read(designs[0], question)]
     try:
-        found = TOGETHER[asked.group](designs, asked)
+        readings = TOGETHER[question.group](designs, question)
     except MemoryError:
         raise  # which is not the designs' fault
     except Exception:
         half = len(designs) // 2
-        return read_each(designs[:half], asked) + read_each(designs[half:], asked)
-    return [_settled(each) for each in found]
+        return read_together(designs[:half], question) + read_together(designs[half:], question)
+    return [_finite_reading(reading) for reading in readings]
 
 
 def alike_designs(design: Design) -> Hashable:
@@ -467,7 +474,7 @@ def alike_designs(design: Design) -> Hashable:
     return drive, units, disc, *bodies
 
 
-def reason_of(error: Exception) -> str:
+def failure_reason(error: Exception) -> str:
     """Why there is no design or no answer, in one line."""
     if isinstance(error, SceneError):
         return in_a_line("; ".join(str(fault) for fault in error.faults))
@@ -484,12 +491,14 @@ def in_a_line(text: str) -> str:
 # Findings -----------------------------------------------------------------------------------------
 
 
-def _of(findings: Iterable[Finding], name: str, why: Callable[[], str] = str) -> Reading:
+def _finding_reading(
+    findings: Iterable[Finding], name: str, why: Callable[[], str] = str
+) -> DesignReading:
     """The value of the first finding of that name; NoValueError with `why` if there is none."""
     for finding in findings:
         if hyphened(finding.name) == name:
             value = finding.value
-            return Reading(None if value is None else float(value), finding.unit)
+            return DesignReading(None if value is None else float(value), finding.unit)
     raise NoValueError(why())
 
 
@@ -498,123 +507,129 @@ def _refused(findings: Iterable[Finding]) -> str:
     return "; ".join(finding.sentence for finding in forbidding(findings))
 
 
-def _angle(design: Design, asked: Asked) -> Reading:
+def _angle(design: Design, question: Question) -> DesignReading:
     """The transmission angle alone, as the findings have it."""
     cam, limits = design.cam, design.scene.limits
     if not cam.follower.has_pitch_curve:  # of an undercut flat face there is none
-        return _disc(design, asked)
-    before = linkage_findings(cam.drive, limits)
-    if not forbidding(before):
+        return _disc(design, question)
+    findings = linkage_findings(cam.drive, limits)
+    if not forbidding(findings):
         curve = cam.disc.pitch_curve
-        before = check_standstill(curve)
-        if not forbidding(before):
-            found = check_transmission_angle(curve, transmission_angle_limit(cam, limits))
-            return _of([found], asked.name)
-    raise NoValueError(_refused(before))
+        findings = check_standstill(curve)
+        if not forbidding(findings):
+            finding = check_transmission_angle(curve, transmission_angle_limit(cam, limits))
+            return _finding_reading([finding], question.name)
+    raise NoValueError(_refused(findings))
 
 
-def _angles(designs: Sequence[Design], asked: Asked) -> list[Reading]:
+def _angles(designs: Sequence[Design], question: Question) -> list[DesignReading]:
     """The same for designs that are alike: what the answer takes is computed for all at once."""
     if designs[0].cam.follower.has_pitch_curve:
         curves = [design.cam.disc.pitch_curve for design in designs]
         turn_enclosed.settle(curves)
         transmission_angle_extremes.settle(curves)
-    return [read(design, asked) for design in designs]
+    return [read(design, question) for design in designs]
 
 
-def _linkage_reading(design: Design, asked: Asked) -> Reading:
+def _linkage_reading(design: Design, question: Question) -> DesignReading:
     scene = design.scene
-    found = linkage_findings(design.drive, scene.limits)
-    return _of(found, asked.name, lambda: "" if found else "the scene has no [linkage]")
+    findings = linkage_findings(design.drive, scene.limits)
+    return _finding_reading(
+        findings, question.name, lambda: "" if findings else "the scene has no [linkage]"
+    )
 
 
-def _motion(design: Design, asked: Asked) -> Reading:
-    return _of(motion_findings(design.drive), asked.name)
+def _motion(design: Design, question: Question) -> DesignReading:
+    return _finding_reading(motion_findings(design.drive), question.name)
 
 
-def _disc(design: Design, asked: Asked) -> Reading:
-    return _of(design.findings, asked.name, lambda: _refused(design.findings))
+def _disc(design: Design, question: Question) -> DesignReading:
+    return _finding_reading(design.findings, question.name, lambda: _refused(design.findings))
 
 
-def _part(design: Design, asked: Asked) -> Reading:
+def _part(design: Design, question: Question) -> DesignReading:
     from camgeo.design.judged_part import Body, part_findings
     from camgeo.part.mass import Solid, largest_diameter
 
     scene = design.scene
-    if asked.name == DIAMETER:
-        return Reading(largest_diameter(design.disc.drawn.part)[0], "mm")
+    if question.name == DIAMETER:
+        return DesignReading(largest_diameter(design.disc.drawn.part)[0], "mm")
     if scene.part is None:
         raise NoValueError("the scene has no [part]")
-    if asked.name == "mass":
+    if question.name == "mass":
         mass = Body(Solid.from_part(design.disc.drawn.part), scene.part.density).mass
         if mass is None:
             raise NoValueError("the scene states neither material nor density of the part")
-        return Reading(mass, "kg")
-    return _of(part_findings(design.disc), asked.name, lambda: _refused(design.findings))
+        return DesignReading(mass, "kg")
+    return _finding_reading(
+        part_findings(design.disc), question.name, lambda: _refused(design.findings)
+    )
 
 
-def _verdict(design: Design, _: Asked) -> Reading:
-    return Reading(worst(judged(design)))
+def _verdict(design: Design, _: Question) -> DesignReading:
+    return DesignReading(worst(all_findings(design)))
 
 
-def _machining(design: Design, _: Asked) -> Reading:
+def _machining(design: Design, _: Question) -> DesignReading:
     from camgeo.design.machining import machining_time  # few are asked for it
 
     if forbidding(design.findings):
         raise NoValueError(_refused(design.findings))
-    return Reading(machining_time(design.discs), "s")
+    return DesignReading(machining_time(design.discs), "s")
 
 
-def judged(design: Design, *, machining: bool = False) -> list[Finding]:
+def all_findings(design: Design, *, machining: bool = False) -> list[Finding]:
     """All findings on cam, effects and part, as far as there are such; with `machining` also those
     on the milling programs.
     """
     from camgeo.design.judged_part import part_findings
     from camgeo.design.product import with_pair
 
-    found = list(design.findings)
-    if not any(finding.severity == "invalid" for finding in found):
+    findings = list(design.findings)
+    if not any(finding.severity == "invalid" for finding in findings):
         for name in design.scene.effects:
-            found += design.effects.findings(name)
+            findings += design.effects.findings(name)
     if design.scene.follower is not None and not forbidding(design.findings):
         for disc in with_pair(design.discs):
-            found += part_findings(disc)
+            findings += part_findings(disc)
         if machining and design.scene.milling is not None:
             from camgeo.design.machining import plan_machining
 
-            found += plan_machining(design.discs).findings
-    return found
+            findings += plan_machining(design.discs).findings
+    return findings
 
 
 # Columns ------------------------------------------------------------------------------------------
 
 
-def _curves(design: Design, asked: Asked) -> Reading:
-    return _curves_of_each([design], asked)[0]
+def _curves(design: Design, question: Question) -> DesignReading:
+    return _curve_readings([design], question)[0]
 
 
-def _curves_of_each(designs: Sequence[Design], asked: Asked) -> list[Reading]:
+def _curve_readings(designs: Sequence[Design], question: Question) -> list[DesignReading]:
     """The extreme of a column for designs that are alike."""
     first = designs[0]
     scene = first.scene
     of_drive = partial(quantities_of_drive, lift_unit=scene.lift_unit, unit=scene.unit)
     for place, (heading, quantity) in enumerate(of_drive(first.drive)):
-        if hyphened(bare(heading)) == asked.name:
+        if hyphened(bare(heading)) == question.name:
             if all(design.drive.motion is first.drive.motion for design in designs):
-                return [_extreme(first, asked, heading, quantity)] * len(designs)
+                return [_extreme(first, question, heading, quantity)] * len(designs)
             drives = [design.drive for design in designs]
             by_drive = _nth(of_drive, place)
-            found = _extremes_of_each(designs, asked, drives, drives_together, by_drive)
-            return [_read(each, asked, heading) for each in found]
+            all_extremes = _extremes_by_design(designs, question, drives, drives_together, by_drive)
+            return [_read(extremes, question, heading) for extremes in all_extremes]
     if scene.follower is not None:
         of_disc = partial(quantities_of_disc, unit=scene.unit)
         for place, (heading, _) in enumerate(of_disc(first.cam.disc)):
-            if hyphened(bare(heading)) == asked.name:
+            if hyphened(bare(heading)) == question.name:
                 discs = [design.cam.disc for design in designs]
                 by_disc = _nth(of_disc, place)
-                found = _extremes_of_each(designs, asked, discs, discs_together, by_disc)
-                return [_read(each, asked, heading) for each in found]
-    raise NoValueError(f'has no column "{asked.name}"')
+                all_extremes = _extremes_by_design(
+                    designs, question, discs, discs_together, by_disc
+                )
+                return [_read(extremes, question, heading) for extremes in all_extremes]
+    raise NoValueError(f'has no column "{question.name}"')
 
 
 def _nth(columns: Callable[[Member], Columns], place: int) -> Callable[[Member], Quantity]:
@@ -647,9 +662,9 @@ def discs_together(discs: Sequence[Disc]) -> Together[Disc]:
     return Together(tuple(discs), joined)
 
 
-def _extremes_of_each(
+def _extremes_by_design(
     designs: Sequence[Design],
-    asked: Asked,
+    question: Question,
     members: Sequence[Member],
     together: Callable[[Sequence[Member]], Together[Member]],
     quantity: Callable[[Member], Quantity],
@@ -660,60 +675,62 @@ def _extremes_of_each(
     groups: dict[bytes, list[int]] = {}
     for number, design in enumerate(designs):
         groups.setdefault(design.drive.smooth_angles.tobytes(), []).append(number)
-    found: dict[int, Extremes] = {}
+    extremes: dict[int, Extremes] = {}
     for numbers in groups.values():
         edges = designs[numbers[0]].drive.smooth_angles
         some = together([members[number] for number in numbers])
         with np.errstate(all="ignore"):  # a value that is not finite has a reason
-            each = piecewise_extremes_of_many(some, quantity, edges, EXTREMES[asked.how][0])
-        found |= zip(numbers, each, strict=True)
-    return [found[number] for number in range(len(designs))]
+            group_extremes = piecewise_extremes_of_many(
+                some, quantity, edges, EXTREMES[question.how][0]
+            )
+        extremes |= zip(numbers, group_extremes, strict=True)
+    return [extremes[number] for number in range(len(designs))]
 
 
-def _effects(design: Design, asked: Asked) -> Reading:
+def _effects(design: Design, question: Question) -> DesignReading:
     """The value of a finding of an effect, or the extreme of its column."""
     why = ""
-    for name in asked.effects:
+    for name in question.effects:
         try:
             result = design.effect(name)
         except EffectError as error:
             why = why or error.message
             for finding in design.effects.findings(name):
-                if hyphened(finding.name) == asked.name and finding.value is not None:
-                    return Reading(float(finding.value), finding.unit, error.message)
+                if hyphened(finding.name) == question.name and finding.value is not None:
+                    return DesignReading(float(finding.value), finding.unit, error.message)
             continue
-        if asked.how == "value":
+        if question.how == "value":
             for finding in result.findings:
-                if hyphened(finding.name) == asked.name:
-                    return _of([finding], asked.name)
+                if hyphened(finding.name) == question.name:
+                    return _finding_reading([finding], question.name)
             continue
         for column in result.columns:
-            if hyphened(column.name) == asked.name:
+            if hyphened(column.name) == question.name:
                 heading, quantity = effect_column(design.scene.unit, column)
-                return _extreme(design, asked, heading, quantity, column.borders)
-    if not why and asked.how != "value":
-        why = f'has no column "{asked.name}"'
+                return _extreme(design, question, heading, quantity, column.borders)
+    if not why and question.how != "value":
+        why = f'has no column "{question.name}"'
     raise NoValueError(why)
 
 
 def _extreme(
     design: Design,
-    asked: Asked,
+    question: Question,
     heading: str,
     quantity: Quantity,
     borders: FloatArray | None = None,
-) -> Reading:
+) -> DesignReading:
     edges = design.drive.smooth_angles
     if borders is not None and len(borders):
         edges = merged(np.concatenate((edges, borders)))
     with np.errstate(all="ignore"):  # a value that is not finite has a reason
-        (found,) = piecewise_extremes_of_many(ONE, quantity, edges, EXTREMES[asked.how][0])
-    return _read(found, asked, heading)
+        (extremes,) = piecewise_extremes_of_many(ONE, quantity, edges, EXTREMES[question.how][0])
+    return _read(extremes, question, heading)
 
 
-def _read(found: Extremes, asked: Asked, heading: str) -> Reading:
+def _read(extremes: Extremes, question: Question, heading: str) -> DesignReading:
     unit = heading.rpartition(" [")[2].removesuffix("]") if heading.endswith("]") else ""
-    return Reading(EXTREMES[asked.how][1](found), unit)
+    return DesignReading(EXTREMES[question.how][1](extremes), unit)
 
 
 EXTREMES: Final[dict[str, tuple[tuple[float, ...], Callable[[Extremes], float]]]] = {
@@ -726,7 +743,7 @@ asked for. A transmission angle has a kink at 90 degrees, which no grid resolves
 asks for its least value wants to know where.
 """
 
-ANSWERS: Final[dict[Group, Callable[[Design, Asked], Reading]]] = {
+ANSWERS: Final[dict[Group, Callable[[Design, Question], DesignReading]]] = {
     "angle": _angle,
     "linkage": _linkage_reading,
     "motion": _motion,
@@ -738,9 +755,9 @@ ANSWERS: Final[dict[Group, Callable[[Design, Asked], Reading]]] = {
     "effects": _effects,
 }
 
-TOGETHER: Final[dict[Group, Callable[[Sequence[Design], Asked], list[Reading]]]] = {
+TOGETHER: Final[dict[Group, Callable[[Sequence[Design], Question], list[DesignReading]]]] = {
     "angle": _angles,
-    "curves": _curves_of_each,
+    "curves": _curve_readings,
 }
 """What is answered for many designs at once, if these are alike."""
 
@@ -823,7 +840,7 @@ MOST: Final = 100
 
 
 @dataclass(frozen=True, slots=True)
-class Asked:
+class Question:
     """One quantity that is asked of each design.
 
     Attributes
@@ -842,7 +859,7 @@ class Asked:
     effects: tuple[str, ...] = ()
 
 
-def asked_of(design: Design, words: Iterable[str]) -> tuple[Asked, ...]:
+def parse_questions(design: Design, words: Iterable[str]) -> tuple[Question, ...]:
     """What the `words` ask of designs like this one, each once.
 
     Raises
@@ -853,19 +870,21 @@ def asked_of(design: Design, words: Iterable[str]) -> tuple[Asked, ...]:
     UnknownNameError
         For a name that no finding or column has, with the nearest one.
     """
-    found = {asked.word: asked for asked in (_asked(design, word) for word in words)}
-    if not found:
+    questions = {
+        question.word: question for question in (_parse_question(design, word) for word in words)
+    }
+    if not questions:
         raise GeometryError("names nothing: say what is asked of each design", "sweep.ask")
-    if len(found) > MOST:
-        message = f"{counted(len(found), 'name')} are more than {MOST}"
+    if len(questions) > MOST:
+        message = f"{counted(len(questions), 'name')} are more than {MOST}"
         raise GeometryError(message, "sweep.ask")
-    return tuple(found.values())
+    return tuple(questions.values())
 
 
-def _asked(design: Design, word: str) -> Asked:
-    before, colon, rest = word.partition(":")
-    if colon and before.strip() in EXTREMES:
-        return _asked_extreme(design, before.strip(), hyphened(rest))
+def _parse_question(design: Design, word: str) -> Question:
+    prefix, colon, rest = word.partition(":")
+    if colon and prefix.strip() in EXTREMES:
+        return _parse_extreme(design, prefix.strip(), hyphened(rest))
     word = hyphened(word)
     name = ALSO.get(word, word)
     for group, names in BY_GROUP.items():
@@ -873,49 +892,49 @@ def _asked(design: Design, word: str) -> Asked:
             if group == "machining" and not design.scene.states_milling:
                 message = f"is not stated: {MACHINING_TIME} needs a milling program"
                 raise GeometryError(message, "tool")
-            return Asked(word, name, "value", group)
+            return Question(word, name, "value", group)
     seen, silent = _names(
         design, lambda name: (each.name for each in design.effects.findings(name))
     )
-    effect = next((each for each, names in seen.items() if name in names), None)
+    effect = next((candidate for candidate, names in seen.items() if name in names), None)
     if effect is not None:
-        return Asked(word, name, "value", "effects", (effect,))
+        return Question(word, name, "value", "effects", (effect,))
     judged = [hyphened(finding.name) for finding in design.findings]
     if name in judged:
-        return Asked(word, name, "value", "disc")
-    of_effects = _columns(design)[0].values()
-    if name in [*_curve_names(design), *(each for names in of_effects for each in names)]:
+        return Question(word, name, "value", "disc")
+    effect_columns = _columns(design)[0].values()
+    if name in [*_curve_names(design), *(column for names in effect_columns for column in names)]:
         message = f'is a column over the cam angle: ask for "peak:{name}", "max:{name}" or'
         message += f' "min:{name}"'
         raise GeometryError(message, "sweep.ask", f'"{word}"')
     if silent:  # they may have it in another design
-        return Asked(word, name, "value", "effects", silent)
+        return Question(word, name, "value", "effects", silent)
     known = [name for names in BY_GROUP.values() for name in names]
-    there = [*known, *ALSO, *(each for names in seen.values() for each in names), *judged]
+    there = [*known, *ALSO, *(finding for names in seen.values() for finding in names), *judged]
     raise UnknownNameError("finding", name, dict.fromkeys(there))
 
 
-def _asked_extreme(design: Design, how: str, name: str) -> Asked:
+def _parse_extreme(design: Design, how: str, name: str) -> Question:
     word = canonical(f"{how}:{name}")
     if name in (hyphened(pole) for pole in POLES):
         message = "is infinite where the curve is straight, and has no extremes; ask for kappa"
         raise GeometryError(message, "sweep.ask", f'"{word}"')
     curves = _curve_names(design)
     if name in curves:
-        return Asked(word, name, how, "curves")
+        return Question(word, name, how, "curves")
     seen, silent = _columns(design)
-    effect = next((each for each, names in seen.items() if name in names), None)
+    effect = next((candidate for candidate, names in seen.items() if name in names), None)
     if effect is not None or silent:
-        return Asked(word, name, how, "effects", silent if effect is None else (effect,))
-    there = [*curves, *(each for names in seen.values() for each in names)]
+        return Question(word, name, how, "effects", silent if effect is None else (effect,))
+    there = [*curves, *(column for names in seen.values() for column in names)]
     raise UnknownNameError("column", name, dict.fromkeys(there))
 
 
 def canonical(word: str) -> str:
     """What is asked, as it heads its column."""
-    before, colon, rest = word.partition(":")
-    if colon and before.strip() in EXTREMES:
-        return f"{before.strip()}:{hyphened(rest)}"
+    prefix, colon, rest = word.partition(":")
+    if colon and prefix.strip() in EXTREMES:
+        return f"{prefix.strip()}:{hyphened(rest)}"
     return hyphened(word)
 
 
@@ -938,24 +957,24 @@ Names = tuple[dict[str, list[str]], tuple[str, ...]]
 
 
 def _columns(design: Design) -> Names:
-    return _names(design, lambda name: (each.name for each in design.effect(name).columns))
+    return _names(design, lambda name: (column.name for column in design.effect(name).columns))
 
 
 def _names(design: Design, names: Callable[[str], Iterator[str]]) -> Names:
-    found: dict[str, list[str]] = {}
+    names_by_effect: dict[str, list[str]] = {}
     silent = []
     for effect in _with_needed(design):
         try:
             design.effect(effect)
-            found[effect] = [hyphened(each) for each in names(effect)]
+            names_by_effect[effect] = [hyphened(name) for name in names(effect)]
         except (EffectError, GeometryError, ToleranceError):
             silent.append(effect)
-    return found, tuple(silent)
+    return names_by_effect, tuple(silent)
 
 
 def _with_needed(design: Design) -> Sequence[str]:
     """The effects that the scene names, then those that they need."""
-    found = list(design.scene.effects)
-    for name in found:
-        found += [each for each in design.effects.inputs(name) if each not in found]
-    return found
+    effects = list(design.scene.effects)
+    for name in effects:
+        effects += [needed for needed in design.effects.inputs(name) if needed not in effects]
+    return effects

@@ -20,7 +20,7 @@ from typing import Any, Final, Literal
 from camgeo.design.design import Design
 from camgeo.errors import FileError, OutputError, unreadable
 from camgeo.studies.sweep.family import Family, Point, mark
-from camgeo.studies.sweep.rows import Asked, Engine, Loop, Row, Work, asked_of
+from camgeo.studies.sweep.rows import DesignRow, Engine, Loop, Question, Work, parse_questions
 from camgeo.units import clock
 
 Progress = Callable[[str], None]
@@ -36,20 +36,20 @@ class Result:
     Attributes
     ----------
     family : whose designs they are.
-    asked : what the values of each row answer.
+    questions : what the values of each row answer.
     store : has the rows; of one in a file others may read the file.
     computed : rows that this run computed; the others were there.
     seconds : that it took.
     """
 
     family: Family
-    asked: tuple[Asked, ...]
+    questions: tuple[Question, ...]
     store: Store
     computed: int
     seconds: float
 
     @property
-    def rows(self) -> Iterator[Row]:
+    def rows(self) -> Iterator[DesignRow]:
         """The rows in the order of the family, read from the store as they are asked for."""
         return self.store.rows(self.family.points())
 
@@ -87,28 +87,28 @@ def sweep(
     VersionError
         If a worker has another version of camgeo, numpy or Python.
     """
-    asked = asked_of(Design(family.scene), ask)
-    work = Work.of(family, asked)
+    questions = parse_questions(Design(family.scene), ask)
+    work = Work.for_family(family, questions)
     path = None if store is None else Path(store)
-    kept = Store(path, Heading.of(family, work), existing)
+    row_store = Store(path, Heading.for_family(family, work), existing)
     start = time.monotonic()
     computed = 0
     try:
-        there = sum(1 for _ in kept.rows(family.points())) if kept.resumed else 0
+        there = sum(1 for _ in row_store.rows(family.points())) if row_store.resumed else 0
         if family.sample is not None:
-            kept.state({"method": family.sample.method, "seed": str(family.sample.seed)})
-        points = iter(kept.missing(family.points())) if there else family.points()
+            row_store.state({"method": family.sample.method, "seed": str(family.sample.seed)})
+        points = iter(row_store.missing(family.points())) if there else family.points()
         with closing((engine or Loop()).rows(work, points)) as chunks:
             for rows in chunks:
-                kept.add(rows)
+                row_store.add(rows)
                 computed += len(rows)
                 elapsed = time.monotonic() - start
                 progress(progress_words(there + computed, family.count, computed, elapsed))
-        kept.settle()
+        row_store.settle()
     except BaseException:
-        kept.close()
+        row_store.close()
         raise
-    return Result(family, asked, kept, computed, time.monotonic() - start)
+    return Result(family, questions, row_store, computed, time.monotonic() - start)
 
 
 def progress_words(done: int, count: int, computed: int, elapsed: float) -> str:
@@ -168,7 +168,7 @@ WHAT: Final = {
 }
 """What is wrong with a store, by what differs."""
 
-SHOWN: Final = ("camgeo", "numpy", "python", "keys", "asked")
+STATED_FACTS: Final = ("camgeo", "numpy", "python", "keys", "asked")
 """What a message states of both; a hash tells nothing."""
 
 
@@ -188,12 +188,12 @@ class Heading:
     work: Work
 
     @classmethod
-    def of(cls, family: Family, work: Work) -> Heading:
+    def for_family(cls, family: Family, work: Work) -> Heading:
         """The heading of a family."""
-        found = hashlib.sha256(family.scene.identity.encode())
+        digest = hashlib.sha256(family.scene.identity.encode())
         for name, data in work.contents:
-            found.update(f"{name}:{hashlib.sha256(data).hexdigest()}".encode())
-        return cls(family.scene.name, found.hexdigest(), work)
+            digest.update(f"{name}:{hashlib.sha256(data).hexdigest()}".encode())
+        return cls(family.scene.name, digest.hexdigest(), work)
 
     @property
     def facts(self) -> dict[str, str]:
@@ -205,7 +205,7 @@ class Heading:
             "python": versions.python,
             "scene": self.scene,
             "keys": ", ".join(self.work.keys),
-            "asked": ", ".join(each.word for each in self.work.asked),
+            "asked": ", ".join(question.word for question in self.work.questions),
         }
 
 
@@ -242,7 +242,7 @@ class Store:
         self._open = connected(None)
         self._end = weakref.finalize(self, _close, self._open, self._file)
         try:
-            with errors_told(path):
+            with translated_errors(path):
                 self._prepare(existing)
         except BaseException:
             self.close()
@@ -277,10 +277,10 @@ class Store:
         """
         if kind == KIND and existing == "replace":
             return False
-        made = file.execute("SELECT type, name, sql FROM sqlite_master").fetchall()
-        tables = {name: sql for _, name, sql in made}
+        schema_entries = file.execute("SELECT type, name, sql FROM sqlite_master").fetchall()
+        tables = {name: sql for _, name, sql in schema_entries}
         if kind != KIND:
-            if not made:
+            if not schema_entries:
                 return False
             if tables.get("sweep") != FIRST_HEADING:
                 raise FileError(f"{self.path} is a database of another program; {ELSEWHERE}")
@@ -293,22 +293,24 @@ class Store:
         if tables.get("sweep") != HEADING:
             raise self._damaged("its table of what all rows have in common is another one")
         self._refuse_others(self._facts(file))
-        if tables.get("designs") != self._designs or any(each[0] == "trigger" for each in made):
+        if tables.get("designs") != self._designs or any(
+            entry[0] == "trigger" for entry in schema_entries
+        ):
             raise self._damaged("its table of designs is another one")
         # Not the quick one: it passes over keys out of order, of which some are then not found.
-        (found,) = file.execute("PRAGMA integrity_check(1)").fetchone()
-        if found != "ok":
-            raise self._damaged(" ".join(found.split()))
+        (integrity,) = file.execute("PRAGMA integrity_check(1)").fetchone()
+        if integrity != "ok":
+            raise self._damaged(" ".join(integrity.split()))
         return True
 
     def _facts(self, file: sqlite3.Connection) -> dict[str, str]:
         """What the file states of itself."""
-        found = {}
+        facts = {}
         for name, value, checksum in file.execute(f"SELECT * FROM sweep LIMIT {MOST_FACTS}"):
             if checksum != _checksum([name, value]):
                 raise self._damaged(f"what it states as {name!r} was changed")
-            found[name] = value
-        return found
+            facts[name] = value
+        return facts
 
     def _refuse_others(self, known: Mapping[str, str]) -> None:
         facts = self.heading.facts
@@ -316,8 +318,10 @@ class Store:
             if name not in known:
                 raise self._damaged(f"it lacks {name!r}")
             if known[name] != facts[name]:
-                shown = f": {known[name]} in place of {facts[name]}" if name in SHOWN else ""
-                raise FileError(f"{self.path} {what}{shown}; {ANEW}, or name another file")
+                difference = (
+                    f": {known[name]} in place of {facts[name]}" if name in STATED_FACTS else ""
+                )
+                raise FileError(f"{self.path} {what}{difference}; {ANEW}, or name another file")
 
     def _damaged(self, what: str) -> FileError:
         return FileError(f"{self.path} is damaged: {what}; {ANEW}")
@@ -326,10 +330,12 @@ class Store:
     def _designs(self) -> str:
         """What makes the table of designs."""
         work = self.heading.work
-        columns = [_quoted(name) for name in (*work.keys, *(each.word for each in work.asked))]
-        own = "".join(f"{column}, " for column in columns)
+        columns = [
+            _quoted(name) for name in (*work.keys, *(question.word for question in work.questions))
+        ]
+        column_list = "".join(f"{column}, " for column in columns)
         return (
-            f"CREATE TABLE designs (point TEXT PRIMARY KEY, {own}units TEXT, reason TEXT,"
+            f"CREATE TABLE designs (point TEXT PRIMARY KEY, {column_list}units TEXT, reason TEXT,"
             " checksum TEXT) WITHOUT ROWID"
         )
 
@@ -354,50 +360,52 @@ class Store:
             known = self._known(group, "point")
             yield from (point for point in group if mark(point) not in known)
 
-    def rows(self, points: Iterable[Point]) -> Iterator[Row]:
+    def rows(self, points: Iterable[Point]) -> Iterator[DesignRow]:
         """The rows of those of the points that have one, in their order; FileError if one was
         changed since it was computed.
         """
         for group in _grouped(points):
             known = self._known(group, "*")
             for point in group:
-                if (found := known.get(mark(point))) is not None:
-                    yield self._row(point, found)
+                if (stored := known.get(mark(point))) is not None:
+                    yield self._row(point, stored)
 
-    def _row(self, point: Point, found: Sequence[Any]) -> Row:
+    def _row(self, point: Point, stored: Sequence[Any]) -> DesignRow:
         work = self.heading.work
-        *cells, checksum = found
+        *cells, checksum = stored
         if checksum != _checksum(cells, self._key):
             design = ", ".join(map("{} = {}".format, work.keys, point))
             raise self._damaged(f"the row of {design} was changed")
         values = cells[1 + len(work.keys) : -2]
-        return Row(point, tuple(values), tuple(json.loads(cells[-2])), cells[-1])
+        return DesignRow(point, tuple(values), tuple(json.loads(cells[-2])), cells[-1])
 
     def _known(self, points: Sequence[Point], columns: str) -> dict[str, tuple[Any, ...]]:
         marks = ", ".join("?" * len(points))
         query = f"SELECT {columns} FROM designs WHERE point IN ({marks})"
-        with errors_told(self.path):
-            found = self._open.execute(query, [mark(point) for point in points])
-            return {row[0]: row for row in found}
+        with translated_errors(self.path):
+            cursor = self._open.execute(query, [mark(point) for point in points])
+            return {row[0]: row for row in cursor}
 
-    def add(self, rows: Sequence[Row]) -> None:
+    def add(self, rows: Sequence[DesignRow]) -> None:
         """Keep rows, all or none; OutputError if the disk is full: earlier ones are kept."""
         work = self.heading.work
-        marks = ", ".join("?" * (4 + len(work.keys) + len(work.asked)))
+        marks = ", ".join("?" * (4 + len(work.keys) + len(work.questions)))
         cells = [
             (mark(row.point), *row.point, *row.values, json.dumps(row.units), row.reason)
             for row in rows
         ]
-        kept = [tuple(map(_kept, each)) for each in cells]
-        kept = [(*each, _checksum(each, self._key)) for each in kept]
-        self._write(f"INSERT INTO designs VALUES ({marks})", kept)
+        sqlite_rows = [tuple(map(_sqlite_value, row)) for row in cells]
+        sqlite_rows = [(*row, _checksum(row, self._key)) for row in sqlite_rows]
+        self._write(f"INSERT INTO designs VALUES ({marks})", sqlite_rows)
         if self._file is not None:
-            with errors_told(self.path):
+            with translated_errors(self.path):
                 self._replace(self._file)
 
     def _write(self, query: str, rows: Sequence[Sequence[Any]]) -> None:
-        """All rows or none; what writes the file gives it back for a moment only, see `_take`."""
-        with errors_told(self.path):
+        """Write all rows or none; the lock for writing is released for a moment only, see
+        `take_writing`.
+        """
+        with translated_errors(self.path):
             share_reading(self._open)
             if not self._open.in_transaction:
                 self._open.execute("BEGIN IMMEDIATE")
@@ -409,7 +417,7 @@ class Store:
         """Move everything into the one file; if somebody reads it just then, the last one does."""
         if self.path is None:
             return
-        with errors_told(self.path):
+        with translated_errors(self.path):
             if self._file is not None:
                 self._replace(self._file)
             self._open.commit()
@@ -423,9 +431,9 @@ class Store:
 
 
 def _close(*connections: sqlite3.Connection | None) -> None:
-    for each in connections:
-        if each is not None:
-            each.close()
+    for database in connections:
+        if database is not None:
+            database.close()
 
 
 def _require_place(path: Path, existing: Existing) -> None:
@@ -446,7 +454,7 @@ def _checksum(cells: Sequence[object], key: str = "") -> str:
     return hashlib.sha256(ENCODED([key, *cells]).encode()).hexdigest()
 
 
-def _kept(value: object) -> object:
+def _sqlite_value(value: object) -> object:
     """A value as SQLite keeps it."""
     if isinstance(value, bool):
         return int(value)
@@ -509,7 +517,7 @@ OF_THE_DISK: Final = (
 
 
 @contextmanager
-def errors_told(path: Path | None) -> Iterator[None]:
+def translated_errors(path: Path | None) -> Iterator[None]:
     """Errors of SQLite within it become errors of camgeo, with the file and what to do."""
     name = "the rows in memory" if path is None else str(path)
     try:
@@ -535,12 +543,14 @@ def errors_told(path: Path | None) -> Iterator[None]:
 def connected(path: Path | None) -> sqlite3.Connection:
     """A connection to a file, or to rows in memory; it gives up at once where others write."""
     try:
-        found = sqlite3.connect(MEMORY if path is None else path, timeout=0.0, isolation_level=None)
+        database = sqlite3.connect(
+            MEMORY if path is None else path, timeout=0.0, isolation_level=None
+        )
     except (sqlite3.Error, OSError, ValueError) as error:
         raise OutputError(f"{path} cannot be written: {unreadable(error)}") from error
-    found.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, LONGEST)
-    found.set_progress_handler(lambda: 1, MOST_STEPS)
-    return found
+    database.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, LONGEST)
+    database.set_progress_handler(lambda: 1, MOST_STEPS)
+    return database
 
 
 def take_writing(file: sqlite3.Connection) -> None:
@@ -603,7 +613,7 @@ def require_local(path: Path) -> None:
 
     That is known on Linux and Windows; elsewhere every file passes.
     """
-    kind = kind_of(path.resolve())
+    kind = file_system_kind(path.resolve())
     if kind in NETWORKED:
         raise OutputError(
             f"{path} lies on a network file system ({kind}), on which a store may be damaged: name"
@@ -611,7 +621,7 @@ def require_local(path: Path) -> None:
         )
 
 
-def kind_of(path: Path) -> str:
+def file_system_kind(path: Path) -> str:
     """The kind of file system that an absolute path lies on; empty if it is not known."""
     if sys.platform == "win32":
         return "smbfs" if _is_remote(path) else ""
@@ -624,7 +634,7 @@ def kind_of(path: Path) -> str:
 
 def mounted(lines: list[str], path: Path) -> str:
     """The kind of the file system among mounts, as Linux lists them, that a path lies on."""
-    longest, found = -1, ""
+    longest, kind = -1, ""
     for line in lines:
         fields = line.split()
         if len(fields) < 3:
@@ -632,8 +642,8 @@ def mounted(lines: list[str], path: Path) -> str:
         place = re.sub(r"\\([0-7]{3})", lambda octal: chr(int(octal[1], 8)), fields[1])
         inside = path.is_relative_to(place)
         if inside and len(place) >= longest:  # the last one mounted at a place hides the others
-            longest, found = len(place), fields[2]
-    return found
+            longest, kind = len(place), fields[2]
+    return kind
 
 
 def _is_remote(path: Path) -> bool:

@@ -31,7 +31,7 @@ from camgeo.studies.tolerancing.stated import (
     Pose,
     Sensitivities,
     Source,
-    Stated,
+    StatedTolerances,
     Way,
 )
 from camgeo.units import TURN
@@ -40,10 +40,10 @@ ANGLES: Final = 360
 """Cam angles of a turn; the first of them is 0."""
 
 
-def even_angles() -> FloatArray:
+def analysis_angles() -> FloatArray:
     """(ANGLES,) cam angles [rad]."""
-    found: FloatArray = np.linspace(0.0, TURN, ANGLES + 1)[:-1]
-    return found
+    angles: FloatArray = np.linspace(0.0, TURN, ANGLES + 1)[:-1]
+    return angles
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,27 +90,27 @@ class Linear:
     angles : (n,) cam angles [rad]; `ANGLES` of a turn, unless others are given.
     """
 
-    stated: Stated
-    angles: FloatArray = field(default_factory=even_angles)
+    stated: StatedTolerances
+    angles: FloatArray = field(default_factory=analysis_angles)
 
     @cached_property
     def nominal(self) -> Sensitivities:
         """Of the nominal machine at these angles, and last at that at which the error is set to 0,
         if it is set.
         """
-        at = self.stated.set_at
-        phi = self.angles if at is None else np.append(self.angles, at)
+        zero_angle = self.stated.zero_angle
+        phi = self.angles if zero_angle is None else np.append(self.angles, zero_angle)
         return Sensitivities(self.stated.machine, phi)
 
     def as_set(self, errors: FloatArray) -> FloatArray:
         """(..., n) errors after the machine has been set, from those of `nominal`."""
-        if self.stated.set_at is None:
+        if self.stated.zero_angle is None:
             return errors
         return np.asarray(errors[..., :-1] - errors[..., -1:])
 
     def sensitivity(self, source: Source) -> FloatArray:
         """(units, n) error [mm or rad] per unit."""
-        return self.as_set(np.stack([self.nominal.of(unit) for unit in source.units]))
+        return self.as_set(np.stack([self.nominal.position_error(unit) for unit in source.units]))
 
     @cached_property
     def sensitivities(self) -> tuple[FloatArray, ...]:
@@ -131,11 +131,11 @@ class Linear:
     @cached_property
     def mean(self) -> FloatArray:
         """(n,) mean error."""
-        means = [each.moments.mean * np.sum(rows, axis=0) for each, rows in self._pairs]
-        return np.asarray(self.at_rest + np.sum(means, axis=0))
+        means = [source.moments.mean * np.sum(rows, axis=0) for source, rows in self._pairs]
+        return np.asarray(self.nominal_values + np.sum(means, axis=0))
 
     @property
-    def at_rest(self) -> FloatArray:
+    def nominal_values(self) -> FloatArray:
         """(n,) of the nominal machine, which does not err."""
         return np.zeros(len(self.angles))
 
@@ -158,7 +158,7 @@ class Linear:
         Where a machine is set on one of many waves, there are as many of these in a turn.
         """
         edges = self.stated.machine.cam.drive.smooth_angles
-        if self.stated.set_at is None:
+        if self.stated.zero_angle is None:
             return edges
         units = (unit for source in self.stated.sources for unit in source.units)
         waves = max(unit.freedom.waves for unit in units)
@@ -213,13 +213,13 @@ class Linear:
 
     def errors(self, deviations: Deviations) -> FloatArray:
         """(m, n) of machines, by their exact motion."""
-        position = replayed(self.nominal, deviations).position[0]
+        position = replay_machines(self.nominal, deviations).position[0]
         return self.as_set(position - self.nominal.positions[0])
 
     def _remainder(self, source: Source, rows: FloatArray) -> FloatArray:
         """(n,) of the larger magnitude of both sides, see `Contribution`."""
-        own, count = source.moments, len(self.angles)
-        size = own.mean + SIGMAS * np.sqrt(own.variance) * np.array([1.0, -1.0])
+        moments, count = source.moments, len(self.angles)
+        size = moments.mean + SIGMAS * np.sqrt(moments.variance) * np.array([1.0, -1.0])
         worst = np.zeros(count)
         for unit, row in zip(source.units, rows, strict=True):
             deviations = Deviations(2, {unit.freedom: size * unit.factor})
@@ -227,8 +227,8 @@ class Linear:
                 errors = self.errors(deviations)
             except GeometryError as error:
                 raise GeometryError(f"{source.name}: {error.message}", error.key) from error
-            apart = errors - size[:, np.newaxis] * row
-            worst = farther(worst, farther(*apart))
+            remainders = errors - size[:, np.newaxis] * row
+            worst = farther(worst, farther(*remainders))
         return worst
 
 
@@ -237,9 +237,9 @@ def farther(one: FloatArray, other: FloatArray) -> FloatArray:
     return np.where(np.abs(other) > np.abs(one), other, one)
 
 
-def _larger(found: Extremes) -> Extreme:
+def _larger(extremes: Extremes) -> Extreme:
     """That of the larger magnitude."""
-    lowest, highest = found.lowest, found.highest
+    lowest, highest = extremes.lowest, extremes.highest
     chosen = lowest if -lowest.value > highest.value else highest
     return Extreme(chosen.value + 0.0, chosen.place)
 
@@ -248,7 +248,7 @@ def _share(part: float, whole: float) -> float:
     return part / whole if whole > 0.0 else 0.0
 
 
-def deviations_of(sources: tuple[Source, ...], numbers: list[FloatArray]) -> Deviations:
+def machine_deviations(sources: tuple[Source, ...], numbers: list[FloatArray]) -> Deviations:
     """The machines that sources make with their `numbers`, (units, m) each."""
     values: dict[Freedom, ComplexArray] = {}
     for source, rows in zip(sources, numbers, strict=True):
@@ -286,19 +286,19 @@ class Play(Linear):
     def _sides(self) -> tuple[Sensitivities, Sensitivities]:
         assert self.stated.second is not None
         machines = (self.stated.machine, self.stated.second)
-        first, second = (Sensitivities(each, self.angles) for each in machines)
+        first, second = (Sensitivities(machine, self.angles) for machine in machines)
         return first, second
 
     @cached_property
     def _from_below(self) -> tuple[FloatArray, FloatArray]:
         """(n,) e of each side."""
         first, second = (
-            -each.machine.flank.sign * np.sign(each.nominal.leverage) for each in self._sides
+            -side.machine.flank.sign * np.sign(side.nominal.leverage) for side in self._sides
         )
         return first, second
 
     @property
-    def at_rest(self) -> FloatArray:
+    def nominal_values(self) -> FloatArray:
         """(n,) play of the nominal machine."""
         cam = self.stated.machine.cam
         if cam.breadth is None:
@@ -310,7 +310,7 @@ class Play(Linear):
         rows = np.zeros((len(source.units), len(self.angles)))
         for row, unit in zip(rows, source.units, strict=True):
             if unit.freedom.way is not Way.SETTING:
-                parts = [side.of_follower(unit) for side in self._sides]
+                parts = [side.follower_error(unit) for side in self._sides]
                 row -= np.sum(np.multiply(self._from_below, parts), axis=0)
         follower = self.stated.machine.cam.follower
         rows[np.abs(rows) <= ROUNDING * follower.lift_scale / follower.base_radius] = 0.0
@@ -335,11 +335,11 @@ class Play(Linear):
 
     def errors(self, deviations: Deviations) -> FloatArray:
         """(m, n) by which the play of machines is off, by the exact motion on each side."""
-        off = np.zeros((deviations.count, len(self.angles)))
+        play_errors = np.zeros((deviations.count, len(self.angles)))
         for side, sign in zip(self._sides, self._from_below, strict=True):
-            found = replayed(side, deviations)
-            off -= sign * (found.follower[0] + found.zero - side.lifts[0])
-        return off
+            motions = replay_machines(side, deviations)
+            play_errors -= sign * (motions.follower[0] + motions.zero - side.lifts[0])
+        return play_errors
 
 
 # -- sampled --------------------------------------------------------------------------------------
@@ -396,8 +396,8 @@ class Sampled:
     @property
     def quantiles(self) -> FloatArray:
         """(3, n) errors below which the shares `QUANTILES` of all machines are."""
-        found: FloatArray = np.quantile(self.errors, QUANTILES, axis=0)
-        return found
+        quantile_errors: FloatArray = np.quantile(self.errors, QUANTILES, axis=0)
+        return quantile_errors
 
     @property
     def worst(self) -> Extreme:
@@ -416,25 +416,25 @@ class Sampled:
         return np.asarray(np.max(np.abs(self.errors), axis=1))
 
     @property
-    def kept(self) -> float | None:
+    def share_in_limit(self) -> float | None:
         """Share of machines that keep the limit at all cam angles; None if there is no limit."""
         limit = self.linear.stated.limit
         return None if limit is None else float(np.mean(self.largest <= limit))
 
     @property
-    def kept_error(self) -> float | None:
+    def share_error(self) -> float | None:
         """Standard error of that share, as if machines were drawn independently.
 
         By Laplace's rule of succession, so that a sample without failures has one too.
         """
-        kept = self.kept
-        if kept is None:
+        sample_share = self.share_in_limit
+        if sample_share is None:
             return None
-        share = (kept * self.count + 1.0) / (self.count + 2.0)
+        share = (sample_share * self.count + 1.0) / (self.count + 2.0)
         return math.sqrt(share * (1.0 - share) / self.count)
 
     @staticmethod
-    def of(
+    def draw(
         linear: Linear,
         count: int = COUNT,
         seed: int = 0,
@@ -460,14 +460,16 @@ class Sampled:
         errors, accelerations, forces, plays = [], [], [], []
         angles = len(linear.angles)
         for machines in _machines(linear.stated.sources, count, seed):
-            found = replayed(linear.nominal, machines)
-            position = found.position
+            motions = replay_machines(linear.nominal, machines)
+            position = motions.position
             if contact is not None:
-                off = found.follower - linear.nominal.lifts[:3, np.newaxis]
-                normal = contact.of(off[..., :angles], found.leverage[:, :angles])
+                follower_errors = motions.follower - linear.nominal.lifts[:3, np.newaxis]
+                normal = contact.machine_forces(
+                    follower_errors[..., :angles], motions.leverage[:, :angles]
+                )
                 forces.append(np.stack((np.min(normal, axis=1), np.max(normal, axis=1)), axis=1))
             if play is not None:
-                room = play.at_rest + play.errors(machines)
+                room = play.nominal_values + play.errors(machines)
                 plays.append(np.stack((np.min(room, axis=1), np.max(room, axis=1)), axis=1))
             errors.append(linear.as_set(position[0] - linear.nominal.positions[0]))
             accelerations.append(np.max(np.abs(position[2][:, :angles]), axis=1))
@@ -485,16 +487,16 @@ class Sampled:
 
 
 def _machines(sources: tuple[Source, ...], count: int, seed: int) -> Iterator[Deviations]:
-    draws = [each.draws for each in sources]
+    draws = [source.draws for source in sources]
     shares = Sample(count, "sobol", seed).shares(sum(draws)).T
     shares = np.clip(shares, INSIDE, 1.0 - INSIDE)
     ends = np.cumsum([0, *draws])
     for first in range(0, count, BLOCK):
         numbers = [
-            each.numbers(shares[start:end, first : first + BLOCK])
-            for each, start, end in zip(sources, ends, ends[1:], strict=False)
+            source.numbers(shares[start:end, first : first + BLOCK])
+            for source, start, end in zip(sources, ends, ends[1:], strict=False)
         ]
-        yield deviations_of(sources, numbers)
+        yield machine_deviations(sources, numbers)
 
 
 # -- contact force ---------------------------------------------------------------------------------
@@ -526,11 +528,11 @@ class ContactForces:
     per_acceleration: FloatArray
     leverage: FloatArray
 
-    def of(self, off: FloatArray, leverage: FloatArray) -> FloatArray:
-        """(m, n) [N] of machines whose q, q' and q'' are off by `off` (3, m, n), with the magnitude
-        of their `leverage` (m, n).
+    def machine_forces(self, errors: FloatArray, leverage: FloatArray) -> FloatArray:
+        """(m, n) contact forces [N] of machines whose q, q' and q'' deviate by `errors` (3, m, n),
+        with the magnitude of their `leverage` (m, n).
         """
-        inertia = self.per_velocity * off[1] + self.per_acceleration * off[2]
+        inertia = self.per_velocity * errors[1] + self.per_acceleration * errors[2]
         return np.asarray((self.nominal + inertia) * (self.leverage / leverage))
 
 
@@ -593,7 +595,7 @@ HOLLOW: Final = (
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Placed:
+class CamPoints:
     """The cam at cam angles: R and its derivatives along the flank, and with the cam angle.
 
     Attributes
@@ -626,26 +628,26 @@ class Rolling:
 
     pose: Pose
 
-    def require_reach(self, cam: Placed) -> None:
+    def require_reach(self, cam: CamPoints) -> None:
         """GeometryError if the follower cannot touch the curve at all of these places: a roller
         can, wherever the curve is smooth.
         """
 
-    def step(self, cam: Placed, q: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def step(self, cam: CamPoints, q: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Newton's steps of u and q (m, n)."""
-        place = self.pose.at(q)
+        place = self.pose.place(q)
         speed = self.pose.velocity(place)
-        apart = cam.place - place
+        gap = cam.place - place
         normal, pace = _normal(cam.along)
-        dq = dot(normal, apart) / dot(normal, speed)
-        du = dot(cam.along, dq * speed - apart) / (pace * pace)
+        dq = dot(normal, gap) / dot(normal, speed)
+        du = dot(cam.along, dq * speed - gap) / (pace * pace)
         return du, dq
 
-    def rates(self, cam: Placed, q: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def rates(self, cam: CamPoints, q: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """(m, n) velocity and acceleration of the lift, per unit of the cam angle, and the
         magnitude of n . dW/dq [1 or mm/rad].
         """
-        place = self.pose.at(q)
+        place = self.pose.place(q)
         speed, swerve = self.pose.velocity(place), self.pose.acceleration(place)
         normal, pace = _normal(cam.along)
         steep = dot(normal, speed)
@@ -657,7 +659,7 @@ class Rolling:
 
     def radius(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Distance [mm] from the origin, as of the base radius, and its rate with the lift."""
-        place = self.pose.at(q)
+        place = self.pose.place(q)
         size = np.abs(place)
         return size, dot(place, self.pose.velocity(place)) / size
 
@@ -675,27 +677,27 @@ class Flat:
     pose: Pose
     normal: ComplexArray
 
-    def require_reach(self, cam: Placed) -> None:
+    def require_reach(self, cam: CamPoints) -> None:
         """See `Rolling`: the curve, along which n = i sigma t, is bent inward everywhere."""
         if not np.all(dot(cam.spin * cam.along, cam.bend) < 0.0):
             raise GeometryError(HOLLOW)
 
-    def step(self, cam: Placed, q: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def step(self, cam: CamPoints, q: FloatArray) -> tuple[FloatArray, FloatArray]:
         """See `Rolling`."""
-        normal = self.normal * self.pose.turned(q)
+        normal = self.normal * self.pose.turn_factor(q)
         turning = 1j * self.pose.spin * normal
-        apart = dot(normal, cam.place - self.pose.at(q))
+        gap = dot(normal, cam.place - self.pose.place(q))
         closing = -dot(normal, self.pose.velocity(cam.place))
         slope, tilt = dot(normal, cam.along), dot(turning, cam.along)
         bend = dot(normal, cam.bend)
         det = slope * tilt - closing * bend
-        du = (closing * slope - tilt * apart) / det
-        dq = (bend * apart - slope * slope) / det
+        du = (closing * slope - tilt * gap) / det
+        dq = (bend * gap - slope * slope) / det
         return du, dq
 
-    def rates(self, cam: Placed, q: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def rates(self, cam: CamPoints, q: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """See `Rolling`."""
-        normal = self.normal * self.pose.turned(q)
+        normal = self.normal * self.pose.turn_factor(q)
         turning = 1j * self.pose.spin * normal
         closing = -dot(normal, self.pose.velocity(cam.place))
         first = -dot(normal, cam.sweep) / closing
@@ -712,42 +714,42 @@ class Flat:
 
     def radius(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
         """See `Rolling`."""
-        normal = self.normal * self.pose.turned(q)
-        place = self.pose.at(q)
+        normal = self.normal * self.pose.turn_factor(q)
+        place = self.pose.place(q)
         rate = dot(normal, self.pose.velocity(place))
         return dot(normal, place), rate + dot(1j * self.pose.spin * normal, place)
 
 
-Touching = Rolling | Flat
+Contact = Rolling | Flat
 
 
 @singledispatch
-def touching(follower: Follower, pose: Pose, deviations: Deviations) -> Touching:
+def follower_contact(follower: Follower, pose: Pose, deviations: Deviations) -> Contact:
     """How the followers (m, ...) of machines touch the cam; `pose` is that of the nominal one."""
     del pose, deviations  # used by the registered ones
     message = f'of the kind "{follower.kind}" is not known to the analysis of tolerances'
     raise GeometryError(message, key="follower.kind")
 
 
-@touching.register
-def _(_: WithRoller, pose: Pose, deviations: Deviations) -> Touching:
-    return Rolling(_placed(pose, deviations))
+@follower_contact.register
+def _(_: WithRoller, pose: Pose, deviations: Deviations) -> Contact:
+    return Rolling(_deviating_pose(pose, deviations))
 
 
-@touching.register
-def _(follower: FlatFollower, pose: Pose, deviations: Deviations) -> Touching:
+@follower_contact.register
+def _(follower: FlatFollower, pose: Pose, deviations: Deviations) -> Contact:
     normal = follower.normal(np.zeros(1))[np.newaxis]
     turn = np.exp(1j * deviations.real(Way.TILT))
-    return Flat(_placed(pose, deviations), normal * turn)
+    return Flat(_deviating_pose(pose, deviations), normal * turn)
 
 
-def _placed(pose: Pose, deviations: Deviations) -> Pose:
-    held = pose.moved(deviations.of(Way.PIVOT), whole=True).moved(deviations.of(Way.BODY))
+def _deviating_pose(pose: Pose, deviations: Deviations) -> Pose:
+    held = pose.moved(deviations.amounts(Way.PIVOT), whole=True).moved(deviations.amounts(Way.BODY))
     return held.rotated(np.exp(1j * deviations.real(Way.TILT)))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Replayed:
+class MachineMotions:
     """The motions of m machines at n cam angles; derivatives per rad of the cam angle.
 
     Attributes
@@ -764,7 +766,7 @@ class Replayed:
     zero: FloatArray
 
 
-def replayed(nominal: Sensitivities, deviations: Deviations) -> Replayed:
+def replay_machines(nominal: Sensitivities, deviations: Deviations) -> MachineMotions:
     """The motions of machines that deviate.
 
     Raises
@@ -773,37 +775,39 @@ def replayed(nominal: Sensitivities, deviations: Deviations) -> Replayed:
         If a machine has no contact near the nominal one, undercuts, or its linkage does not close.
     """
     machine = nominal.machine
-    deviations = deviations.met_by(machine.hold, half_turn=machine.half_turn)
+    deviations = deviations.side_deviations(machine.hold, half_turn=machine.half_turn)
     size = max(1, AT_ONCE // len(nominal.phi))
     parts = []
     for first in range(0, deviations.count, size):
-        some = {key: each[first : first + size] for key, each in deviations.values.items()}
+        some = {key: values[first : first + size] for key, values in deviations.values.items()}
         count = min(size, deviations.count - first)
         parts.append(_block(nominal, Deviations(count, some)))
-    return Replayed(
-        np.concatenate([each.follower for each in parts], axis=1),
-        np.concatenate([each.position for each in parts], axis=1),
-        np.concatenate([each.leverage for each in parts]),
-        np.concatenate([each.zero for each in parts]),
+    return MachineMotions(
+        np.concatenate([part.follower for part in parts], axis=1),
+        np.concatenate([part.position for part in parts], axis=1),
+        np.concatenate([part.leverage for part in parts]),
+        np.concatenate([part.zero for part in parts]),
     )
 
 
-def _block(nominal: Sensitivities, deviations: Deviations) -> Replayed:
+def _block(nominal: Sensitivities, deviations: Deviations) -> MachineMotions:
     machine = nominal.machine
     follower = machine.cam.follower
-    found = touching(follower, machine.pose, deviations)
-    lifts, leverage = _follower(nominal, deviations, found)
-    zero = _setting(touching(follower, machine.pose, Deviations(1, {})), deviations, follower)
+    contact = follower_contact(follower, machine.pose, deviations)
+    lifts, leverage = _follower(nominal, deviations, contact)
+    zero = _setting(
+        follower_contact(follower, machine.pose, Deviations(1, {})), deviations, follower
+    )
     lifts[0] -= zero
     if nominal.far_end is None:
-        return Replayed(lifts, lifts, leverage, zero)
+        return MachineMotions(lifts, lifts, leverage, zero)
     start = np.broadcast_to(nominal.positions[0], lifts[0].shape)
     position = nominal.far_end.deviating(deviations).follow(lifts, start)
-    return Replayed(lifts, position, leverage, zero)
+    return MachineMotions(lifts, position, leverage, zero)
 
 
 def _follower(
-    nominal: Sensitivities, deviations: Deviations, found: Touching
+    nominal: Sensitivities, deviations: Deviations, contact: Contact
 ) -> tuple[FloatArray, FloatArray]:
     """(3, m, n) lift and two derivatives, counted from the nominal zero; and the leverage."""
     machine, phi = nominal.machine, nominal.phi
@@ -811,33 +815,33 @@ def _follower(
     curve = FlankCurve(disc.pitch_curve, deviations)
     spin = 1j * disc.rotation
     turn = np.exp(spin * (phi + deviations.real(Way.TIMING)))
-    seat, axis = deviations.of(Way.SEAT), deviations.of(Way.SHAFT)
+    seat, axis = deviations.amounts(Way.SEAT), deviations.amounts(Way.SHAFT)
     shape = (deviations.count, len(phi))
     u = np.broadcast_to(phi, shape) + deviations.real(Way.TIMING)
     q = np.broadcast_to(nominal.lifts[0], shape).copy()
     scale = SETTLED * machine.cam.follower.lift_scale
     last = np.inf
     for _ in range(STEPS):
-        point, along, bend = curve.at(u)
-        cam = Placed(axis + turn * (point + seat), turn * along, turn * bend, spin, axis)
+        point, along, bend = curve.jet(u)
+        cam = CamPoints(axis + turn * (point + seat), turn * along, turn * bend, spin, axis)
         if last == np.inf:
-            found.require_reach(cam)
+            contact.require_reach(cam)
         if last <= scale:
-            first, second, leverage = found.rates(cam, q)
+            first, second, leverage = contact.rates(cam, q)
             return np.stack((q, first, second)), leverage
         with np.errstate(divide="ignore", invalid="ignore"):
-            du, dq = found.step(cam, q)
+            du, dq = contact.step(cam, q)
         u, q = u + du, q + dq
         lost = ~(np.abs(u - phi) < FARTHEST)
         if np.any(lost):
             break
         last = max(float(np.max(np.abs(dq))), float(np.max(np.abs(du))) ** 2)
-    off = np.where(np.any(lost), lost, np.abs(dq))  # where nothing is lost it does not settle
-    place = float(np.degrees(phi[int(np.argmax(np.max(off, axis=0)))]))
+    excess = np.where(np.any(lost), lost, np.abs(dq))  # where nothing is lost it does not settle
+    place = float(np.degrees(phi[int(np.argmax(np.max(excess, axis=0)))]))
     raise GeometryError(LOST.format(place))
 
 
-def _setting(nominal: Touching, deviations: Deviations, follower: Follower) -> FloatArray:
+def _setting(nominal: Contact, deviations: Deviations, follower: Follower) -> FloatArray:
     """(m, 1) lifts of the nominal follower at which the radii are the deviating base radii."""
     aimed = follower.base_radius + deviations.real(Way.SETTING)
     q = np.zeros_like(aimed)
@@ -883,7 +887,7 @@ class FlankCurve:
     pitch: PitchCurve
     deviations: Deviations
 
-    def at(self, u: FloatArray) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
+    def jet(self, u: FloatArray) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
         """(m, n) each: P [mm] and two derivatives at the parameters u (m, n) [rad].
 
         Raises

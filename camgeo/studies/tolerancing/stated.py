@@ -108,7 +108,7 @@ class Freedom:
     waves: int = 0
     hold: Hold = Hold.ANY
 
-    def met_by(self, hold: Hold) -> bool:
+    def affects(self, hold: Hold) -> bool:
         """Whether a side deviates."""
         return self.hold in (Hold.ANY, hold)
 
@@ -138,33 +138,33 @@ class Deviations:
     count: int
     values: Mapping[Freedom, ComplexArray]
 
-    def met_by(self, hold: Hold, *, half_turn: bool) -> Deviations:
+    def side_deviations(self, hold: Hold, *, half_turn: bool) -> Deviations:
         """As one side has them: by its own freedoms; if it lies half a turn from the main side of
         the same disc, it meets each wave as much later.
         """
         values: dict[Freedom, ComplexArray] = {}
-        for freedom, found in self.values.items():
-            if freedom.met_by(hold):
+        for freedom, amounts in self.values.items():
+            if freedom.affects(hold):
                 bare = replace(freedom, hold=Hold.ANY)
                 sign = -1.0 if half_turn and freedom.waves % 2 else 1.0
-                values[bare] = values.get(bare, 0.0) + sign * found
+                values[bare] = values.get(bare, 0.0) + sign * amounts
         return Deviations(self.count, values)
 
-    def of(self, way: Way) -> ComplexArray:
+    def amounts(self, way: Way) -> ComplexArray:
         """(m, 1) complex deviations; zeros if there are none."""
-        found = self.values.get(Freedom(way))
-        return np.zeros((self.count, 1), complex) if found is None else found[:, np.newaxis]
+        stored = self.values.get(Freedom(way))
+        return np.zeros((self.count, 1), complex) if stored is None else stored[:, np.newaxis]
 
     def real(self, way: Way) -> FloatArray:
         """(m, 1) deviations in a freedom that takes real numbers."""
-        return np.asarray(self.of(way).real)
+        return np.asarray(self.amounts(way).real)
 
     @property
     def waves(self) -> Mapping[int, ComplexArray]:
         """(m, 1) complex amplitudes by the number of waves."""
         return {
-            freedom.waves: found[:, np.newaxis]
-            for freedom, found in self.values.items()
+            freedom.waves: amplitudes[:, np.newaxis]
+            for freedom, amplitudes in self.values.items()
             if freedom.way is Way.WAVE
         }
 
@@ -193,26 +193,26 @@ class Pose:
     way: ComplexArray
 
     @classmethod
-    def of_rates(cls, start: complex, first: complex, second: complex) -> Self:
+    def from_rates(cls, start: complex, first: complex, second: complex) -> Self:
         """From the place [mm] at q = 0 and two derivatives; Z'' = -(Z - C) if it turns."""
         turns = second != 0.0
         centre = start + second if turns else 0.0
         spin = float(np.sign((first / (start - centre)).imag)) if turns else 0.0
         way = 0.0 if turns else first
-        start_at, centre_at, along = (
-            np.full((1, 1), each, complex) for each in (start, centre, way)
+        start_point, centre_point, along = (
+            np.full((1, 1), value, complex) for value in (start, centre, way)
         )
-        return cls(start_at, centre_at, spin, along)
+        return cls(start_point, centre_point, spin, along)
 
-    def at(self, q: FloatArray) -> ComplexArray:
+    def place(self, q: FloatArray) -> ComplexArray:
         """The places [mm] at the coordinates q."""
-        turned: ComplexArray = self.centre + (self.start - self.centre) * self.turned(q)
+        turned: ComplexArray = self.centre + (self.start - self.centre) * self.turn_factor(q)
         return turned + self.way * q
 
-    def turned(self, q: FloatArray) -> ComplexArray:
+    def turn_factor(self, q: FloatArray) -> ComplexArray:
         """exp(i s q)."""
-        found: ComplexArray = np.exp(1j * self.spin * q)
-        return found
+        factor: ComplexArray = np.exp(1j * self.spin * q)
+        return factor
 
     def velocity(self, place: ComplexArray) -> ComplexArray:
         """Of a point of the body that is at `place` [mm], per unit of q."""
@@ -256,7 +256,7 @@ class Machine:
 
     def __post_init__(self) -> None:
         if self.flank not in self.cam.contact.flanks:
-            used = " or ".join(f'"{each}"' for each in self.cam.contact.flanks)
+            used = " or ".join(f'"{flank}"' for flank in self.cam.contact.flanks)
             message = f"is not where the follower runs; must be {used}"
             raise GeometryError(message, "tolerance.flank", self.flank)
 
@@ -289,8 +289,8 @@ class Machine:
         """Of the roller's centre, or of the foot of the cam axis on a flat face, with the lift."""
         follower = self.cam.follower
         start, centre, way = (
-            np.full((1, 1), each, complex)
-            for each in (follower.traced_point(0.0), follower.pivot or 0.0, follower.way)
+            np.full((1, 1), value, complex)
+            for value in (follower.traced_point(0.0), follower.pivot or 0.0, follower.way)
         )
         return Pose(start, centre, float(follower.swing_sense), way)
 
@@ -368,21 +368,21 @@ class Sensitivities:
     def far_end(self) -> FarEnd | None:
         """Of the linkage, if there is one."""
         linkage = self.machine.linkage
-        return None if linkage is None else FarEnd.of(linkage)
+        return None if linkage is None else FarEnd.from_linkage(linkage)
 
-    def of(self, unit: Unit) -> FloatArray:
+    def position_error(self, unit: Unit) -> FloatArray:
         """(n,) error of the position [mm or rad] per unit of a dimension [mm or rad].
 
         Raises GeometryError with key "linkage" where the follower cannot move the far end.
         """
-        follower = self.of_follower(unit)
+        follower = self.follower_error(unit)
         if self.far_end is None:
             return follower
         return self.far_end.sensitivity(unit, self.lifts[0], self.positions[0], follower)
 
-    def of_follower(self, unit: Unit) -> FloatArray:
+    def follower_error(self, unit: Unit) -> FloatArray:
         """(n,) error of the follower's own lift, where this side carries it."""
-        if not unit.freedom.met_by(self.machine.hold):
+        if not unit.freedom.affects(self.machine.hold):
             return np.zeros(len(self.phi))
         if unit.freedom.way is Way.SETTING:
             return np.full(len(self.phi), -unit.factor.real / self._setting)
@@ -397,11 +397,11 @@ class Sensitivities:
         pose = self.machine.pose
         place = complex(pose.start[0, 0])
         rate = complex(pose.velocity(pose.start)[0, 0])
-        found = (place.conjugate() * rate).real / abs(place)
-        if found == 0.0:
+        radius_rate = (place.conjugate() * rate).real / abs(place)
+        if radius_rate == 0.0:
             message = "does not say where the follower is: at lift 0 it is nearest to the cam axis"
             raise GeometryError(message, "follower.base_radius")
-        return found
+        return radius_rate
 
     def _pushed(self, unit: Unit) -> FloatArray:
         """(n,) [mm] n . (dR - dW) per unit."""
@@ -424,7 +424,7 @@ class Sensitivities:
             case Way.PIVOT:
                 return -nominal.across(factor)
             case Way.BODY:
-                return -nominal.across(factor * pose.turned(self.lifts[0]))
+                return -nominal.across(factor * pose.turn_factor(self.lifts[0]))
             case Way.TILT:
                 return -factor.real * nominal.across(1j * nominal.places)
         return np.zeros(len(self.phi))
@@ -473,16 +473,16 @@ class FarEnd:
     driven_crank: bool
 
     @classmethod
-    def of(cls, linkage: Linkage) -> Self:
+    def from_linkage(cls, linkage: Linkage) -> Self:
         """Of the nominal linkage."""
-        places = [complex(each[0]) for each in linkage.joints(np.zeros(1))]
-        moved = linkage.joint_rates(np.zeros(1), ONE, NONE)
-        own = linkage.joint_rates(np.zeros(1), NONE, ONE)
+        places = [complex(joint[0]) for joint in linkage.joints(np.zeros(1))]
+        demanded_rates = linkage.joint_rates(np.zeros(1), ONE, NONE)
+        follower_rates = linkage.joint_rates(np.zeros(1), NONE, ONE)
         poses = []
-        for place, demanded, follows in zip(places, moved, own, strict=True):
-            first, second = (complex(each) for each in (demanded + follows)[:, 0])
-            poses.append(Pose.of_rates(place, first, second))
-        driven = bool(moved[0][0, 0] == 0.0)  # the pin goes with the follower
+        for place, demanded, follows in zip(places, demanded_rates, follower_rates, strict=True):
+            first, second = (complex(rate) for rate in (demanded + follows)[:, 0])
+            poses.append(Pose.from_rates(place, first, second))
+        driven = bool(demanded_rates[0][0, 0] == 0.0)  # the pin goes with the follower
         near, far = poses if driven else poses[::-1]
         return cls(linkage, near, far, np.full((1, 1), linkage.coupler), driven)
 
@@ -499,9 +499,9 @@ class FarEnd:
         Raises GeometryError with key "linkage" where the follower cannot move the far end.
         """
         per_follower = self.linkage.per_follower(x)
-        near, far = self.near.at(lift)[0], self.far.at(x)[0]
-        apart = far - near
-        moved = np.zeros_like(apart)
+        near, far = self.near.place(lift)[0], self.far.place(x)[0]
+        coupler_vector = far - near
+        displacement = np.zeros_like(coupler_vector)
         longer = 0.0
         factor = unit.factor
         match unit.freedom.way:
@@ -509,17 +509,19 @@ class FarEnd:
                 longer = factor.real * self.linkage.coupler
             case Way.CRANK:
                 tip = far if self.driven_crank else -near
-                moved = factor * tip / np.abs(tip)
+                displacement = factor * tip / np.abs(tip)
             case Way.LEVER:
                 arm = far - self.far.centre[0]
-                moved = factor * arm / np.abs(arm)
+                displacement = factor * arm / np.abs(arm)
             case Way.FAR_SHAFT:
-                moved = moved + factor
+                displacement = displacement + factor
             case Way.FAR_ANGLE:
-                moved = factor * 1j * (far - self.far.centre[0])
+                displacement = factor * 1j * (far - self.far.centre[0])
             case Way.PIVOT:
-                moved = moved - factor
-        rest = (longer - dot(apart, moved)) / dot(apart, self.far.velocity(far)[0])
+                displacement = displacement - factor
+        rest = (longer - dot(coupler_vector, displacement)) / dot(
+            coupler_vector, self.far.velocity(far)[0]
+        )
         return per_follower * follower + rest
 
     def deviating(self, deviations: Deviations) -> FarEnd:
@@ -532,7 +534,7 @@ class FarEnd:
         if not self.driven_crank and far.spin != 0.0:
             arm = arm + arm / np.abs(arm) * deviations.real(Way.LEVER)
         far = replace(far, start=far.centre + arm)
-        shifted = deviations.of(Way.FAR_SHAFT) - deviations.of(Way.PIVOT)
+        shifted = deviations.amounts(Way.FAR_SHAFT) - deviations.amounts(Way.PIVOT)
         far = far.moved(shifted, whole=True)
         coupler = self.coupler + deviations.real(Way.COUPLER)
         return replace(self, near=near, far=far, coupler=coupler)
@@ -549,18 +551,18 @@ class FarEnd:
         GeometryError
             With key "linkage", if the linkage of a machine does not close.
         """
-        near = self.near.at(lifts[0])
+        near = self.near.place(lifts[0])
         for _ in range(STEPS):
-            far = self.far.at(x)
-            apart = far - near
-            rate = dot(apart, self.far.velocity(far))
-            miss = 0.5 * (dot(apart, apart) - self.coupler**2)
+            far = self.far.place(x)
+            coupler_vector = far - near
+            rate = dot(coupler_vector, self.far.velocity(far))
+            miss = 0.5 * (dot(coupler_vector, coupler_vector) - self.coupler**2)
             with np.errstate(divide="ignore", invalid="ignore"):
                 x = x - miss / rate
             if not np.all(np.isfinite(x)):
                 break
             if np.all(np.abs(miss) <= SETTLED * self.coupler**2):
-                return np.stack((x, *self._rates(lifts, near, self.far.at(x))))
+                return np.stack((x, *self._rates(lifts, near, self.far.place(x))))
         raise GeometryError(
             "the linkage of a machine within the tolerances does not close: its dimensions are too"
             " close to a dead centre for them",
@@ -570,14 +572,18 @@ class FarEnd:
     def _rates(
         self, lifts: FloatArray, near: ComplexArray, far: ComplexArray
     ) -> tuple[FloatArray, FloatArray]:
-        apart = far - near
-        along = self.far.velocity(far)
-        own = self.near.velocity(near)
-        rate = dot(apart, along)
-        first = dot(apart, own) * lifts[1] / rate
-        parting = along * first - own * lifts[1]
+        coupler_vector = far - near
+        far_velocity = self.far.velocity(far)
+        near_velocity = self.near.velocity(near)
+        rate = dot(coupler_vector, far_velocity)
+        first = dot(coupler_vector, near_velocity) * lifts[1] / rate
+        parting = far_velocity * first - near_velocity * lifts[1]
         bend = self.far.acceleration(far) * first**2 - self.near.acceleration(near) * lifts[1] ** 2
-        rest = dot(apart, own) * lifts[2] - dot(parting, parting) - dot(apart, bend)
+        rest = (
+            dot(coupler_vector, near_velocity) * lifts[2]
+            - dot(parting, parting)
+            - dot(coupler_vector, bend)
+        )
         return first, rest / rate
 
 
@@ -626,7 +632,7 @@ class Source:
 
 
 @dataclass(frozen=True)
-class Stated:
+class StatedTolerances:
     """What a scene states.
 
     Attributes
@@ -635,17 +641,17 @@ class Stated:
     second : the same where the other side carries it; None if there is none.
     sources : of deviations, in the order of the scene.
     limit : largest error of the position that is allowed [mm or rad]; None if there is none.
-    set_at : cam angle [rad] at which the error is set to 0; None if it is not.
+    zero_angle : cam angle [rad] at which the error is set to 0; None if it is not.
     """
 
     machine: Machine
     second: Machine | None
     sources: tuple[Source, ...]
     limit: float | None
-    set_at: float | None
+    zero_angle: float | None
 
     @staticmethod
-    def of(design: Design) -> Stated:
+    def from_design(design: Design) -> StatedTolerances:
         """The tolerances of a design's scene.
 
         Raises
@@ -660,25 +666,25 @@ class Stated:
         table: Table | None = scene.values.get(TOLERANCE)
         if table is None:
             message = "is missing: it states the tolerances, see docs/tolerance.md"
-            raise _refused(scene, (TOLERANCE,), message)
-        machine, second = machines_of(design, table.get("flank"))
-        for each in (machine, second):
-            if each is not None:
-                each.require_whole()
+            raise _fault(scene, (TOLERANCE,), message)
+        machine, second = side_machines(design, table.get("flank"))
+        for side in (machine, second):
+            if side is not None:
+                side.require_whole()
         sides = Sides(scene, machine, second)
         sources = (*_dimensions(sides, table), *_fits(sides, table), *_forms(sides, table))
-        limit, set_at = table.get("limit"), table.get("set_at")
+        limit, zero_angle = table.get("limit"), table.get("set_at")
         per = math.radians(1.0) if design.drive.unit == "rad" else MM_PER[scene.unit]
-        return Stated(
+        return StatedTolerances(
             machine,
             second,
             sources,
             None if limit is None else float(limit) * per,
-            None if set_at is None else math.radians(set_at),
+            None if zero_angle is None else math.radians(zero_angle),
         )
 
 
-def machines_of(design: Design, flank: str | None = None) -> tuple[Machine, Machine | None]:
+def side_machines(design: Design, flank: str | None = None) -> tuple[Machine, Machine | None]:
     """The machine of a design on a flank, by default its main one; and of a follower that two sides
     hold, where the other side carries it.
     """
@@ -686,7 +692,7 @@ def machines_of(design: Design, flank: str | None = None) -> tuple[Machine, Mach
     if cam.opposite is not None:
         others = [cam.opposite]
     main = Hold.MAIN if others else Hold.ANY
-    second = [Machine(each, Flank(each.contact.main), Hold.RETURN) for each in others]
+    second = [Machine(other, Flank(other.contact.main), Hold.RETURN) for other in others]
     return Machine(cam, Flank(flank or cam.contact.main), main), second[0] if second else None
 
 
@@ -698,30 +704,30 @@ class Sides:
     machine: Machine
     second: Machine | None
 
-    def hold_of(self, place: KeyPath, table: Table, *, is_disc: bool) -> Hold:
+    def side_hold(self, place: KeyPath, table: Table, *, is_disc: bool) -> Hold:
         """The side that a fit or an error of form is on: of a yoke, both sides have one disc."""
         whole = self.second is None or (is_disc and self.second.cam.mount is None)
         if whole and "side" in table:
             what = "has one disc" if self.second is not None else "is held by one side"
-            raise _refused(self.scene, (*place, "side"), f"belongs to two: this follower {what}")
+            raise _fault(self.scene, (*place, "side"), f"belongs to two: this follower {what}")
         return Hold.ANY if whole else Hold(table.get("side", Hold.MAIN))
 
 
-def _refused(scene: Scene, path: KeyPath, message: str, hint: str = "") -> SceneError:
+def _fault(scene: Scene, path: KeyPath, message: str, hint: str = "") -> SceneError:
     return SceneError([scene.stated.scene.fault(path, message, hint)], scene.source.file)
 
 
 def _dimensions(sides: Sides, table: Table) -> Iterator[Source]:
     scene, machine = sides.scene, sides.machine
-    known = dimensions_of(machine, sides.second)
-    for index, each in enumerate(table.get("dimension", ())):
-        key, place = each["key"], (TOLERANCE, "dimension", index)
+    known = machine_dimensions(machine, sides.second)
+    for index, entry in enumerate(table.get("dimension", ())):
+        key, place = entry["key"], (TOLERANCE, "dimension", index)
         if key not in known:
             kind = machine.cam.follower.kind
             message = f"is no dimension of this {kind} machine; it has {listed(sorted(known))}"
-            raise _refused(scene, (*place, "key"), message, meant(key, known))
+            raise _fault(scene, (*place, "key"), message, meant(key, known))
         dimension = known[key]
-        distribution = _distribution(scene, place, each, dimension)
+        distribution = _distribution(scene, place, entry, dimension)
         yield Source(
             key,
             dimension.sense,
@@ -741,13 +747,13 @@ def _distribution(scene: Scene, place: KeyPath, table: Table, dimension: Dimensi
     if "class" in table:
         if dimension.size is None:
             message = "belongs to lengths: this dimension takes plus_minus or limits"
-            raise _refused(scene, (*place, "class"), message)
+            raise _fault(scene, (*place, "class"), message)
         low, high = (
-            each * dimension.per_size
-            for each in _class(scene, (*place, "class"), table["class"], dimension.size)
+            deviation * dimension.per_size
+            for deviation in _class(scene, (*place, "class"), table["class"], dimension.size)
         )
     elif "limits" in table:
-        low, high = (float(each) * per for each in table["limits"])
+        low, high = (float(limit) * per for limit in table["limits"])
     else:
         high = float(table["plus_minus"]) * per
         low = -high
@@ -758,31 +764,31 @@ def _distribution(scene: Scene, place: KeyPath, table: Table, dimension: Dimensi
 
 def _class(scene: Scene, path: KeyPath, name: str, size: float) -> tuple[float, float]:
     try:
-        return limits_of(name, size)
+        return class_limits(name, size)
     except GeometryError as error:
-        raise _refused(scene, path, error.message) from error
+        raise _fault(scene, path, error.message) from error
 
 
 def _fits(sides: Sides, table: Table) -> Iterator[Source]:
     scene, machine = sides.scene, sides.machine
-    for index, each in enumerate(table.get("clearance", ())):
+    for index, entry in enumerate(table.get("clearance", ())):
         place = (TOLERANCE, "clearance", index)
-        size = _size(scene, place, each)
+        size = _size(scene, place, entry)
         limits = {}
         for key, hole in (("hole", True), ("shaft", False)):
-            if is_hole(each[key]) is not hole:
+            if is_hole(entry[key]) is not hole:
                 letters = "a capital letter" if hole else "a small letter"
-                raise _refused(scene, (*place, key), f"must begin with {letters}")
-            limits[key] = _class(scene, (*place, key), each[key], size)
+                raise _fault(scene, (*place, key), f"must begin with {letters}")
+            limits[key] = _class(scene, (*place, key), entry[key], size)
         if limits["hole"][0] < limits["shaft"][1]:
-            over = PER_MM * (limits["shaft"][1] - limits["hole"][0])
+            interference = PER_MM * (limits["shaft"][1] - limits["hole"][0])
             message = (
-                f"is no fit with clearance: {each['hole']}/{each['shaft']} may interfere by"
-                f" {over:.4g} micrometres; leave it out, or state a looser fit"
+                f"is no fit with clearance: {entry['hole']}/{entry['shaft']} may interfere by"
+                f" {interference:.4g} micrometres; leave it out, or state a looser fit"
             )
-            raise _refused(scene, place, message)
-        hold = sides.hold_of(place, each, is_disc=each["at"] == "cam")
-        yield _clearance(place, each, hold, machine.flank, limits)
+            raise _fault(scene, place, message)
+        hold = sides.side_hold(place, entry, is_disc=entry["at"] == "cam")
+        yield _clearance(place, entry, hold, machine.flank, limits)
 
 
 def _size(scene: Scene, place: KeyPath, table: Table) -> float:
@@ -791,7 +797,7 @@ def _size(scene: Scene, place: KeyPath, table: Table) -> float:
         return float(table["size"]) * MM_PER[scene.unit]
     if scene.part is None or scene.part.bore is None:
         message = "is missing: the scene has no part.bore, whose diameter is the default"
-        raise _refused(scene, (*place, "size"), message)
+        raise _fault(scene, (*place, "size"), message)
     return scene.part.bore
 
 
@@ -822,17 +828,17 @@ def _clearance(
 
 
 def _forms(sides: Sides, table: Table) -> Iterator[Source]:
-    for index, each in enumerate(table.get("form", ())):
-        height = float(each["plus_minus"]) * MM_PER[sides.scene.unit]
-        waves = int(each["waves"])
-        hold = sides.hold_of((TOLERANCE, "form", index), each, is_disc=True)
+    for index, entry in enumerate(table.get("form", ())):
+        height = float(entry["plus_minus"]) * MM_PER[sides.scene.unit]
+        waves = int(entry["waves"])
+        hold = sides.side_hold((TOLERANCE, "form", index), entry, is_disc=True)
         yield Source(
             f"form[{index + 1}]",
             f"{waves} waves on the flank",
             _both_axes(Freedom(Way.WAVE, waves, hold)),  # in phase and a quarter of a wave later
             Moments(0.0, 0.5 * height**2),  # at any place the phase is uniformly distributed
             1,
-            partial(_in_any_phase, height),
+            partial(_wave_components, height),
             (-height, height),
             "random phase",
         )
@@ -850,14 +856,14 @@ def _pressed(hole: Distribution, shaft: Distribution, shares: FloatArray) -> Flo
 
 def _anywhere(hole: Distribution, shaft: Distribution, shares: FloatArray) -> FloatArray:
     (sizes,) = _pressed(hole, shaft, shares[:2])
-    return _in_direction(sizes, shares[2])
+    return _vector_components(sizes, shares[2])
 
 
-def _in_any_phase(height: float, shares: FloatArray) -> FloatArray:
-    return _in_direction(np.full(shares.shape[1], height), shares[0])
+def _wave_components(height: float, shares: FloatArray) -> FloatArray:
+    return _vector_components(np.full(shares.shape[1], height), shares[0])
 
 
-def _in_direction(sizes: FloatArray, shares: FloatArray) -> FloatArray:
+def _vector_components(sizes: FloatArray, shares: FloatArray) -> FloatArray:
     """(2, m) components of vectors of these sizes (m,), at shares (m,) of a turn."""
     angle = TURN * shares
     return np.stack((sizes * np.cos(angle), sizes * np.sin(angle)))
@@ -972,7 +978,7 @@ class Dimension:
         return replace(self, unit=self.unit.of_side(hold))
 
 
-MOUNTED: Final[Mapping[str, Dimension]] = {
+MOUNTING: Final[Mapping[str, Dimension]] = {
     "mounting.x": Dimension(
         Unit(Freedom(Way.SEAT)), "the flank lies farther along x of the cam, on its shaft"
     ),
@@ -997,27 +1003,33 @@ OF_A_DISC: Final = frozenset((Way.SEAT, Way.TIMING))
 """What is one side's own where each has a disc."""
 
 
-def dimensions_of(machine: Machine, second: Machine | None = None) -> dict[str, Dimension]:
+def machine_dimensions(machine: Machine, second: Machine | None = None) -> dict[str, Dimension]:
     """All dimensions of the machine, by their keys; `second` is its other side, if two hold it."""
-    found = dict(MOUNTED)
-    own = _follower(machine.cam.follower, machine)
-    found.update({f"follower.{key}": each for key, each in own.items()})
+    dimensions = dict(MOUNTING)
+    side_dimensions = _follower(machine.cam.follower, machine)
+    dimensions.update({f"follower.{key}": dimension for key, dimension in side_dimensions.items()})
     if second is not None:
         mount = second.cam.mount
         mine = TOUCHING if mount is None else TOUCHING | OF_A_DISC
-        for key, each in found.items():
-            if each.unit.freedom.way in mine:
-                found[key] = each.of_side(Hold.MAIN)
-        own = _yoke(second) if mount is None else _returning(second.cam.follower, second)
+        for key, dimension in dimensions.items():
+            if dimension.unit.freedom.way in mine:
+                dimensions[key] = dimension.of_side(Hold.MAIN)
+        side_dimensions = (
+            _yoke(second) if mount is None else _returning(second.cam.follower, second)
+        )
         table = "follower.yoke" if mount is None else "follower.return"
-        others = {f"{table}.{key}": each for key, each in own.items()}
+        others = {f"{table}.{key}": dimension for key, dimension in side_dimensions.items()}
         if mount is not None:
-            others |= {f"return.{key}": each for key, each in MOUNTED.items() if "mount" in key}
-        found.update({key: each.of_side(Hold.RETURN) for key, each in others.items()})
+            others |= {
+                f"return.{key}": dimension for key, dimension in MOUNTING.items() if "mount" in key
+            }
+        dimensions.update(
+            {key: dimension.of_side(Hold.RETURN) for key, dimension in others.items()}
+        )
     if machine.linkage is not None:
         behind = _linkage(machine.linkage)
-        found.update({f"linkage.{key}": each for key, each in behind.items()})
-    return found
+        dimensions.update({f"linkage.{key}": dimension for key, dimension in behind.items()})
+    return dimensions
 
 
 def _length(way: Way, sense: str, size: float, factor: complex = 1.0) -> Dimension:
@@ -1094,8 +1106,10 @@ def _yoke(second: Machine) -> dict[str, Dimension]:
         Way.BODY, "the second side lies farther from the first",
         second.cam.yoke_breadth, place / abs(place),
     )  # fmt: skip
-    own = _follower(follower, second)
-    return {"breadth": breadth} | {key: own[key] for key in own if key == "roller_radius"}
+    dimensions = _follower(follower, second)
+    return {"breadth": breadth} | {
+        key: dimensions[key] for key in dimensions if key == "roller_radius"
+    }
 
 
 @singledispatch
@@ -1180,7 +1194,7 @@ PER_MM: Final = 1000.0
 """Micrometres."""
 
 
-def limits_of(name: str, size: float) -> tuple[float, float]:
+def class_limits(name: str, size: float) -> tuple[float, float]:
     """Lower and upper deviation [mm] of a size [mm] of the tolerance class `name`.
 
     Raises
@@ -1193,7 +1207,7 @@ def limits_of(name: str, size: float) -> tuple[float, float]:
     parts = FORM.fullmatch(name)
     letters, number = (parts["letters"], parts["grade"]) if parts else ("", "")
     if letters not in (*HOLES, *SHAFTS) or number not in data["grades"]:
-        grades = [f"IT{each}" for each in data["grades"]]
+        grades = [f"IT{number}" for number in data["grades"]]
         raise GeometryError(
             "is no tolerance class that is known here: a letter of holes"
             f" ({listed(HOLES)}) or of shafts ({listed(SHAFTS)}) and a grade from {grades[0]} to"
@@ -1211,24 +1225,24 @@ def limits_of(name: str, size: float) -> tuple[float, float]:
     if letter == "js":
         return -0.5 * width, 0.5 * width
     if letter in data["upper"]:
-        high = _of_size(data["upper"][letter], size) / PER_MM
+        high = _size_value(data["upper"][letter], size) / PER_MM
         return (0.0 - high, width - high) if is_hole(name) else (high - width, high)
     if is_hole(name):
         high = _highest(letters, grade, size) / PER_MM
         return high - width, high
     zero = letter == "k" and grade not in K_GRADES
-    low = 0.0 if zero else _of_size(data["lower"][letter], size) / PER_MM
+    low = 0.0 if zero else _size_value(data["lower"][letter], size) / PER_MM
     return low, low + width
 
 
 def _require_value(name: str, letters: str, grade: int, size: float) -> None:
-    for each in _data()["absent"]:
-        (first, last), (above, up_to) = each["grades"], each["sizes"]
-        known = letters in each.get("letters", letters)
-        if known and first <= grade <= last and above < size <= up_to:
+    for absence in _data()["absent"]:
+        (first, last), (lower, upper) = absence["grades"], absence["sizes"]
+        known = letters in absence.get("letters", letters)
+        if known and first <= grade <= last and lower < size <= upper:
             raise GeometryError(
                 f"has no value in ISO 286-1: there are none of {letters}{first} to"
-                f" {letters}{last} for sizes above {above} up to {up_to} mm, and this one is"
+                f" {letters}{last} for sizes above {lower} up to {upper} mm, and this one is"
                 f" {size:g} mm",
                 value=name,
             )
@@ -1239,7 +1253,7 @@ def _highest(letters: str, grade: int, size: float) -> float:
     hole fits the shaft of the next finer grade as it would by the system of the basic hole.
     """
     data = _data()
-    high = 0.0 - _of_size(data["lower"][letters.lower()], size)
+    high = 0.0 - _size_value(data["lower"][letters.lower()], size)
     if size <= SMALLEST:
         return high
     if grade > data["delta_up_to"][letters]:
@@ -1252,14 +1266,14 @@ def _highest(letters: str, grade: int, size: float) -> float:
 
 def _standard(grade: int, size: float) -> float:
     """The standard tolerance IT of a grade [micrometres]."""
-    return _of_size(_data()["grades"][str(grade)], size)
+    return _size_value(_data()["grades"][str(grade)], size)
 
 
-def _of_size(values: Sequence[float], size: float) -> float:
+def _size_value(values: Sequence[float], size: float) -> float:
     """The value of the range that a size is in; some letters have more ranges than others."""
     data = _data()
     ranges = next(
-        each for each in (data["up_to"], data["up_to_finely"]) if len(each) == len(values)
+        bounds for bounds in (data["up_to"], data["up_to_finely"]) if len(bounds) == len(values)
     )
     return float(values[bisect_left(ranges, size)])
 

@@ -33,9 +33,9 @@ from camgeo.errors import FileError
 from camgeo.numeric.arrays import ComplexArray
 from camgeo.pictures.sheet.marks import (
     ARROW,
-    BEFORE,
-    BEHIND,
     DIAMETER,
+    EXTENSION_GAP,
+    EXTENSION_OVERSHOOT,
     LETTERS,
     LIFTED,
     NARROWED,
@@ -49,9 +49,9 @@ from camgeo.pictures.sheet.marks import (
     Mark,
     Round,
     Sheet,
-    number_of,
+    dimension_text,
 )
-from camgeo.pictures.sheet.sheet import dashed_stretch, sheets_of
+from camgeo.pictures.sheet.sheet import build_sheets, dashed_stretch
 from camgeo.scene.formats.drawing import FORMAT
 from camgeo.scene.formats.format import Format
 from camgeo.units import MM_PER
@@ -114,8 +114,8 @@ ANSI31: Final = 3.175
 SIZES: Final = {
     "dimtxt": LETTERS,
     "dimasz": ARROW,
-    "dimexe": BEHIND,
-    "dimexo": BEFORE,
+    "dimexe": EXTENSION_OVERSHOOT,
+    "dimexo": EXTENSION_GAP,
     "dimgap": LIFTED,
 }
 """Of dimensions [mm of paper]: text, arrows, extension lines beyond and before, gap."""
@@ -146,7 +146,7 @@ def sheet_document(sheets: Sequence[Sheet], product: Product, tolerance: float) 
     drawing.tables()
     for sheet, corner in zip(sheets, corners(sheets), strict=True):
         for view in sheet.views:
-            shift = corner + view.at / sheet.scale
+            shift = corner + view.origin / sheet.scale
             for mark in view.marks:
                 drawing.add(mark, 1.0, shift)
         for mark in sheet.marks:
@@ -160,7 +160,7 @@ def corners(sheets: Sequence[Sheet]) -> list[complex]:
     one's first view.
     """
     first = sheets[0]
-    origin = first.views[0].at if first.views else 0j
+    origin = first.views[0].origin if first.views else 0j
     step = first.width + SHEET_GAP
     return [(number * step - origin) / first.scale for number in range(len(sheets))]
 
@@ -257,7 +257,9 @@ class _Drawing:
             rotation=0.0,
             dxfattribs={"layer": mark.layer, "style": STYLE, "width": NARROWED * mark.squeeze},
         )
-        text.set_placement(self._point(mark.at), align=TextEntityAlignment[JUSTIFIED[mark.across]])
+        text.set_placement(
+            self._point(mark.place), align=TextEntityAlignment[JUSTIFIED[mark.across]]
+        )
 
     @_add.register
     def _(self, mark: Filled) -> None:
@@ -298,7 +300,7 @@ class _Drawing:
 
     @_add.register
     def _(self, mark: Diameter) -> None:
-        text = number_of(mark, self._sheet.unit).replace(DIAMETER, "Ø")
+        text = dimension_text(mark, self._sheet.unit).replace(DIAMETER, "Ø")
         settings = {"dimtmove": 1, "dimtoh": 1, "dimtad": 1, "dimtofl": 0, "dimcen": 0.0}
         override = {**self._override(mark), **settings}
         reach = self._length(mark.radius) + mark.reach * self._paper
@@ -582,7 +584,7 @@ def know_the_font() -> None:
 def sheet_strokes(document: Drawing, sheet: Sheet) -> Strokes:
     """What is drawn on a sheet; `document` has it alone."""
     strokes = Strokes(sheet.width, sheet.height)
-    views = [(view.marks, view.at, sheet.scale) for view in sheet.views]
+    views = [(view.marks, view.origin, sheet.scale) for view in sheet.views]
     frame = (sheet.marks, 0j, 1.0)
     for marks, origin, scale in (*views, frame):
         for mark in marks:
@@ -744,7 +746,7 @@ def _known_document(product: Product, tolerance: float) -> tuple[tuple[Sheet, ..
     known = product.pictured.known
     name = f"{FORMAT.name} within {tolerance!r} mm"
     if name not in known:
-        sheets = sheets_of(product, tolerance)
+        sheets = build_sheets(product, tolerance)
         know_the_font()
         known[name] = sheets, sheet_document(sheets, product, tolerance)
     entry: tuple[tuple[Sheet, ...], Drawing] = known[name]
