@@ -281,7 +281,7 @@ class Course(Pieces):
 
     def part(self, first: FloatArray, last: FloatArray) -> Course:
         """The part of each from the share `first` to the share `last` (n,) of its length."""
-        found = self.between(first, last)
+        found = self.subpieces(first, last)
         low, high = self._tip(first), self._tip(last)
         return Course(found.starts, found.ends, found.sweeps, found.centres, low, high, self.moves)
 

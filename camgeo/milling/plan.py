@@ -448,7 +448,7 @@ class Cutting:
             frozen(pieces, np.intp),
             frozen(lengths[pieces], np.float64),
             frozen(largest, np.float64),
-            frozen(taken(self.course, pieces).at(where), np.complex128),
+            frozen(taken(self.course, pieces).points_by_share(where), np.complex128),
             frozen(air, np.float64),
             frozen(np.concatenate(angles or [np.zeros(0)]), np.float64),
             frozen(np.concatenate(weights or [np.zeros(0)]), np.float64),
@@ -468,7 +468,7 @@ class Cutting:
         if level >= self.top:
             return 0.0
         here = taken(course, [piece])
-        there = here.at(np.array([share]))
+        there = here.points_by_share(np.array([share]))
         place, way = complex(there[0]), complex(here.tangents(there)[0])
         swept: list[tuple[Pieces, float]] = [(self._before(piece, share, place, level), radius)]
         for number, (other, size) in enumerate(self.cleared):
@@ -505,7 +505,7 @@ class Cutting:
         found = taken(course, np.append(close, piece))  # its own way, down a ramp too
         last = np.ones(len(found))
         last[-1] = share
-        return found.between(np.zeros(len(found)), last)
+        return found.subpieces(np.zeros(len(found)), last)
 
     def refined(
         self, piece: int, shares: FloatArray, best: int, largest: float

@@ -17,7 +17,7 @@ from camgeo.geometry.contour.contour import (
     Contour,
     Pieces,
     least_distance,
-    surely_apart,
+    proved_gap,
     winding_number,
 )
 from camgeo.geometry.outline.outline import real_outline
@@ -390,7 +390,7 @@ def _require_clear(
     for each in others:
         other = each.boundary
         fit = other.beside(tolerance)
-        if surely_apart(own, fit) <= 0.0:
+        if proved_gap(own, fit) <= 0.0:
             raise GeometryError(
                 f"the {boundary.name} must lie clear of the {other.name}, which it touches", key=key
             )
@@ -599,7 +599,7 @@ def _inside(circle: ExactBoundary, layer: Layer, tolerance: float) -> Iterator[B
     ring = circle.beside(tolerance)
     for each in layer.boundaries[1:]:
         fit = each.beside(tolerance)
-        if surely_apart(ring, fit) <= 0.0:
+        if proved_gap(ring, fit) <= 0.0:
             raise GeometryError(
                 f"the spacer must lie clear of the {each.name}, which it touches", key=SPACER_KEY
             )
@@ -898,7 +898,7 @@ def _require_bevel_clear(
             for each in bevels
             if each.boundary == other and _heights(each)[0] <= high and low <= _heights(each)[1]
         )
-        apart = surely_apart(own, other.beside(tolerance))
+        apart = proved_gap(own, other.beside(tolerance))
         if apart <= _reach(bevel) + max(widths, default=0.0):
             name = _table(bevel.boundary)
             raise GeometryError(

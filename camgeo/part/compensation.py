@@ -20,8 +20,8 @@ from camgeo.geometry.contour.contour import (
     Contour,
     Effort,
     Fit,
+    proved_gap,
     require_simple,
-    surely_apart,
     winding_number,
 )
 from camgeo.geometry.contour.parallel import parallel
@@ -305,7 +305,7 @@ def _require_alike(moved: tuple[Boundary, ...], before: tuple[Boundary, ...]) ->
     fits, were = ([each.beside(TOLERANCE) for each in group] for group in (moved, before))
     for a, b in combinations(range(len(moved)), 2):
         inside = [_nested(each[a].contour, each[b].contour) for each in (fits, were)]
-        if surely_apart(fits[a], fits[b]) <= 0.0 or inside[0] != inside[1]:
+        if proved_gap(fits[a], fits[b]) <= 0.0 or inside[0] != inside[1]:
             raise GeometryError(f"{before[a].name} and {before[b].name} would touch", key="part")
 
 

@@ -118,7 +118,7 @@ def _tightest(boundary: CurveBoundary) -> tuple[float, str, float]:
         # On the side of its centre where the material is, a turn is convex.
         inward = (each.distance < 0.0) != boundary.hole
         bend = "concave" if inward and each.distance else "convex"
-        found.append((abs(each.distance), bend, each.before))
+        found.append((abs(each.distance), bend, each.phi_start))
     return min(found)
 
 

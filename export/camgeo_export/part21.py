@@ -450,7 +450,7 @@ def _off_extrusion(surface: Extrusion, strand: Strand) -> float:
 
 def _middle(arc: Arc) -> complex:
     """The point in its middle, at which it is compared with surfaces and their senses."""
-    return complex(arc.at(np.array([0.5]))[0])
+    return complex(arc.points_by_share(np.array([0.5]))[0])
 
 
 @dataclass(frozen=True, slots=True)
@@ -897,7 +897,7 @@ class Geometry:
             raise knots.fault("does not have as many knots as multiplicities above 0")
         degree = int(shape.number_at(first))
         try:
-            curve = CubicSpline.of(
+            curve = CubicSpline.from_bspline(
                 degree,
                 np.repeat(values, counts).astype(np.float64),
                 np.array([point.place for point in points], dtype=np.complex128),
@@ -940,7 +940,7 @@ def strands_of(
             abs(curve.z - start.z),
             abs(curve.z - end.z),
         )
-        return (found.between(start.place, end.place),), off
+        return (found.with_ends(start.place, end.place),), off
     return _arcs_of(curve, start, end, same=same)
 
 

@@ -336,8 +336,8 @@ class _Pair:
         state, own = self.made.subject.state, self.exact.subject.state
         assert isinstance(state, Written)
         edges = merged(np.concatenate((state.smooth_angles, own.smooth_angles)))
-        return AccelerationJoints.between(
-            state.replay.lift.shift_of, state.motion.jet, own.motion, edges
+        return AccelerationJoints.from_motions(
+            state.replay.lift.joint_shift, state.motion.jet, own.motion, edges
         )
 
     def _deviation(self, quantity: Quantity, exact: Quantity, edges: FloatArray) -> float:

@@ -24,8 +24,8 @@ from numpy.typing import ArrayLike
 
 from camgeo.errors import FileError, GeometryError
 from camgeo.geometry.contour.contour import Contour
-from camgeo.geometry.contour.foreign import Outlines, middle_of
-from camgeo.geometry.contour.spline import CUBIC, Arc, CubicSpline, SplineContour, at
+from camgeo.geometry.contour.foreign import Outlines, contour_centre
+from camgeo.geometry.contour.spline import CUBIC, Arc, CubicSpline, SplineContour, bezier_points
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from camgeo.reading import CONTOURS, COORDINATE, DRAWING, beyond, check_text, number_of
 from camgeo.units import MM_PER, TURN, LengthUnit, counted, place_text
@@ -473,7 +473,7 @@ def _spline(item: Item, place: Placement) -> tuple[CubicSpline, bool]:
     rational = len(weights) and np.ptp(weights) > RATIONAL * np.max(weights)
     try:
         if degree <= CUBIC and not rational:
-            return CubicSpline.of(int(degree), knots, controls), True
+            return CubicSpline.from_bspline(int(degree), knots, controls), True
         if not len(controls) + degree + 1 == len(knots) > 2 * degree + 1 or np.any(
             np.diff(knots) < 0
         ):
@@ -507,7 +507,7 @@ def _through(item: Item, points: ComplexArray, ways: Sequence[complex]) -> Cubic
     both = [(way.real, way.imag) for way in ways] if len(ways) == 2 and all(ways) else None
     spline = fit_points_to_cad_cv([(z.real, z.imag) for z in apart], both)
     controls = np.array([complex(each.x, each.y) for each in spline.control_points])
-    return CubicSpline.of(spline.degree, np.array(spline.knots()), controls)
+    return CubicSpline.from_bspline(spline.degree, np.array(spline.knots()), controls)
 
 
 def _followed(
@@ -534,7 +534,7 @@ def _followed(
         )  # fmt: skip
         looks = (t[:-1, np.newaxis] + width[:, np.newaxis] * LOOKS).tolist()
         there = np.array([[jet(each)[0] for each in row] for row in looks])
-        far = np.max(np.abs(at(pieces, LOOKS) - there), axis=1) > 0.8 * near
+        far = np.max(np.abs(bezier_points(pieces, LOOKS) - there), axis=1) > 0.8 * near
         t = np.sort(np.concatenate((t, (t[:-1] + 0.5 * width)[far])))
         if len(t) > MOST_SPANS:
             raise GeometryError(f"it turns too sharply to be followed within {NEAR:g} mm")
@@ -559,7 +559,7 @@ def closed(strands: Sequence[Strand]) -> AnyContour:
     ends = [*starts[1:], starts[0]]
     return SplineContour(
         tuple(
-            strand.between(start, end)
+            strand.with_ends(start, end)
             for strand, start, end in zip(strands, starts, ends, strict=True)
         )
     )
@@ -874,7 +874,7 @@ def _contours(loops: Sequence[Loop], *, doubles: bool) -> tuple[list[AnyContour]
             found.append((contour.counter_clockwise(), (pieces, runs)))
     kept: list[tuple[AnyContour, complex]] = []
     for contour, (pieces, runs) in sorted(found, key=lambda each: -each[0].area):
-        middle = middle_of(contour)
+        middle = contour_centre(contour)
         if not doubles and any(_same(contour, middle, *each) for each in kept):
             left += [Left(run, pieces[0].start, DOUBLE) for run in runs]
         else:
@@ -1099,9 +1099,9 @@ def _path(runs: Sequence[Run], way: Way, spots: ComplexArray) -> ComplexArray:
     parts = [spots[way[:1]]]
     for piece in (piece for end in way for piece in _pieces(runs, end)):
         if isinstance(piece, CubicSpline):
-            parts.append(at(piece.beziers, BETWEEN).ravel())
+            parts.append(bezier_points(piece.beziers, BETWEEN).ravel())
         elif piece.sweep:
-            parts.append(piece.at(BETWEEN))
+            parts.append(piece.points_by_share(BETWEEN))
         parts.append(np.array([piece.end]))
     parts[-1] = spots[[way[-1] ^ 1]]
     points: ComplexArray = np.concatenate(parts)

@@ -518,7 +518,7 @@ def _line(flaw: Flaw, each: Traced) -> int:
     rapid = np.array([isinstance(move, Rapid) for move in run.moves])
     wanted = rapid[course.moves] == (flaw.name == "rapid")
     x, y, z = flaw.place
-    away = course.apart(np.full(len(course), complex(x, y)))
+    away = course.distances(np.full(len(course), complex(x, y)))
     away = np.where(wanted & (course.lowest <= z + DEEPER), away, np.inf)
     if not np.any(np.isfinite(away)):
         return 0
@@ -634,7 +634,7 @@ def _of_pieces(
     numbers = np.repeat(pieces, len(SHARES))
     shares = np.tile(SHARES, len(pieces))
     some = taken(whole, numbers)
-    places, tips = some.at(shares), some.from_z + shares * (some.to_z - some.from_z)
+    places, tips = some.points_by_share(shares), some.from_z + shares * (some.to_z - some.from_z)
     rims = radii[numbers] * some.tangents(places)
     looked = (places[:, None] + rims[:, None] * SIDES).ravel()
     order = np.repeat(numbers, len(SIDES))
@@ -666,7 +666,7 @@ def _cleared(
     """(k,) lowest Z [mm] of a tip that passed over each place before; infinite if none did."""
     picked = np.flatnonzero(near)
     some = taken(whole, picked)
-    over = some.apart(places[:, None]) < (1.0 - 2.0 * RIM) * radii[picked]
+    over = some.distances(places[:, None]) < (1.0 - 2.0 * RIM) * radii[picked]
     over &= picked[None, :] < order[:, None]
     return np.asarray(np.min(np.where(over, some.lowest[None, :], np.inf), axis=1, initial=np.inf))
 
