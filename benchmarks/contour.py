@@ -70,7 +70,7 @@ from camgeo.geometry.contour.cubics import fewest_cubics, fit_spline
 from camgeo.geometry.contour.fewest_chords import fewest_chords
 from camgeo.geometry.contour.spline import CubicSpline, SplineContour
 from camgeo.geometry.outline.path import Path as OutlinePath
-from camgeo.geometry.pieces import Piece, smooth_pieces
+from camgeo.geometry.pieces import SmoothPiece, smooth_pieces
 from camgeo.geometry.pitch_curve import WorkingCurve
 from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray
 from camgeo.scene.scene import load_scene
@@ -155,7 +155,7 @@ def one_sided(of: Callable[..., Any], phi: FloatArray) -> Any:
 class Ruler:
     """Distances from the exact curve and back."""
 
-    def __init__(self, curve: WorkingCurve, pieces: Sequence[Piece]) -> None:
+    def __init__(self, curve: WorkingCurve, pieces: Sequence[SmoothPiece]) -> None:
         angle = sum(piece.end - piece.start for piece in pieces)
         points, tangents, bends = [], [], []
         for piece in pieces:
@@ -231,11 +231,11 @@ class Flank:
     name: str
     path: OutlinePath
     curve: WorkingCurve
-    pieces: tuple[Piece, ...]
+    pieces: tuple[SmoothPiece, ...]
     ruler: Ruler
     length: float
 
-    def sample(self, piece: Piece, count: int, *, closed: bool) -> Sample:
+    def sample(self, piece: SmoothPiece, count: int, *, closed: bool) -> Sample:
         """About `count` points a whole turn, of `piece`."""
         phi = self.angles(piece, count)
         points = one_sided(self.curve.point, phi)
@@ -243,12 +243,12 @@ class Flank:
             points[-1] = points[0]
         return Sample(points, one_sided(self.curve.tangent, phi), closed)
 
-    def angles(self, piece: Piece, count: int) -> FloatArray:
+    def angles(self, piece: SmoothPiece, count: int) -> FloatArray:
         """Cam angles of its points."""
         share = self.part(piece) / self.length
         return evenly(self.curve, piece.start, piece.end, max(16, math.ceil(share * count)))
 
-    def part(self, piece: Piece) -> float:
+    def part(self, piece: SmoothPiece) -> float:
         """Length of `piece` [mm]."""
         phi = np.linspace(piece.start, piece.end, 4001)
         return float(np.sum(np.abs(np.diff(self.curve.point(phi)))))
@@ -437,7 +437,7 @@ def peer_row(
     """The peer's line with the fewest pieces, the closed curve or piece by piece; or why none."""
     rows, why = [], "comes not near enough"
     start = flank.pieces[0].start
-    whole = (Piece(start, start + TURN),)
+    whole = (SmoothPiece(start, start + TURN),)
     ways = [("closed", whole)] + ([("by pieces", flank.pieces)] if len(flank.pieces) > 1 else [])
     for way, pieces in ways:
         row = row_of(flank, peer, pieces, way, tolerance, rounds, patience)
@@ -453,7 +453,7 @@ def peer_row(
 def row_of(
     flank: Flank,
     peer: Peer,
-    pieces: Sequence[Piece],
+    pieces: Sequence[SmoothPiece],
     way: str,
     tolerance: float,
     rounds: int,
@@ -489,7 +489,7 @@ def row_of(
     return Row(name, peer.joints, shape.pieces, off, gap, points, call, points + search)
 
 
-def _rest(curve: WorkingCurve, piece: Piece) -> Shape:
+def _rest(curve: WorkingCurve, piece: SmoothPiece) -> Shape:
     """A dwell as an arc."""
     ends = np.array([piece.start, piece.end])
     points = curve.point(ends)

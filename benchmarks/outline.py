@@ -241,7 +241,7 @@ class Exact:
         places = np.linspace(0, len(phi) - 1, EXACT_POINTS).astype(int)
         found = [abs(self.point(phi[k]) - mpmath.mpc(complex(points[k]))) for k in places]
         found += [
-            abs(self.corner(pivot.before, pivot.after) - mpmath.mpc(pivot.centre))
+            abs(self.corner(pivot.phi_start, pivot.phi_end) - mpmath.mpc(pivot.centre))
             for pivot in path.pivots
         ]
         return float(max(found))

@@ -42,7 +42,7 @@ from camgeo.geometry.pieces import (
     Extremes,
     convexity,
     extremes,
-    extremes_of_each,
+    extremes_of_members,
     touch,
     turn_cells,
     turn_enclosed,
@@ -197,7 +197,7 @@ def _outline_findings(
         return [Finding(f"outline-{name}", "no-disc", f"{name} flank: {error.message}")]
     if flank is not None:
         ranges = undercut_ranges(flank, disc.bends)
-        kinks = [pivot.after for pivot in disc.pitch_path.pivots]
+        kinks = [pivot.phi_end for pivot in disc.pitch_path.pivots]
         findings += check_outline(outline, name, ranges, severity, kinks)
     if replay is not None:
         findings.append(check_lost_stroke(replay, name, cam.lift_unit, severity))
@@ -621,7 +621,7 @@ def transmission_angle_extremes(curves: Sequence[PitchCurve]) -> list[Extremes]:
     Of curves with the same motion and sense, and followers that are `alike`.
     """
     first, many = curves[0], curves_together(curves)
-    return extremes_of_each(
+    return extremes_of_members(
         first, many, lambda curve: curve.transmission_angle, SLOPES[first.follower.touching]
     )
 

@@ -175,8 +175,11 @@ def _trimmed_stretches(curve: WorkingCurve, outline: Outline, flank: Flank) -> l
 
 
 def _trimmed_stretch(envelope: Envelope, corner: Pivot, flank: Flank) -> TrimmedStretch:
-    start = corner.before % TURN
-    first, last = envelope.place_of(start, "left"), envelope.place_of(corner.after % TURN)
+    start = corner.phi_start % TURN
+    first, last = (
+        envelope.path_parameter(start, "left"),
+        envelope.path_parameter(corner.phi_end % TURN),
+    )
     last += envelope.total if last < first else 0.0
     # Both sides of the roller's turns, to include the ends of their arcs.
     turns = [*envelope.starts, *(envelope.starts + envelope.total)]
@@ -184,5 +187,5 @@ def _trimmed_stretch(envelope: Envelope, corner: Pivot, flank: Flank) -> Trimmed
     places = np.unique(np.append(np.linspace(first, last, SAMPLES)[1:-1], inside))
     points = envelope.samples(places).points
     course = np.concatenate(([corner.centre], points, [corner.centre]))
-    end = start + (corner.after - corner.before) % TURN
+    end = start + (corner.phi_end - corner.phi_start) % TURN
     return TrimmedStretch(flank, start, end, frozen(course, np.complex128))

@@ -54,7 +54,7 @@ class HasBorders(HasBreaks, Protocol):
 
 
 @dataclass(frozen=True, slots=True)
-class Piece:
+class SmoothPiece:
     """A smooth piece over the cam angles [start, end] [rad]; end may exceed 2 pi, start may
     not.
 
@@ -77,15 +77,15 @@ class Piece:
         return self.centre == 0.0
 
 
-def smooth_pieces(curve: HasBreaks) -> tuple[Piece, ...]:
+def smooth_pieces(curve: HasBreaks) -> tuple[SmoothPiece, ...]:
     """The smooth pieces of one turn, in order; the last may reach across cam angle 0."""
     breaks = [float(angle) for angle in curve.breaks]
     dwell_starts = {dwell.start for dwell in curve.dwells}
     if not breaks:
-        return (Piece(0.0, TURN, 0j if dwell_starts else None),)
+        return (SmoothPiece(0.0, TURN, 0j if dwell_starts else None),)
     ends = [*breaks[1:], breaks[0] + TURN]
     return tuple(
-        Piece(start, end, 0j if start in dwell_starts else None)
+        SmoothPiece(start, end, 0j if start in dwell_starts else None)
         for start, end in zip(breaks, ends, strict=True)
     )
 
@@ -109,14 +109,14 @@ def turn_cells(pitch: PitchCurve) -> tuple[FloatArray, FloatArray]:
 def turn_enclosed(pitches: Sequence[PitchCurve]) -> list[tuple[ComplexArray, FloatArray]]:
     """`PitchCurve.jet_and_bounds` of the cells of the turn, of curves for `curves_together`."""
     low, high = turn_cells(pitches[0])
-    found = []
+    enclosures = []
     for curve, times in curves_together(pitches).blocks(len(low)):
         enclosed = curve.jet_and_bounds(np.tile(low, times), np.tile(high, times))
         for one in range(times):
-            own = slice(one * len(low), (one + 1) * len(low))
-            jet, bounds = enclosed[0][:, own].copy(), enclosed[1][:, own].copy()
-            found.append((read_only(jet), read_only(bounds)))
-    return found
+            columns = slice(one * len(low), (one + 1) * len(low))
+            jet, bounds = enclosed[0][:, columns].copy(), enclosed[1][:, columns].copy()
+            enclosures.append((read_only(jet), read_only(bounds)))
+    return enclosures
 
 
 def halves(low: FloatArray, high: FloatArray, which: BoolArray) -> tuple[FloatArray, FloatArray]:
@@ -168,8 +168,8 @@ def circles(pitch: PitchCurve) -> Circles:
     moves: tuple[Dwell, ...] = ()
     if pitch.follower.harmonic_is_round and isinstance(pitch.motion, MotionPlan):
         moves = pitch.motion.harmonics
-    starts = np.array([each.start for each in (*rests, *moves)])
-    spans = np.array([each.span for each in (*rests, *moves)])
+    starts = np.array([dwell.start for dwell in (*rests, *moves)])
+    spans = np.array([dwell.span for dwell in (*rests, *moves)])
     centres = np.zeros(len(starts), dtype=np.complex128)
     if moves:
         moving = slice(len(rests), None)
@@ -179,7 +179,7 @@ def circles(pitch: PitchCurve) -> Circles:
     return Circles(starts[order], spans[order], centres[order])
 
 
-def centres_at(pitch: PitchCurve, phi: FloatArray) -> ComplexArray:
+def rigid_centres(pitch: PitchCurve, phi: FloatArray) -> ComplexArray:
     """(n,) complex [mm] the point about which the curve turns rigidly with the cam at `phi` (n,)
     [rad], places between borders; NaN where it is not known to.
     """
@@ -235,33 +235,37 @@ def extremes(curve: HasBorders, value: Quantity, slopes: Quantity) -> Extremes:
     slopes : what vanishes inside the pieces at the candidates, besides the ends of the pieces seen
         from inside: (n,), or (k, n) for several such quantities.
     """
-    return extremes_of_each(curve, ONE, value, slopes)[0]
+    return extremes_of_members(curve, ONE, value, slopes)[0]
 
 
-def extremes_of_each(
+def extremes_of_members(
     breaks: HasBorders, many: Many[AnyQuantity], value: AnyQuantity, slopes: AnyQuantity
 ) -> list[Extremes]:
     """The `extremes` of each of `many`, which all have the same `breaks`."""
-    turn = kept_turn(breaks) if isinstance(breaks, PitchCurve) else turn_of(breaks)
+    turn = cached_turn(breaks) if isinstance(breaks, PitchCurve) else divide_turn(breaks)
     starts, ends = turn.starts, turn.ends
     middle, which = np.empty(0), np.empty(0, dtype=np.intp)
     if len(turn.places):
         middle, which = _turning(many, value, slopes, turn.places)
     at_starts = many.everywhere(value, starts, "right")
     at_ends = many.everywhere(value, ends, "left")
-    between = many.paired_values(value, middle, "right", which)
+    inner_values = many.paired_values(value, middle, "right", which)
     # At a break the end of one piece comes before the start of the next.
     owner = np.searchsorted(starts, middle, side="right") - 1
-    each = np.arange(len(starts))
-    found = []
+    piece_numbers = np.arange(len(starts))
+    all_extremes = []
     for one in range(many.count):
-        own = which == one
-        phi = np.concatenate((starts, middle[own], ends))
-        values = np.concatenate((at_starts[one], between[own], at_ends[one]))
-        rank = np.repeat([0, 1, 2], [len(starts), int(np.count_nonzero(own)), len(ends)])
-        order = np.lexsort((phi, rank, np.concatenate((each, owner[own], each))))
-        found.append(Extremes(frozen(phi[order], np.float64), frozen(values[order], np.float64)))
-    return found
+        selected = which == one
+        phi = np.concatenate((starts, middle[selected], ends))
+        values = np.concatenate((at_starts[one], inner_values[selected], at_ends[one]))
+        rank = np.repeat([0, 1, 2], [len(starts), int(np.count_nonzero(selected)), len(ends)])
+        order = np.lexsort(
+            (phi, rank, np.concatenate((piece_numbers, owner[selected], piece_numbers)))
+        )
+        all_extremes.append(
+            Extremes(frozen(phi[order], np.float64), frozen(values[order], np.float64))
+        )
+    return all_extremes
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -279,7 +283,7 @@ class Turn:
     places: FloatArray
 
 
-def turn_of(curve: HasBorders) -> Turn:
+def divide_turn(curve: HasBorders) -> Turn:
     """The pieces and the cells of a curve: none of the cells reaches across a border."""
     pieces = smooth_pieces(curve)
     starts = np.array([piece.start for piece in pieces])
@@ -289,14 +293,14 @@ def turn_of(curve: HasBorders) -> Turn:
     inner = borders[(borders > starts[0]) & (borders < ends[-1])]
     low, high = isolation_cells(merged(np.concatenate((starts, inner, ends[-1:]))))
     owner = np.searchsorted(starts, 0.5 * (low + high)) - 1
-    low, high, owner = (each[moving[owner]] for each in (low, high, owner))
+    low, high, owner = (column[moving[owner]] for column in (low, high, owner))
     return Turn(starts, ends, cell_places(low, high, starts[owner], ends[owner]))
 
 
 @kept_with_owner
-def kept_turn(curve: PitchCurve) -> Turn:
-    """`turn_of` a curve of which several quantities are examined."""
-    return turn_of(curve)
+def cached_turn(curve: PitchCurve) -> Turn:
+    """`divide_turn` of a curve of which several quantities are examined."""
+    return divide_turn(curve)
 
 
 def _turning(
@@ -306,15 +310,15 @@ def _turning(
     known = many.everywhere(slopes, places.ravel(), "right")
     known = known.reshape(-1, many.count, *places.shape)
 
-    def of_row(phi: FloatArray, row: IntArray) -> FloatArray:
+    def slope_rows(phi: FloatArray, row: IntArray) -> FloatArray:
         kind, one = np.divmod(row, many.count)
-        found = many.paired_values(slopes, phi, "right", one)
-        return found if found.ndim == 1 else found[kind, np.arange(len(phi))]
+        slope_values = many.paired_values(slopes, phi, "right", one)
+        return slope_values if slope_values.ndim == 1 else slope_values[kind, np.arange(len(phi))]
 
-    def value_of(phi: FloatArray, row: IntArray) -> FloatArray:
+    def value_rows(phi: FloatArray, row: IntArray) -> FloatArray:
         return many.paired_values(value, phi, "right", row % many.count)
 
-    roots, row = isolated_roots(of_row, value_of, places, known.reshape(-1, *places.shape))
+    roots, row = isolated_roots(slope_rows, value_rows, places, known.reshape(-1, *places.shape))
     order = np.argsort(roots, kind="stable")
     return roots[order], row[order] % many.count
 
@@ -474,12 +478,12 @@ def smallest_radius(curve: PitchCurve) -> Extreme:
     """The smallest rho = p / tau [mm] where its slope changes its sign; tau must be positive."""
 
     def radius(phi: FloatArray, side: Side) -> FloatArray:
-        at = touch(curve, phi, side)
-        return np.asarray(at.pace[0] / at.turn[0])
+        contact = touch(curve, phi, side)
+        return np.asarray(contact.pace[0] / contact.turn[0])
 
     def slope(phi: FloatArray, side: Side) -> FloatArray:
-        at = touch(curve, phi, side)
-        return np.asarray(at.pace[1] * at.turn[0] - at.pace[0] * at.turn[1])
+        contact = touch(curve, phi, side)
+        return np.asarray(contact.pace[1] * contact.turn[0] - contact.pace[0] * contact.turn[1])
 
     return extremes(curve, radius, slope).smallest()
 
@@ -487,8 +491,8 @@ def smallest_radius(curve: PitchCurve) -> Extreme:
 @in_blocks
 def _pace_and_turn(curve: PitchCurve, phi: FloatArray, side: Side = "right") -> FloatArray:
     """(2, n) p and tau: near a cusp of a long flank cells are many."""
-    at = touch(curve, phi, side)
-    return np.stack((at.pace[0], at.turn[0]))
+    contact = touch(curve, phi, side)
+    return np.stack((contact.pace[0], contact.turn[0]))
 
 
 def _proved_radius(curve: PitchCurve) -> Extreme:
@@ -496,9 +500,9 @@ def _proved_radius(curve: PitchCurve) -> Extreme:
 
     Cells are halved until p is bounded away from 0 over each. |Z''| bounds |p'|.
     """
-    found = smallest_radius(curve)
-    if found[0] <= SMALLEST * curve.follower.base_radius:
-        return found
+    smallest = smallest_radius(curve)
+    if smallest[0] <= SMALLEST * curve.follower.base_radius:
+        return smallest
     low, high = turn_cells(curve)
     for _ in range(HALVINGS):
         middle, half = 0.5 * (low + high), 0.5 * (high - low)
@@ -507,25 +511,25 @@ def _proved_radius(curve: PitchCurve) -> Extreme:
         if pace[least] <= 0.0:  # missed by every sample
             return float(pace[least] / turn[least]), float(middle[least])
         # Along a circle p is the same all over.
-        near = np.isnan(centres_at(curve, middle))
+        near = np.isnan(rigid_centres(curve, middle))
         near &= pace <= half * curve.speed_bounds(low, high)[1]
         if not np.any(near):
             break
         low, high = halves(low, high, near)
-    return found
+    return smallest
 
 
 def _jumps(curve: PitchCurve, least: float) -> tuple[Extreme, int]:
     """The worst jump of the contact along the outline: the largest one backwards, else forwards."""
     phi = ascending(np.append(curve.breaks, 0.0))
-    before, after = (touch(curve, phi, side).contact[0] for side in ("left", "right"))
+    left, right = (touch(curve, phi, side).contact[0] for side in ("left", "right"))
     gaps = joints(curve).gaps
     jumping = gaps > least
     if not np.any(jumping):
         return (0.0, 0.0), 0
     facing = flat_follower(curve.follower).facing
     # The outline runs along the face, to the right for sigma = +1: t = -i sigma n.
-    ways = curve.rotation * facing * (after - before)
+    ways = curve.rotation * facing * (right - left)
     worst = int(np.argmin(np.where(jumping, ways, np.inf)))
     if ways[worst] > 0.0:
         worst = int(np.argmax(np.where(jumping, ways, -np.inf)))

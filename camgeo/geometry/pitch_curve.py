@@ -47,11 +47,11 @@ class Joints:
 def joints(curve: PitchCurve) -> Joints:
     """Compare the one-sided values at each break of `curve` and at cam angle 0."""
     phi = ascending(np.append(curve.breaks, 0.0))
-    after, before = curve.jet(phi, "right"), curve.jet(phi, "left")
-    turned = after[1] * np.conj(before[1])
+    right, left = curve.jet(phi, "right"), curve.jet(phi, "left")
+    turned = right[1] * np.conj(left[1])
     return Joints(
         phi=frozen(phi, np.float64),
-        gaps=frozen(np.abs(after[0] - before[0]), np.float64),
+        gaps=frozen(np.abs(right[0] - left[0]), np.float64),
         turns=frozen(np.abs(np.angle(turned)), np.float64),
     )
 
@@ -165,10 +165,10 @@ class PitchCurve(Pickled):
         """Complex (..., n): vectors in the axes of `relative`, turned into those of the cam."""
         angle = relative.axis - self.rotation * phi
         cosine, sine = np.cos(angle), np.sin(angle)
-        out = np.empty(along.shape, dtype=np.complex128)
-        np.subtract(along * cosine, across * sine, out=out.real)
-        np.add(along * sine, across * cosine, out=out.imag)
-        return out
+        turned = np.empty(along.shape, dtype=np.complex128)
+        np.subtract(along * cosine, across * sine, out=turned.real)
+        np.add(along * sine, across * cosine, out=turned.imag)
+        return turned
 
     @in_blocks
     def curvature(self, phi: FloatArray, side: Side = "right") -> FloatArray:
@@ -267,8 +267,10 @@ def curvature_slope(tangent: TangentJet, rotation: int) -> FloatArray:
     (u, u1), (w, w1) = tangent.u, tangent.w
     square = u * u + w * w
     growth = u * u1 + w * w1
-    against = (u * w1 - w * u1) / square
-    slope: FloatArray = rotation * growth * (3.0 * against + tangent.turning) - tangent.swerve
+    relative_turning = (u * w1 - w * u1) / square
+    slope: FloatArray = (
+        rotation * growth * (3.0 * relative_turning + tangent.turning) - tangent.swerve
+    )
     slope /= square * np.sqrt(square)
     return slope
 

@@ -41,7 +41,7 @@ def several(members: Sequence[Member], which: IntArray) -> Member:
 
 def alike(member: object) -> Hashable:
     """Equal for members that differ in numbers only, and so can be one of `several`."""
-    values = (getattr(member, each.name) for each in fields(member))  # type: ignore[arg-type]  # followers and linkages are dataclasses
+    values = (getattr(member, field.name) for field in fields(member))  # type: ignore[arg-type]  # followers and linkages are dataclasses
     return type(member), *(_sort(value) for value in values)
 
 
@@ -51,8 +51,8 @@ def _sort(value: Any) -> Hashable:
         return tuple(map(_sort, value))
     if is_dataclass(value):
         return alike(value)
-    found: Hashable = type(value).__name__ if type(value) in (float, complex) else value
-    return found
+    kind: Hashable = type(value).__name__ if type(value) in (float, complex) else value
+    return kind
 
 
 class _Several(Generic[Member]):
@@ -70,23 +70,23 @@ class _Several(Generic[Member]):
         of_class = inspect.getattr_static(type(self._members[0]), name, None)
         if inspect.isfunction(of_class):
             return MethodType(of_class, self)
-        found = self._column(name, [getattr(each, name) for each in self._members])
-        setattr(self, name, found)
-        return found
+        column = self._column(name, [getattr(member, name) for member in self._members])
+        setattr(self, name, column)
+        return column
 
     def _column(self, name: str, values: list[Any]) -> Any:
         first = values[0]
-        if all(each is first for each in values):
+        if all(value is first for value in values):
             return first
         if type(first) is tuple:
-            return tuple(self._column(name, [*each]) for each in zip(*values, strict=True))
+            return tuple(self._column(name, [*column]) for column in zip(*values, strict=True))
         if is_dataclass(first):
             return several(values, self._which)
         column = np.array(values)
         if column.dtype.kind in "fc":
             same = column.tobytes() == column[:1].tobytes() * len(values)
             return first if same else column[self._which]
-        if all(each == first for each in values):
+        if all(value == first for value in values):
             return first
         raise AttributeError(f"{name} differs, and is no number")
 
@@ -160,10 +160,10 @@ def one_motion(motions: Sequence[Motion], which: IntArray, times: int) -> Motion
         return motion if times == 1 else Repeated(motion, times)
 
     first = motions[0]
-    if all(each is first for each in motions):
+    if all(motion is first for motion in motions):
         return repeated(first)
     linked = cast("Sequence[LinkedMotion]", motions)
-    linkage = several([each.linkage for each in linked], which)
+    linkage = several([motion.linkage for motion in linked], which)
     return LinkedMotions(repeated(linked[0].demanded), linkage)
 
 
@@ -198,11 +198,11 @@ class Together(Generic[Member]):
         self, quantity: Callable[[Member], Quantity], x: FloatArray, side: Side
     ) -> FloatArray:
         """See `Many.everywhere`; the motion is evaluated once for all that fit into a block."""
-        found = []
+        blocks = []
         for joined, times in self.blocks(len(x)):
             values = quantity(joined)(np.tile(x, times), side)
-            found.append(values.reshape(*values.shape[:-1], times, len(x)))
-        return np.concatenate(found, axis=-2)
+            blocks.append(values.reshape(*values.shape[:-1], times, len(x)))
+        return np.concatenate(blocks, axis=-2)
 
     def blocks(self, length: int) -> Iterator[tuple[Member, int]]:
         """As many members as fit into a block, `length` places of each, and how many these are."""
@@ -221,10 +221,10 @@ class Together(Generic[Member]):
             return quantity(self.members[0])(x, side)
         starts = range(0, max(len(x), 1), BLOCK)
         blocks = [slice(start, start + BLOCK) for start in starts]
-        found = [
+        values = [
             quantity(self.join(self.members, which[block], 1))(x[block], side) for block in blocks
         ]
-        return np.concatenate(found, axis=-1)
+        return np.concatenate(values, axis=-1)
 
 
 def curves_together(curves: Sequence[PitchCurve]) -> Together[PitchCurve]:

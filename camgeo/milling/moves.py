@@ -281,7 +281,7 @@ class Course(Pieces):
 
     def part(self, first: FloatArray, last: FloatArray) -> Course:
         """The part of each from the share `first` to the share `last` (n,) of its length."""
-        pieces = self.between(first, last)
+        pieces = self.subpieces(first, last)
         low, high = self._tip(first), self._tip(last)
         return Course(
             pieces.starts, pieces.ends, pieces.sweeps, pieces.centres, low, high, self.moves

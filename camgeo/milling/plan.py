@@ -470,7 +470,7 @@ class Cutting:
             frozen(pieces, np.intp),
             frozen(lengths[pieces], np.float64),
             frozen(largest, np.float64),
-            frozen(taken(self.course, pieces).at(where), np.complex128),
+            frozen(taken(self.course, pieces).points_by_share(where), np.complex128),
             frozen(air, np.float64),
             frozen(np.concatenate(angles or [np.zeros(0)]), np.float64),
             frozen(np.concatenate(weights or [np.zeros(0)]), np.float64),
@@ -492,7 +492,7 @@ class Cutting:
         if level >= self.top:
             return 0.0
         here = taken(course, [piece])
-        there = here.at(np.array([share]))
+        there = here.points_by_share(np.array([share]))
         place, way = complex(there[0]), complex(here.tangents(there)[0])
         swept: list[tuple[Pieces, float]] = [
             (self._earlier_pieces(piece, share, place, level), radius)
@@ -531,7 +531,7 @@ class Cutting:
         passed = taken(course, np.append(close, piece))  # its own way, down a ramp too
         last = np.ones(len(passed))
         last[-1] = share
-        return passed.between(np.zeros(len(passed)), last)
+        return passed.subpieces(np.zeros(len(passed)), last)
 
     def refine_peak(
         self, piece: int, shares: FloatArray, best: int, largest: float

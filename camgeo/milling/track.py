@@ -60,7 +60,7 @@ class Track(PieceChain):
     @property
     def pieces(self) -> Pieces:
         """Its lines and arcs."""
-        return Pieces.of(self)
+        return Pieces.from_run(self)
 
     @property
     def lengths(self) -> FloatArray:
@@ -104,7 +104,7 @@ class Track(PieceChain):
         """The same with each arc in equal parts of at most half a turn."""
         pieces = self.pieces
         index, first, last = pieces.halves()
-        parts = taken(pieces, index).between(first, last)
+        parts = taken(pieces, index).subpieces(first, last)
         return type(self)(np.append(parts.starts, self.vertices[-1]), parts.sweeps, parts.centres)
 
     def points_and_tangents(self, distances: FloatArray) -> tuple[ComplexArray, ComplexArray]:
@@ -114,7 +114,7 @@ class Track(PieceChain):
         pieces = taken(self.pieces, index)
         lengths = pieces.lengths
         share = (distances - stops[index]) / np.where(lengths > 0.0, lengths, 1.0)
-        points = pieces.at(np.clip(share, 0.0, 1.0))
+        points = pieces.points_by_share(np.clip(share, 0.0, 1.0))
         return points, pieces.tangents(points)
 
     def section(self, start: float, end: float) -> Self:

@@ -17,7 +17,7 @@ from camgeo.geometry.contour.contour import (
     Contour,
     Pieces,
     least_distance,
-    surely_apart,
+    proved_gap,
     winding_number,
 )
 from camgeo.geometry.outline.outline import real_outline
@@ -394,7 +394,7 @@ def _require_clear(
     for feature in others:
         other = feature.boundary
         other_fit = other.distance_fit(tolerance)
-        if surely_apart(boundary_fit, other_fit) <= 0.0:
+        if proved_gap(boundary_fit, other_fit) <= 0.0:
             raise GeometryError(
                 f"the {boundary.name} must lie clear of the {other.name}, which it touches", key=key
             )
@@ -607,7 +607,7 @@ def _inside(circle: ExactBoundary, layer: Layer, tolerance: float) -> Iterator[B
     ring = circle.distance_fit(tolerance)
     for boundary in layer.boundaries[1:]:
         fit = boundary.distance_fit(tolerance)
-        if surely_apart(ring, fit) <= 0.0:
+        if proved_gap(ring, fit) <= 0.0:
             raise GeometryError(
                 f"the spacer must lie clear of the {boundary.name}, which it touches",
                 key=SPACER_KEY,
@@ -909,7 +909,7 @@ def _require_bevel_clear(
             and _heights(other_bevel)[0] <= high
             and low <= _heights(other_bevel)[1]
         )
-        distance = surely_apart(fit, other.distance_fit(tolerance))
+        distance = proved_gap(fit, other.distance_fit(tolerance))
         if distance <= _reach(bevel) + max(widths, default=0.0):
             name = _table(bevel.boundary)
             raise GeometryError(

@@ -32,7 +32,7 @@ from camgeo.geometry.contour.exact import (
     arc_count,
     arc_offset,
     circle_count,
-    distance_between,
+    deviation_bound,
 )
 from camgeo.geometry.contour.legs import too_many
 from camgeo.geometry.contour.parallel import corners, parallel
@@ -42,8 +42,8 @@ from camgeo.geometry.contour.spline import (
     CubicSpline,
     SplineContour,
     SplineFit,
+    as_spline_contour,
     elevated,
-    strands_of,
 )
 from camgeo.geometry.outline.path import (
     Moments,
@@ -364,15 +364,15 @@ class ExactBoundary(Pickled, CheckedFields):
 
     def spline(self, tolerance: float, effort: Effort = "fewest") -> SplineFit:
         """The outline itself, at either effort: lines and arcs already are strands."""
-        return SplineFit(strands_of(self.exact.counter_clockwise()), 0.0, tolerance)
+        return SplineFit(as_spline_contour(self.exact.counter_clockwise()), 0.0, tolerance)
 
     def deviation(self, contour: Contour | SplineContour) -> float:
         """Bound [mm] in closed form, see `geometry.contour.exact`; for a spline by its arcs."""
         if isinstance(contour, SplineContour):
             from camgeo.geometry.contour.cubic_proof import bound_by_arcs  # few files have splines
 
-            return bound_by_arcs(lambda arcs: distance_between(self.exact, arcs), contour)
-        return once(self.known, contour, lambda: distance_between(self.exact, contour))
+            return bound_by_arcs(lambda arcs: deviation_bound(self.exact, arcs), contour)
+        return once(self.known, contour, lambda: deviation_bound(self.exact, contour))
 
 
 def largest_radius(contour: Contour) -> float:
@@ -826,7 +826,7 @@ class LetterBoundary(Pickled):
     def _arcs(self, tolerance: float) -> Fit:
         if (ARCS, tolerance) not in self.known:
             approximation = approximating_arcs(self.curve, min(tolerance, self.coarsest))
-            self.known[ARCS, tolerance] = Fit(approximation.contour, approximation.apart, tolerance)
+            self.known[ARCS, tolerance] = Fit(approximation.contour, approximation.distance, tolerance)
         known: Fit = self.known[ARCS, tolerance]
         return known
 
@@ -860,11 +860,11 @@ class LetterBoundary(Pickled):
             if distance <= CLOSE * self.curve.length:
                 return distance + 2.0 * ROUNDING * self.curve.reach
             by_arcs = approximating_arcs(contour, FOREIGN * self.coarsest)
-            return self._deviation(by_arcs.contour) + by_arcs.apart
+            return self._deviation(by_arcs.contour) + by_arcs.distance
         share, finest = FIRST * self.coarsest, max(FINEST * self.curve.reach, ENOUGH)
         while True:
             fine = self._arcs(share)
-            reached = distance_between(fine.contour, contour)
+            reached = deviation_bound(fine.contour, contour)
             if fine.deviation <= SHARPNESS * reached or share <= finest:
                 return reached + fine.deviation
             share = max(finest, min(0.1 * share, SHARPNESS * reached))

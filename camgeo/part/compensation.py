@@ -20,8 +20,8 @@ from camgeo.geometry.contour.contour import (
     Contour,
     Effort,
     Fit,
+    proved_gap,
     require_simple,
-    surely_apart,
     winding_number,
 )
 from camgeo.geometry.contour.parallel import parallel
@@ -311,7 +311,7 @@ def _require_alike(moved: tuple[Boundary, ...], originals: tuple[Boundary, ...])
             _nested(group_fits[a].contour, group_fits[b].contour)
             for group_fits in (fits, original_fits)
         ]
-        if surely_apart(fits[a], fits[b]) <= 0.0 or inside[0] != inside[1]:
+        if proved_gap(fits[a], fits[b]) <= 0.0 or inside[0] != inside[1]:
             raise GeometryError(
                 f"{originals[a].name} and {originals[b].name} would touch", key="part"
             )

@@ -120,7 +120,7 @@ def _tightest(boundary: CurveBoundary) -> tuple[float, str, float]:
         # On the side of its centre where the material is, a turn is convex.
         inward = (pivot.distance < 0.0) != boundary.hole
         bend = "concave" if inward and pivot.distance else "convex"
-        candidates.append((abs(pivot.distance), bend, pivot.before))
+        candidates.append((abs(pivot.distance), bend, pivot.phi_start))
     return min(candidates)
 
 

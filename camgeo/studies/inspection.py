@@ -27,7 +27,7 @@ import numpy as np
 from camgeo.errors import GeometryError
 from camgeo.geometry.contour.contour import Contour
 from camgeo.geometry.outline.exact_flank import ExactFlank, Feet, Places
-from camgeo.geometry.outline.replay import edges_between, replay_contour, replay_outline
+from camgeo.geometry.outline.replay import replay_contour, replay_outline, smooth_edges
 from camgeo.numeric.arrays import ComplexArray, FloatArray, Side, dot, joined, taken
 from camgeo.numeric.columns import Columns, NumberColumn, fault
 from camgeo.numeric.extremes import Extreme, Extremes, piecewise_extremes, sampled_extremes
@@ -183,7 +183,7 @@ class Deviations:
         counts = np.diff(np.append(starts, len(course)))
         means = np.add.reduceat(values, starts) / counts
         course = course[starts]
-        places = flank.at(course)
+        places = flank.places(course)
         widths = np.diff(np.append(course, course[0] + flank.total))
         widest = int(np.argmax(widths))
         gap = Gap(float(widths[widest]), float(places.phi[widest]))
@@ -246,9 +246,9 @@ class LiftErrors:
         phi = np.unique(np.concatenate((grid, deviations.places.phi)))
 
         def error(phi: FloatArray, side: Side = "right") -> FloatArray:
-            return actual.at(phi, side) - exact.at(phi, side)
+            return actual.displacement(phi, side) - exact.displacement(phi, side)
 
-        extremes = piecewise_extremes(error, edges_between(actual, exact))
+        extremes = piecewise_extremes(error, smooth_edges(actual, exact))
         return LiftErrors(phi, error(phi), extremes)
 
 

@@ -456,7 +456,7 @@ def _extrusion_distance(surface: Extrusion, strand: Strand) -> float:
 
 def _middle(arc: Arc) -> complex:
     """The point in its middle, at which it is compared with surfaces and their senses."""
-    return complex(arc.at(np.array([0.5]))[0])
+    return complex(arc.points_by_share(np.array([0.5]))[0])
 
 
 @dataclass(frozen=True, slots=True)
@@ -907,7 +907,7 @@ class Geometry:
             raise knots.fault("does not have as many knots as multiplicities above 0")
         degree = int(shape.real(first))
         try:
-            curve = CubicSpline.of(
+            curve = CubicSpline.from_bspline(
                 degree,
                 np.repeat(values, counts).astype(np.float64),
                 np.array([point.place for point in points], dtype=np.complex128),
@@ -950,7 +950,7 @@ def edge_strands(
             abs(curve.z - start.z),
             abs(curve.z - end.z),
         )
-        return (spline.between(start.place, end.place),), gap
+        return (spline.with_ends(start.place, end.place),), gap
     return _circle_arcs(curve, start, end, same=same)
 
 

@@ -124,7 +124,7 @@ def test_points_in_other_axes_are_told(mirrored: bool) -> None:
 
 def test_a_gap_leaves_the_follower_unknown() -> None:
     flank = flank_of("plate_translating", Flank.INNER)
-    points = MeasuredPoints(flank.at(np.radians(np.arange(0.0, 200.0, 2.0))).points)
+    points = MeasuredPoints(flank.places(np.radians(np.arange(0.0, 200.0, 2.0))).points)
     found = inspect_points(disc_of("plate_translating"), Flank.INNER, points, "part.csv")
     assert found.lift is None
     assert "no points from cam angle 198 to 0 deg" in text(found)
@@ -133,7 +133,9 @@ def test_a_gap_leaves_the_follower_unknown() -> None:
     # No line is drawn over what was not measured; the range here passes cam angle 0.
     lines = [mark for mark in figure(found).panels[0].marks if isinstance(mark, Line)]
     assert not np.any(np.isnan(lines[0].points))
-    points = MeasuredPoints(flank.at(np.radians([*range(0, 90, 2), *range(120, 360, 2)])).points)
+    points = MeasuredPoints(
+        flank.places(np.radians([*range(0, 90, 2), *range(120, 360, 2)])).points
+    )
     found = inspect_points(disc_of("plate_translating"), Flank.INNER, points, "part.csv")
     lines = [mark for mark in figure(found).panels[0].marks if isinstance(mark, Line)]
     assert np.count_nonzero(np.isnan(lines[0].points[:, 1])) == 1

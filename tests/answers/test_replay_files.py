@@ -74,7 +74,7 @@ def test_a_flat_face_lies_on_the_hull_of_any_drawing(
     paths = [ezdxf.path.make_path(each) for each in document.modelspace()]
     places = (place for path in paths for place in path.flattening(1e-5))
     points = [complex(each.x, each.y) - axis for each in places]
-    lift = disc.replay.lift.at(PHI)
+    lift = disc.replay.lift.displacement(PHI)
     # The cam turns clockwise under a face whose normal stays: seen from the cam it turns the other
     # way, from the direction that it has at cam angle 0.
     base = camgeo.load(FOUND / "flat_dwell.toml").cam.follower.base_radius
@@ -136,5 +136,5 @@ def test_splines_where_the_roller_does_not_fit_are_followed_by_arcs(tmp_path: Pa
     # The centre of the roller, 10 mm from both edges, on the path at 12 mm from the axis.
     centre = 50.0 * math.cos(edge) + math.sqrt(10.0**2 - 8.0**2)
     lowest = math.sqrt(centre**2 - 12.0**2) - math.sqrt(50.0**2 - 12.0**2)
-    lift = disc.replay.lift.at(np.radians(np.arange(0.0, 360.0, 0.01)))
+    lift = disc.replay.lift.displacement(np.radians(np.arange(0.0, 360.0, 0.01)))
     assert lift.min() == pytest.approx(lowest, abs=2e-3)

@@ -419,7 +419,7 @@ def test_the_pitch_path_turns_where_the_velocity_jumps() -> None:
     moves = (Move(Decimal(120), 6.0, straight), Move(Decimal(240), 0.0, straight))
     disc = Cam(Drive(MotionPlan(moves)), SLIDE).disc
     path = disc.pitch_path
-    assert sorted(np.degrees([each.after for each in path.pivots]) % 360.0) == pytest.approx(
+    assert sorted(np.degrees([each.phi_end for each in path.pivots]) % 360.0) == pytest.approx(
         [0.0, 120.0], abs=1e-9
     )
     pitch = WorkingCurve(disc.pitch_curve, 0.0)

@@ -15,7 +15,7 @@ import numpy as np
 from scipy.interpolate import BSpline
 
 from camgeo.geometry.contour.contour import Contour
-from camgeo.geometry.contour.legs import TurnLeg, legs_of
+from camgeo.geometry.contour.legs import TurnLeg, path_legs
 from camgeo.geometry.contour.spline import Arc, CubicSpline, SplineContour
 from camgeo.geometry.outline.path import Path, Pivot, Stretch, whole
 from camgeo.geometry.pitch_curve import PitchCurve, WorkingCurve
@@ -241,4 +241,4 @@ def break_count(path: Path) -> int:
     """Places at which smooth pieces, dwells and turns of `path` meet; at least the one at which a
     contour begins.
     """
-    return sum(1 if isinstance(leg, TurnLeg) else len(leg.pieces) for leg in legs_of(path))
+    return sum(1 if isinstance(leg, TurnLeg) else len(leg.pieces) for leg in path_legs(path))

@@ -123,7 +123,7 @@ def test_places_follow_the_length(seed: int) -> None:
     pieces = any_pieces(seed)
     count = 2001
     places = np.array(
-        [pieces.at(np.full(len(pieces), share)) for share in np.linspace(0, 1, count)]
+        [pieces.points_by_share(np.full(len(pieces), share)) for share in np.linspace(0, 1, count)]
     )
     assert np.all(places[0] == pieces.starts)
     assert np.all(places[-1] == pieces.ends)
@@ -132,7 +132,7 @@ def test_places_follow_the_length(seed: int) -> None:
     assert np.max(np.abs(steps * (count - 1) / pieces.lengths - 1.0)) < 1e-6
     ways = np.diff(places, axis=0) / steps
     for k in (0, 700, 1999):
-        middle = pieces.at(np.full(len(pieces), (k + 0.5) / (count - 1)))
+        middle = pieces.points_by_share(np.full(len(pieces), (k + 0.5) / (count - 1)))
         assert np.abs(pieces.tangents(middle) - ways[k]) == pytest.approx(0.0, abs=1e-9)
 
 
@@ -140,11 +140,11 @@ def test_places_follow_the_length(seed: int) -> None:
 def test_a_part_is_the_same_curve(seed: int) -> None:
     pieces, rng = any_pieces(seed), np.random.default_rng(seed)
     first, last = np.sort(rng.uniform(0.0, 1.0, (2, len(pieces))), axis=0)
-    part = pieces.between(first, last)
+    part = pieces.subpieces(first, last)
     assert part.lengths == pytest.approx((last - first) * pieces.lengths)
     inner = rng.uniform(0.0, 1.0, len(pieces))
-    same = pieces.at(first + inner * (last - first))
-    assert np.abs(part.at(inner) - same) == pytest.approx(0.0, abs=1e-12)
+    same = pieces.points_by_share(first + inner * (last - first))
+    assert np.abs(part.points_by_share(inner) - same) == pytest.approx(0.0, abs=1e-12)
 
 
 @pytest.mark.parametrize("seed", SEEDS)
@@ -152,7 +152,7 @@ def test_halves_turn_by_half_a_turn_at_most(seed: int) -> None:
     pieces = any_pieces(seed)
     index, first, last = pieces.halves()
     assert np.bincount(index).tolist() == [1] * (len(pieces) - 1) + [2]
-    parts = taken(pieces, index).between(first, last)
+    parts = taken(pieces, index).subpieces(first, last)
     assert np.max(np.abs(parts.sweeps)) <= np.pi
     joined = index[1:] == index[:-1]
     assert np.all(parts.starts[1:][joined] == parts.ends[:-1][joined])

@@ -16,8 +16,8 @@ from hypothesis import strategies as st
 from camgeo.errors import GeometryError, ToleranceError
 from camgeo.geometry.contour import exact as exact_module
 from camgeo.geometry.contour.contour import Contour, Fit
-from camgeo.geometry.contour.exact import ROUNDING, SHARPNESS, distance, distance_between
-from camgeo.geometry.contour.parallel import corners, parallel, steps_to
+from camgeo.geometry.contour.exact import ROUNDING, SHARPNESS, deviation_bound, distance
+from camgeo.geometry.contour.parallel import corners, count_steps, parallel
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 from camgeo.part.assembly import bore_outline, flattened
 from camgeo.part.boundaries import chord_fit, corner_radius, fewest_chord_fit, matching_chords
@@ -71,8 +71,8 @@ def test_chords_keep_their_tolerance(exact: Contour, size: float) -> None:
         most = (1.0 + slack) * found + 2.0 * NOTHING
         assert found <= fit.deviation <= most
         assert found <= tolerance * (1.0 + 1e-9) + 1e-14
-        assert distance_between(exact, chords) <= most
-        assert distance_between(exact, chords.reversed()) >= found - 1e-14
+        assert deviation_bound(exact, chords) <= most
+        assert deviation_bound(exact, chords.reversed()) >= found - 1e-14
     assert len(chords) <= len(chord_fit(exact, tolerance).contour)
     if exact is SLOTTED:
         assert all(np.any(chords.vertices == corner) for corner in exact.vertices)
@@ -86,7 +86,7 @@ def test_chords_are_few() -> None:
 @pytest.mark.parametrize("exact", [PLAIN, SLOTTED])
 def test_itself_is_no_distance(exact: Contour) -> None:
     for same in (exact, exact.reversed(), exact.split(1.0), exact.split(0.01).reversed()):
-        assert distance_between(exact, same) < NOTHING
+        assert deviation_bound(exact, same) < NOTHING
 
 
 STEPS = (1e-12, 1e-9, 1e-6, 1e-3)
@@ -104,9 +104,9 @@ def test_the_distance_is_a_continuous_function(
     rough = np.random.default_rng(index).normal(size=(3, len(arcs))) * 10.0**size
     vertices = arcs.vertices + rough[0] + 1j * rough[1]
     sweeps = np.where(arcs.sweeps == 0.0, 0.1 * rough[2], 0.99 * arcs.sweeps)
-    before = distance_between(exact, Contour.through(vertices, sweeps))
+    before = deviation_bound(exact, Contour.through(vertices, sweeps))
     vertices[index % len(vertices)] += step * complex(np.cos(angle), np.sin(angle))
-    after = distance_between(exact, Contour.through(vertices, sweeps))
+    after = deviation_bound(exact, Contour.through(vertices, sweeps))
     assert abs(after - before) <= 1.001 * step + SHARPNESS * after + NOTHING
 
 
@@ -117,7 +117,7 @@ def test_flat_arcs_are_off_by_their_sagitta(bulge: float) -> None:
     sweeps = SLOTTED.sweeps.copy()
     sweeps[straight] = 4.0 * math.atan(bulge)
     sagitta = 0.5 * bulge * SLOTTED.lengths[straight]
-    found = distance_between(SLOTTED, Contour.through(SLOTTED.vertices, sweeps))
+    found = deviation_bound(SLOTTED, Contour.through(SLOTTED.vertices, sweeps))
     assert found == pytest.approx(sagitta, rel=2e-9, abs=NOTHING)
 
 
@@ -125,16 +125,16 @@ def test_a_bore_without_its_keyway_is_off_by_its_corners() -> None:
     """All of the circle lies on the exact bore: only the missing slot shows the fault."""
     corner = float(np.max(np.abs(SLOTTED.vertices))) - RADIUS
     for plain in (PLAIN, PLAIN.split(1.0), PLAIN.split(0.3).reversed()):
-        assert distance_between(SLOTTED, plain) == pytest.approx(corner, rel=1e-8)
+        assert deviation_bound(SLOTTED, plain) == pytest.approx(corner, rel=1e-8)
     for plain in (PLAIN, chord_fit(PLAIN, 0.001).contour):
-        assert distance_between(SLOTTED, plain) > 2.0
-        assert distance_between(plain, SLOTTED) > 2.0
+        assert deviation_bound(SLOTTED, plain) > 2.0
+        assert deviation_bound(plain, SLOTTED) > 2.0
 
 
 def test_twice_round_is_refused() -> None:
     twice = Contour(np.tile(PLAIN.vertices, 2), np.tile(PLAIN.sweeps, 2), np.tile(PLAIN.centres, 2))
     with pytest.raises(GeometryError, match="once round"):
-        distance_between(PLAIN, twice)
+        deviation_bound(PLAIN, twice)
 
 
 @some
@@ -296,7 +296,7 @@ def test_steps_keep_to_the_chords(contour: Contour, limit: float) -> None:
         ways = np.array([parallel(contour, step * share).vertices for share in shares])
         return float(np.max(np.abs(ways - ways[0] - np.outer(shares, ways[-1] - ways[0]))))
 
-    steps = steps_to(contour, 4.0, limit)
+    steps = count_steps(contour, 4.0, limit)
     assert off(steps) <= limit
     assert steps == 1 or off(steps - 1) > limit / 1.21
 
@@ -308,5 +308,5 @@ def test_matching_chords_are_as_many_and_within_the_tolerance(tolerance: float) 
     assert len({len(each) for each in polygons}) == 1
     for contour, polygon in zip(contours, polygons, strict=True):
         assert set(contour.vertices.tolist()) <= set(polygon.tolist())
-        assert distance_between(contour, Contour.polygon(polygon)) <= tolerance * 1.001
+        assert deviation_bound(contour, Contour.polygon(polygon)) <= tolerance * 1.001
     assert len(polygons[0]) <= 5 + math.pi / math.sqrt(tolerance / 14.0)

@@ -677,6 +677,8 @@ def test_path_without_a_stretch_is_refused() -> None:
 def test_gap_between_elements_is_no_fit(fitter: Fitter) -> None:
     path = swallow_tail()
     (stretch,), (pivot,) = path.stretches, path.pivots
-    moved = Pivot(pivot.centre + 0.1, 0.0, pivot.normal, pivot.sweep, pivot.before, pivot.after)
+    moved = Pivot(
+        pivot.centre + 0.1, 0.0, pivot.normal, pivot.sweep, pivot.phi_start, pivot.phi_end
+    )
     with pytest.raises((GeometryError, ArithmeticError)):
         fitter(Path((stretch, moved)), 0.01)

@@ -17,7 +17,7 @@ from camgeo.errors import ToleranceError, UndercutError
 from camgeo.geometry.contour import fewest_chords as ladder_module
 from camgeo.geometry.contour.arcs import OUTERMOST, Strands, arc_splines, tangent_turns
 from camgeo.geometry.contour.fewest_chords import (
-    Evened,
+    EqualErrorPieces,
     Ladder,
     Stretched,
     StretchTable,
@@ -25,21 +25,21 @@ from camgeo.geometry.contour.fewest_chords import (
     stretch_table,
 )
 from camgeo.geometry.contour.legs import (
-    APART,
+    JOINT_DISTANCE,
     STEP,
     Bends,
     StretchLeg,
     TurnLeg,
-    bends_of,
     clearly_less,
     in_steps,
-    joints_apart,
     least_counts,
-    legs_of,
+    path_legs,
+    sample_bends,
+    separate_joints,
 )
-from camgeo.geometry.contour.proof import proved
+from camgeo.geometry.contour.proof import fit_until_proved
 from camgeo.geometry.outline.path import Path, Pivot, Stretch, whole
-from camgeo.geometry.pieces import Piece, smooth_pieces
+from camgeo.geometry.pieces import SmoothPiece, smooth_pieces
 from camgeo.geometry.pitch_curve import WorkingCurve
 from camgeo.numeric.arrays import ComplexArray, FloatArray, IntArray
 from camgeo.studies.accuracy.contours import forced_pieces, least_arcs, least_chords, least_cubics
@@ -79,11 +79,11 @@ def test_no_sliver_next_to_a_break(steps: int) -> None:
 
 
 def test_legs_begin_where_corners_and_arcs_end() -> None:
-    (only,) = legs_of(cut_off_lobe())
+    (only,) = path_legs(cut_off_lobe())
     assert only.first == cut_off_lobe().pivots[0].centre
     assert not only.closed
     path = shocks(-1, 1)
-    first, turn, second = legs_of(path)
+    first, turn, second = path_legs(path)
     arc, corner = path.pivots
     assert (first.first, turn.first, second.first) == (corner.centre, arc.start, arc.end)
 
@@ -99,7 +99,7 @@ def test_degenerate_elements_are_no_legs() -> None:
             Pivot(point, 0.0, 1j, -1.0, 1.0, 1.0),
         )
     )
-    (leg,) = legs_of(path)
+    (leg,) = path_legs(path)
     assert (leg.start, leg.end) == (1.0, 1.0 + TURN)
 
 
@@ -136,7 +136,7 @@ CUSP = math.radians(78.9790897521664912236687251744)
 
 def test_a_cusp_in_one_point_is_regular_and_beyond_is_not() -> None:
     """The samples' own middle falls on the cusp of HC21a."""
-    piece = Piece(CUSP - 0.1, CUSP + 0.1)
+    piece = SmoothPiece(CUSP - 0.1, CUSP + 0.1)
     curve = hard_curve("HC21a")
     assert abs(curve.regularity(np.array([CUSP]))[0]) < 1e-13
     require_regular(curve, piece)
@@ -147,7 +147,7 @@ def test_a_cusp_in_one_point_is_regular_and_beyond_is_not() -> None:
 @pytest.mark.parametrize(("roller", "regular"), [(39.999, True), (40.0, False), (40.001, False)])
 def test_dwell_needs_a_radius(roller: float, regular: bool) -> None:
     pitch = translating(dwell(180), move(100, 1.0), move(80, 0.0)).pitch
-    curve, piece = WorkingCurve(pitch, -roller), Piece(0.0, math.pi, 0j)
+    curve, piece = WorkingCurve(pitch, -roller), SmoothPiece(0.0, math.pi, 0j)
     if regular:
         require_regular(curve, piece)
         return
@@ -160,9 +160,9 @@ def test_joints_near_a_cusp_are_kept_apart() -> None:
     near = np.geomspace(1e-7, 0.05, 200)
     joints = np.concatenate((CUSP - near[::-1], [CUSP], CUSP + near))
     points = curve.point(joints)
-    least = APART * np.max(np.abs(points))
+    least = JOINT_DISTANCE * np.max(np.abs(points))
     assert np.min(np.abs(np.diff(points))) < 1e-3 * least
-    kept = joints_apart(curve, joints)
+    kept = separate_joints(curve, joints)
     assert (kept[0], kept[-1]) == (joints[0], joints[-1])
     assert np.all(np.isin(kept, joints))
     assert np.min(np.abs(np.diff(curve.point(kept)))) >= least
@@ -240,7 +240,7 @@ def test_a_lower_aim_that_does_not_help_is_the_last() -> None:
         return aim
 
     with pytest.raises(ToleranceError) as caught:
-        proved(fit, lambda aim: 5.0 + 0.1 * aim, 1.0, 1.0)
+        fit_until_proved(fit, lambda aim: 5.0 + 0.1 * aim, 1.0, 1.0)
     assert len(aims) == 2
     assert caught.value.reached == pytest.approx(5.0, rel=0.05)
 
@@ -252,10 +252,10 @@ def test_an_aim_out_of_reach_is_told_by_the_proof_before() -> None:
         return aim
 
     with pytest.raises(ToleranceError) as caught:
-        proved(fit, lambda _: 4.0, 1.0, 1.0)
+        fit_until_proved(fit, lambda _: 4.0, 1.0, 1.0)
     assert caught.value.reached == 4.0
     with pytest.raises(ToleranceError, match="no count will do"):
-        proved(fit, lambda _: 4.0, 0.1, 1.0)
+        fit_until_proved(fit, lambda _: 4.0, 0.1, 1.0)
 
 
 EPS = 1e-3
@@ -308,7 +308,7 @@ def test_integrals_agree_with_points_of_the_flank(name: tuple[str, int]) -> None
 def _strands(name: tuple[str, int]) -> Strands:
     curve = flank(*name)
     pieces = [piece for piece in smooth_pieces(curve) if not piece.dwell]
-    return Strands.of(curve, pieces, bends_of(curve, pieces))
+    return Strands.from_pieces(curve, pieces, sample_bends(curve, pieces))
 
 
 @pytest.mark.parametrize("name", FLANKS, ids=str)
@@ -330,7 +330,7 @@ def test_a_circle_that_is_no_dwell_is_one_arc() -> None:
     curve = translating(dwell(100), dwell(260))
     (piece,) = smooth_pieces(curve)
     short = type(piece)(0.0, 2.0)
-    strands = Strands.of(curve, [short], bends_of(curve, [short]))
+    strands = Strands.from_pieces(curve, [short], sample_bends(curve, [short]))
     (spline,) = arc_splines(strands, np.array([0]), np.array([1]))
     assert spline.deviation <= 1e-13
     chain = spline.chain()
@@ -418,7 +418,7 @@ def straight(length: float) -> Stretched:
 @pytest.mark.parametrize("most", [0.1, 1e-2])
 def test_a_layout_does_not_depend_on_the_tolerance(most: float) -> None:
     """A flank without inflections: as many pieces are the same pieces, whatever was asked."""
-    ladder = Ladder.of(stretched(flank("vorschub", -1)))
+    ladder = Ladder.from_stretch(stretched(flank("vorschub", -1)))
     laid: dict[int, ComplexArray] = {}
     for tolerance in np.geomspace(most, 0.9 * most, 12):
         chords, found = ladder.fewest(float(tolerance), SHARE, MANY)
@@ -430,17 +430,17 @@ def test_a_layout_does_not_depend_on_the_tolerance(most: float) -> None:
 
 def test_layouts_that_do_not_help_are_few(monkeypatch: pytest.MonkeyPatch) -> None:
     laid: list[int] = []
-    plain = ladder_module.evened
+    plain = ladder_module.place_equal_error
 
-    def off(*arguments: Any) -> Evened:
+    def off(*arguments: Any) -> EqualErrorPieces:
         found = plain(*arguments)
         laid.append(len(found.chords.worst))
         return replace(found, chords=replace(found.chords, worst=10.0 * found.chords.worst))
 
-    monkeypatch.setattr(ladder_module, "evened", off)
+    monkeypatch.setattr(ladder_module, "place_equal_error", off)
     monkeypatch.setattr(ladder_module, "LAID", 1_000)
     with pytest.raises(ToleranceError):
-        Ladder.of(stretched(flank("vorschub", -1))).fewest(1e-3, SHARE, MANY)
+        Ladder.from_stretch(stretched(flank("vorschub", -1))).fewest(1e-3, SHARE, MANY)
     assert 1 < len(laid) < ladder_module.LAYOUTS
     assert sum(laid[:-1]) <= 1_000
 
@@ -448,13 +448,13 @@ def test_layouts_that_do_not_help_are_few(monkeypatch: pytest.MonkeyPatch) -> No
 @pytest.mark.parametrize("length", [1e-3, 5.0, 1e4])
 def test_a_straight_stretch_is_one_piece(length: float) -> None:
     stretch = straight(length)
-    chords, found = Ladder.of(stretch).fewest(1e-3, SHARE, MANY)
+    chords, found = Ladder.from_stretch(stretch).fewest(1e-3, SHARE, MANY)
     assert len(chords.worst) == 1
     assert np.array_equal(chords.vertices, stretch.points(np.array([0.0, 1.0])))
     assert found <= 1e-14 * (10.0 + length)
 
 
 def test_too_many_are_refused() -> None:
-    ladder = Ladder.of(stretched(flank("setzhub", -1)))
+    ladder = Ladder.from_stretch(stretched(flank("setzhub", -1)))
     with pytest.raises(ToleranceError, match="more than 100 straight pieces"):
         ladder.fewest(1e-3, SHARE, 100)

@@ -24,7 +24,7 @@ from camgeo.geometry.contour.spline import (
     CubicSpline,
     SplineContour,
     SplineFit,
-    at,
+    bezier_points,
     beziers_of_spline,
     cut,
 )
@@ -99,8 +99,8 @@ def test_pieces_are_those_of_scipy(spline: tuple[int, FloatArray, ComplexArray])
     wanted = np.stack([exact(knots[k] + (knots[k + 1] - knots[k]) * inside) for k in spans])
     pieces = beziers_of_spline(degree, knots, controls)
     # 3 levels of convex sums, and those of scipy: many 20 ulp of the largest control point.
-    assert np.max(np.abs(at(pieces, inside) - wanted)) < 2e-12
-    whole = CubicSpline.of(degree, knots, controls)
+    assert np.max(np.abs(bezier_points(pieces, inside) - wanted)) < 2e-12
+    whole = CubicSpline.from_bspline(degree, knots, controls)
     assert len(whole) == len(spans)
     assert np.max(np.abs(whole.beziers - pieces)) < 2e-12
     assert abs(whole.start - pieces[0, 0]) + abs(whole.end - pieces[-1, 3]) < 2e-12
@@ -116,8 +116,8 @@ def test_parts_are_the_piece(spline: tuple[int, FloatArray, ComplexArray], count
         return
     parts = cut(pieces, np.full(len(pieces), count))
     for k in range(count):
-        wanted = at(pieces, (k + T) / count)
-        assert np.max(np.abs(at(parts[k::count], T) - wanted)) < 2e-12
+        wanted = bezier_points(pieces, (k + T) / count)
+        assert np.max(np.abs(bezier_points(parts[k::count], T) - wanted)) < 2e-12
     # Neighbours share their ends to the last bit, and the outer ends are those of the piece.
     starts, ends = parts[:, 0].reshape(-1, count), parts[:, 3].reshape(-1, count)
     assert np.array_equal(starts[:, 0], pieces[:, 0])
@@ -127,7 +127,9 @@ def test_parts_are_the_piece(spline: tuple[int, FloatArray, ComplexArray], count
 
 def test_clamped_cubics_keep_their_knots() -> None:
     spline = slot().splines[0]
-    assert np.array_equal(CubicSpline.of(3, spline.knots, spline.controls).knots, spline.knots)
+    assert np.array_equal(
+        CubicSpline.from_bspline(3, spline.knots, spline.controls).knots, spline.knots
+    )
 
 
 @pytest.mark.parametrize(
@@ -157,7 +159,7 @@ def test_area_and_length(contour: SplineContour) -> None:
 
 def test_area_of_a_parabola_is_exact() -> None:
     """y = 1 - x^2 over [-1, 1] as a spline of degree 2, and the line below it."""
-    bow = CubicSpline.of(2, np.array([0.0, 0, 0, 1, 1, 1]), np.array([1.0, 2j, -1.0]))
+    bow = CubicSpline.from_bspline(2, np.array([0.0, 0, 0, 1, 1, 1]), np.array([1.0, 2j, -1.0]))
     contour = SplineContour((Arc(-1.0 + 0j, 1.0 + 0j, 0.0, 0j), bow))
     assert contour.area == pytest.approx(4.0 / 3.0, rel=1e-15)
     exact = math.sqrt(5.0) + 0.5 * math.asinh(2.0)
@@ -179,10 +181,10 @@ def test_turned_round() -> None:
 
 def test_arcs_between_other_ends() -> None:
     arc = Arc(10.0 + 0j, 10j, 0.5 * math.pi, 0j)
-    moved = arc.between(10.0 + 1e-3j, 10j)
+    moved = arc.with_ends(10.0 + 1e-3j, 10j)
     assert moved.sweep == arc.sweep
     assert abs(moved.start - moved.centre) == pytest.approx(abs(moved.end - moved.centre))
-    assert abs(arc.between(arc.start, arc.end).centre) < 1e-14
+    assert abs(arc.with_ends(arc.start, arc.end).centre) < 1e-14
 
 
 @pytest.mark.parametrize("sweep", [5.5, -5.5, 3.0, 2.0 * math.pi])
@@ -225,7 +227,7 @@ several = settings(
 def both_ways(contour: SplineContour, tolerance: float) -> tuple[float, float]:
     """Largest distance found, both ways, and the bound."""
     fine = approximating_arcs(contour, tolerance)
-    arcs, bound = fine.contour, fine.apart
+    arcs, bound = fine.contour, fine.distance
     found = outline(arcs)
     cubics = sum(len(spline) for spline in contour.splines)
     there = float(np.max(found.distances(spline_points(contour, 4000 // cubics))))
@@ -277,7 +279,7 @@ def test_arcs_stay_and_lines_are_lines() -> None:
     )
     half = Arc(3.0 + 0j, 0j, np.pi, 1.5 + 0j)
     fine = approximating_arcs(SplineContour((straight, half)), 1e-9)
-    contour, bound = fine.contour, fine.apart
+    contour, bound = fine.contour, fine.distance
     assert contour.sweeps.tolist() == [0.0, np.pi]
     assert bound < 1e-13
 
@@ -359,7 +361,7 @@ def test_nearly_flat_arcs_become_lines() -> None:
     tolerance = 1e-9
     fit = fewest_cubics(whole(flank("setzhub", -1)), 1e-7)
     fine = approximating_arcs(fit.contour, tolerance)
-    arcs, bound = fine.contour, fine.apart
+    arcs, bound = fine.contour, fine.distance
     assert np.any(arcs.sweeps == 0.0)
     assert np.max(arcs.radii) * 2.0**-52 <= tolerance / 64.0
     assert bound <= 1.1 * tolerance

@@ -134,7 +134,7 @@ def test_an_arc_that_is_straight_except_for_rounding_is_a_line(sweep: float) -> 
     contour = Contour.through(vertices, np.array([sweep, 1.0, -sweep]))
     assert contour.sweeps.tolist() == [0.0, 1.0, 0.0]
     assert contour.area == Contour.through(vertices, np.array([0.0, 1.0, 0.0])).area
-    assert Arc(0j, 1j, sweep, 0j).between(0j, 2j) == Arc(0j, 2j, 0.0, 0j)
+    assert Arc(0j, 1j, sweep, 0j).with_ends(0j, 2j) == Arc(0j, 2j, 0.0, 0j)
 
 
 def test_a_flat_arc_and_one_that_is_nearly_a_circle_stay_arcs() -> None:

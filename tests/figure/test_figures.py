@@ -94,7 +94,7 @@ def of_stability() -> Figure:
 
 def of_inspection() -> Figure:
     flank = ExactFlank(of_disc("plate_translating").outline("inner").path, Flank.INNER)
-    places = flank.at(np.linspace(0.0, 6.0, 40))
+    places = flank.places(np.linspace(0.0, 6.0, 40))
     found = Deviations(places, 0.004 * np.sin(places.phi), Gap(0.3, 6.0))
     return deviations.inspection_figure(
         found,

@@ -52,7 +52,7 @@ def flank_of(name: str, side: Flank) -> ExactFlank:
 def every(flank: ExactFlank, count: int) -> Places:
     """Places evenly over the path."""
     course: FloatArray = (np.arange(count, dtype=np.float64) + 0.25) * (flank.total / count)
-    return flank.at(course)
+    return flank.places(course)
 
 
 def bump(phi: FloatArray) -> FloatArray:

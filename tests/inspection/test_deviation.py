@@ -69,7 +69,7 @@ def test_scatter_is_that_of_the_readings_whatever_the_form() -> None:
 def test_uneven_points_scatter_as_even_ones_do() -> None:
     flank = flank_of("plate_translating", Flank.INNER)
     rng = np.random.default_rng(8)
-    places = flank.at(np.sort(rng.uniform(0.0, flank.total, 1000)))
+    places = flank.places(np.sort(rng.uniform(0.0, flank.total, 1000)))
     found = by_datum(flank, measured(places, rng.normal(0.0, 1e-3, 1000)))
     assert found.scatter == pytest.approx(1e-3, rel=0.1)
 
@@ -87,7 +87,7 @@ def test_places_are_ordered_and_repeated_readings_averaged() -> None:
 
 def test_the_widest_gap_may_pass_cam_angle_0() -> None:
     flank = flank_of("plate_translating", Flank.INNER)
-    places = flank.at(np.radians(np.arange(20.0, 340.0, 4.0)))
+    places = flank.places(np.radians(np.arange(20.0, 340.0, 4.0)))
     found = by_datum(flank, measured(places, 0.0))
     assert np.degrees(found.widest.width) == pytest.approx(44.0)
     assert np.degrees(found.widest.place) == pytest.approx(336.0)

@@ -20,7 +20,7 @@ ROUNDING = 1e-12
 def test_the_foot_of_a_point_is_where_it_was_moved_from(name: str, side: Flank) -> None:
     flank = flank_of(name, side)
     rng = np.random.default_rng(1)
-    places = flank.at(np.sort(rng.uniform(0.0, flank.total, 300)))
+    places = flank.places(np.sort(rng.uniform(0.0, flank.total, 300)))
     away = rng.normal(0.0, 1e-3, 300)
     feet = flank.feet(measured(places, away))
     assert np.max(np.abs(feet.distances - away)) < ROUNDING
@@ -33,7 +33,7 @@ def test_distances_are_those_of_an_independent_method(name: str, side: Flank) ->
     """Shapely measures to a polygon of 50,000 exact points, off by the sagitta of its chords."""
     flank = flank_of(name, side)
     course = np.unique(np.append(np.linspace(0.0, flank.total, 50_001), flank.starts))[:-1]
-    polygon = flank.at(course)
+    polygon = flank.places(course)
     points = polygon.points
     turns = np.abs(np.angle(np.roll(polygon.normals, -1) * polygon.normals.conj()))
     chords = np.abs(np.roll(points, -1) - points)
@@ -64,12 +64,12 @@ def test_no_place_is_nearer_than_the_foot(
     """Whatever the point; the foot lies on the flank, and its normal leads to the point."""
     flank = flank_of(*kind)
     course = np.array([share * flank.total])
-    point = flank.at(course).points + away
+    point = flank.places(course).points + away
     feet = flank.feet(point)
     distance = float(feet.distances[0])
     assert abs(distance) <= abs(away) + ROUNDING
     assert abs(distance) <= float(np.min(np.abs(flank.nodes.points - point))) + ROUNDING
-    assert abs(flank.at(feet.places.course).points - feet.places.points)[0] < 100.0 * ROUNDING
+    assert abs(flank.places(feet.places.course).points - feet.places.points)[0] < 100.0 * ROUNDING
     back = feet.places.points + distance * feet.places.normals
     assert abs(back - point)[0] < 1e-8
 
@@ -79,9 +79,9 @@ def test_normals_point_out_of_the_material_and_turn_with_the_path(name: str, sid
     flank = flank_of(name, side)
     course = np.linspace(0.1, 6.0, 50)
     step = 1e-6
-    ahead, behind = flank.at(course + step).points, flank.at(course - step).points
+    ahead, behind = flank.places(course + step).points, flank.places(course - step).points
     along = (ahead - behind) / np.abs(ahead - behind)
-    places = flank.at(course)
+    places = flank.places(course)
     assert np.max(np.abs((along * places.normals.conj()).real)) < 1e-6
     outward = (places.normals * places.points.conj()).real
     assert np.all(outward > 0.0 if side is Flank.INNER else outward < 0.0)
@@ -107,20 +107,20 @@ def test_beyond_a_corner_the_normal_points_from_it() -> None:
 def test_cam_angles_that_the_disc_lacks_have_no_place() -> None:
     flank = flank_of("swallow_tail", Flank.INNER)
     phi = np.radians(np.arange(360.0))
-    course = flank.course_of(phi)
+    course = flank.positions(phi)
     there = ~np.isnan(course)
     assert 300 < np.count_nonzero(there) < 360
-    off = np.angle(np.exp(1j * (flank.at(course[there]).phi - phi[there])))
+    off = np.angle(np.exp(1j * (flank.places(course[there]).phi - phi[there])))
     assert np.max(np.abs(off)) < 1e-12
 
 
 def test_a_joint_with_a_shock_has_a_place() -> None:
     """Where the velocity jumps, the stretch that begins there has the cam angle, rounded or not."""
     flank = flank_of("straight_moves", Flank.INNER)
-    shocks = np.array([each.after for each in flank.path.pivots if each.distance != 0.0])
+    shocks = np.array([each.phi_end for each in flank.path.pivots if each.distance != 0.0])
     assert len(shocks) > 0
     for rounding in (-4e-16, 0.0, 4e-16):
-        assert not np.any(np.isnan(flank.course_of(shocks + rounding)))
+        assert not np.any(np.isnan(flank.positions(shocks + rounding)))
 
 
 def test_an_outline_without_stretches_is_refused() -> None:

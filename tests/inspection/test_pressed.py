@@ -38,7 +38,7 @@ def test_a_disc_without_deviations_makes_the_demanded_motion(name: str, side: Fl
 def test_a_trimmed_disc_makes_the_motion_of_the_exact_one(name: str, side: Flank) -> None:
     found = pressed(name, side, 72, height=0.0)
     flank = flank_of(name, side)
-    rest = ~np.isnan(flank.course_of(found.phi))
+    rest = ~np.isnan(flank.positions(found.phi))
     assert np.max(np.abs(in_mm(flank, found)[rest])) < 2e-5
     assert np.max(np.abs(found.errors)) < 1e-6
 
@@ -71,18 +71,20 @@ def test_a_roller_rides_on_peaks() -> None:
 @pytest.mark.parametrize(("name", "side"), [("plate_translating", Flank.INNER), TRIMMED[0]])
 def test_no_error_of_the_lift_is_beyond_its_extremes(name: str, side: Flank) -> None:
     flank, rng = flank_of(name, side), np.random.default_rng(39)
-    places = flank.at(np.sort(rng.uniform(0.0, flank.total, 500)))
+    places = flank.places(np.sort(rng.uniform(0.0, flank.total, 500)))
     found = Deviations(places, rng.uniform(-2e-3, 2e-3, 500), Gap(0.0, 0.0))
     pitch, clearance = flank.curve.pitch, disc_of(name).cam.clearance
     actual = replay_contour(pitch, measured_contour(flank, found), side).lift
     exact = replay_outline(pitch, flank.path, clearance=clearance).lift
     extremes = LiftErrors.from_deviations(flank, found, clearance=clearance).extremes
     dense = np.linspace(0.0, TURN, 180_001)[:-1]
-    errors = actual.at(dense) - exact.at(dense)
+    errors = actual.displacement(dense) - exact.displacement(dense)
     for end, sign in ((extremes.lowest, -1.0), (extremes.highest, 1.0)):
         assert np.max(sign * errors) <= sign * end.value + 1e-9 * extremes.magnitude
         at = np.array([end.place])
-        assert float((actual.at(at) - exact.at(at))[0]) == pytest.approx(end.value, rel=1e-9)
+        assert float((actual.displacement(at) - exact.displacement(at))[0]) == pytest.approx(
+            end.value, rel=1e-9
+        )
 
 
 @pytest.mark.parametrize(("name", "side"), [*KINDS, *TRIMMED])

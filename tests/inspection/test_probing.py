@@ -26,7 +26,7 @@ def test_points_at_cam_angles_are_those_of_the_curve(name: str, side: Flank) -> 
 def test_what_the_disc_lacks_is_left_out() -> None:
     flank = flank_of("swallow_tail", Flank.INNER)
     found = points_at_cam_angles(flank, DEGREES)
-    lost = DEGREES[np.isnan(flank.course_of(DEGREES))]
+    lost = DEGREES[np.isnan(flank.positions(DEGREES))]
     assert 0 < len(lost) == found.missing == 360 - len(found.places)
     with pytest.raises(GeometryError, match="nothing of the flank"):
         points_at_cam_angles(flank, lost)
@@ -43,7 +43,7 @@ def test_even_points_are_equally_far_apart_along_the_flank(name: str, side: Flan
     assert length / count <= 3.0 < length / (count - 1)
     course = np.linspace(0.0, flank.total, 20_001)
     dense = np.unique(np.concatenate((course, flank.starts, found.places.course)))
-    points = flank.at(dense[:-1]).points
+    points = flank.places(dense[:-1]).points
     along = np.concatenate(([0.0], np.cumsum(np.abs(np.diff(np.append(points, points[0]))))))
     assert along[-1] == pytest.approx(length, rel=1e-6)
     places = np.interp(found.places.course, dense, along)

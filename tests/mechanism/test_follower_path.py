@@ -283,13 +283,13 @@ def test_a_face_is_found_again_by_its_distance_and_its_normal(name: str, rotatio
     lift = path.jet(TURNED, CENTRES, RADII)[0]
     normal = follower.normal(lift)
     distance = (np.conj(normal) * (CENTRES * np.exp(1j * rotation * TURNED))).real + RADII
-    assert path.lift_of(distance) == pytest.approx(lift, abs=1e-11)
-    assert np.all(np.sign(path.lift_of(distance + 1e-3) - lift) == path.outward)
+    assert path.lift(distance) == pytest.approx(lift, abs=1e-11)
+    assert np.all(np.sign(path.lift(distance + 1e-3) - lift) == path.outward)
     theta = np.angle(normal) - rotation * TURNED
-    found = path.angle_of(theta, lift)
+    found = path.cam_angles(theta, lift)
     assert np.exp(1j * (found - TURNED)) == pytest.approx(np.ones(3), abs=1e-12)
     # As continuous as theta: a turn of the normal is a turn of the cam, the other way round.
-    turns = path.angle_of(theta + 2.0 * math.pi, lift) - found
+    turns = path.cam_angles(theta + 2.0 * math.pi, lift) - found
     assert turns == pytest.approx(np.full(3, -2.0 * math.pi * rotation), abs=1e-12)
 
 
@@ -329,9 +329,9 @@ def test_beyond_its_reach_a_rockers_face_is_nowhere() -> None:
     path = face_path_of(follower, 1)
     reach = follower.farthest
     nearest = follower.face_offset - follower.centre_distance
-    assert np.all(np.isfinite(path.lift_of(np.array([reach, max(nearest, 1.0)]))))
+    assert np.all(np.isfinite(path.lift(np.array([reach, max(nearest, 1.0)]))))
     with pytest.raises(GeometryError, match="cannot lie on the contour all round") as caught:
-        path.lift_of(np.array([40.0, reach * (1.0 + 1e-9)]))
+        path.lift(np.array([40.0, reach * (1.0 + 1e-9)]))
     assert f"reaches from 40 to {reach:.6g} mm" in caught.value.message
     assert f"the face from {nearest:.6g} to {reach:.6g} mm" in caught.value.message
     far = path.contact(np.zeros(1), np.array([200.0 + 0j]), np.array([400.0]))

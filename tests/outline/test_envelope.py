@@ -17,8 +17,8 @@ from camgeo.errors import GeometryError
 from camgeo.geometry.outline import envelope as cells_module
 from camgeo.geometry.outline.envelope import (
     STEEPEST,
-    Cells,
     Envelope,
+    FlankCells,
     divide,
     enclose,
     halved,
@@ -34,7 +34,7 @@ from tests.reference import POLYNOMIAL, hard_case, pitch_curve_of
 from tests.strategies import attack, signs, wild_pitch_curves
 
 
-def cells_of(envelope: Envelope, parts: int) -> Cells:
+def cells_of(envelope: Envelope, parts: int) -> FlankCells:
     marks = np.append(envelope.borders, envelope.total)
     cuts = [np.linspace(a, b, parts + 1) for a, b in pairwise(marks)]
     low = np.concatenate([cut[:-1] for cut in cuts])

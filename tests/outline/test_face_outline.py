@@ -148,7 +148,7 @@ def support(outline: Outline, pitch: PitchCurve, phi: FloatArray) -> FloatArray:
     normal, found = demanded(pitch, phi)
     for start, end in outline.dropped:
         cut = (phi - start) % TURN < end - start
-        (corner,) = (p for p in outline.path.pivots if abs(p.before % TURN - start) < 1e-12)
+        (corner,) = (p for p in outline.path.pivots if abs(p.phi_start % TURN - start) < 1e-12)
         found[cut] = (np.conj(normal[cut]) * corner.centre).real
     return found
 
@@ -211,7 +211,7 @@ def test_what_is_left_is_the_intersection_of_all_half_planes(curve: PitchCurve) 
         inner = np.linspace(stretch.start, stretch.end, 400)[1:-1]
         assert np.all(touch(curve, inner).pace[0] >= -1e-9 * curve.follower.base_radius)
     for corner in outline.path.pivots:
-        ends = curve.point(np.array([corner.before, corner.after]))
+        ends = curve.point(np.array([corner.phi_start, corner.phi_end]))
         assert np.max(np.abs(ends - corner.centre)) <= 1e-11 * np.max(np.abs(ends))
     lost = replay_outline(curve, outline.path)
     assert np.min(lost.lost) >= -1e-12 * curve.follower.lift_scale
@@ -241,7 +241,7 @@ def test_the_contact_runs_over_the_corners_too(rotation: int) -> None:
     along = (np.conj(normal) * pitch.point(phi)).imag
     sense = np.sign(np.sum(along * touch(pitch, phi).contact[0]))
     for corner in outline.path.pivots:
-        inside = (phi - corner.before) % TURN < (corner.after - corner.before) % TURN
+        inside = (phi - corner.phi_start) % TURN < (corner.phi_end - corner.phi_start) % TURN
         along[inside] = (np.conj(normal[inside]) * corner.centre).imag
     along *= sense
     # At the end of a corner's range its place changes by up to 10 um from sample to sample.
@@ -300,7 +300,9 @@ def test_a_fit_of_it_replays_the_same_loss() -> None:
     one, other = replay_outline(pitch, path), replay_contour(pitch, fit.contour)
     assert other.largest_loss.value == pytest.approx(one.largest_loss.value, abs=fit.deviation)
     phi = np.linspace(0.0, TURN, 1000)
-    assert other.lift.at(phi) == pytest.approx(one.lift.at(phi), abs=fit.deviation)
+    assert other.lift.displacement(phi) == pytest.approx(
+        one.lift.displacement(phi), abs=fit.deviation
+    )
 
 
 def test_a_lobe_far_too_steep_is_all_cut_off() -> None:

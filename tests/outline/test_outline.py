@@ -22,13 +22,13 @@ from camgeo.geometry.outline.outline import (
     Outline,
     _unsettled,
     backward_ranges,
-    envelope_of,
     find_crossings,
+    flank_envelope,
     real_outline,
 )
 from camgeo.geometry.outline.path import Path, Pivot, Stretch, area
 from camgeo.geometry.outline.replay import replay_contour, replay_outline
-from camgeo.geometry.outline.roller import piece_at
+from camgeo.geometry.outline.roller import piece_numbers
 from camgeo.geometry.pieces import stays_on_one_side
 from camgeo.geometry.pitch_curve import PitchCurve, WorkingCurve
 from camgeo.kinematics.mechanism.rollers import TranslatingRoller
@@ -135,7 +135,7 @@ def test_undercut_that_meets_a_turn_about_a_corner(
     outline = real_outline(flank)
     check_reached(pitch, outline, ROUNDING * size_of(pitch))
     assert outline.dropped
-    envelope = envelope_of(flank)
+    envelope = flank_envelope(flank)
     ranges = backward_ranges(envelope)
     turns = envelope.starts[envelope.is_pivot]
     assert any(np.any((turns - low) % envelope.total < high - low) for low, high in ranges)
@@ -302,11 +302,11 @@ def test_a_corner_of_the_pitch_curve_is_rounded_by_the_roller() -> None:
     pitch = PitchCurve(plan, TranslatingRoller(40.0, 8.0), 1)
     outline = real_outline(WorkingCurve(pitch, -8.0))
     rounded = [p for p in outline.path.pivots if p.distance != 0.0]
-    assert {round(math.degrees(p.after)) for p in rounded} == {90, 0}
+    assert {round(math.degrees(p.phi_end)) for p in rounded} == {90, 0}
     for pivot in rounded:
         assert abs(pivot.distance) == 8.0
         assert pivot.centre == pytest.approx(
-            complex(pitch.point(np.array([pivot.after]))[0]), abs=1e-12
+            complex(pitch.point(np.array([pivot.phi_end]))[0]), abs=1e-12
         )
     tops = corners(outline.path)
     assert len(tops) == 2
@@ -365,11 +365,11 @@ def outermost(low: FloatArray, width: FloatArray) -> tuple[FloatArray, IntArray]
     """Borders and the piece from each on; piece k has the height k."""
     high = (low + width) % TURN
     nodes = ascending(np.concatenate((low, high)))
-    cells = outline.Cells.between(nodes)
+    cells = outline.AngleCells.from_nodes(nodes)
     first = np.searchsorted(nodes, low)
     count = np.remainder(np.searchsorted(nodes, high) - first, len(nodes))
-    cell, piece = outline.covered(cells, first, count, "pieces lie")
-    kept = outline.seen(cell, piece.astype(float), piece.astype(float))
+    cell, piece = outline.cover_cells(cells, first, count, "pieces lie")
+    kept = outline.visible_pieces(cell, piece.astype(float), piece.astype(float))
     borders, parent, held = outline.outermost(
         cells, (cell[kept], piece[kept]), np.empty(0), lambda which, _: which.astype(float)
     )
@@ -385,14 +385,16 @@ def test_the_highest_piece_at_every_angle(degrees: list[tuple[int, int]]) -> Non
     covers = (between - low[:, None]) % TURN < width[:, None]
     highest = [int(np.flatnonzero(each)[-1]) if each.any() else outline.NONE for each in covers.T]
     for turn in (-TURN, 0.0, TURN):
-        assert piece_at(borders, held, between + turn, "right").tolist() == highest
-    before = piece_at(borders, held, borders, "left")
+        assert piece_numbers(borders, held, between + turn, "right").tolist() == highest
+    before = piece_numbers(borders, held, borders, "left")
     assert np.array_equal(before, np.roll(held, 1))
 
 
 def test_all_pairs_in_one_cell() -> None:
     cell = np.array([0, 0, 0, 2, 3, 3])
-    found = {pair for one, other in outline.together(cell) for pair in zip(one, other, strict=True)}
+    found = {
+        pair for one, other in outline.pairs_in_cells(cell) for pair in zip(one, other, strict=True)
+    }
     assert found == {(0, 1), (1, 2), (0, 2), (4, 5)}
 
 

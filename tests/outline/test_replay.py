@@ -140,7 +140,7 @@ def test_a_notch_is_a_shock() -> None:
     assert found.lift.jet(np.zeros(1))[0, 0] == pytest.approx(depth - 38.0, abs=1e-12)
     # Along the circle about (4, 30): F = |Z - P|^2 by hand, Z' = -i Z + i h'.
     slope = depth * half / (depth - 30.0) - 0.0
-    before, after = found.shocks.before[0], found.shocks.after[0]
+    before, after = found.shocks.left[0], found.shocks.right[0]
     assert after == pytest.approx(-before, abs=1e-11)
     assert abs(after) == pytest.approx(slope, abs=1e-11)
     assert after > 0.0
@@ -154,7 +154,7 @@ def test_an_overhang_drops_the_roller() -> None:
     )
     found = replay_contour(resting(TranslatingRoller(28.0, 3.0)), polyline(hook))
     assert len(found.drops) == 1
-    fall = float((found.drops.after - found.drops.before)[0])
+    fall = float((found.drops.right - found.drops.left)[0])
     assert abs(fall) > 10.0
     assert np.all(np.isfinite(found.actual))
 
@@ -200,7 +200,7 @@ def test_lift_by_the_smallest_distance(seed: int, rocker: bool, sigma: int) -> N
             continue  # the path grazes the contour, or nearly: the place is not known so well
         contact = brentq(gap, low, top, xtol=1e-14)
         # 4e-6 mm that lead through the contour at 1/4 mm a mm or steeper: 1e-14 mm are known.
-        assert float(found.lift.at(at)[0]) == pytest.approx(contact, abs=1e-8 / arm)
+        assert float(found.lift.displacement(at)[0]) == pytest.approx(contact, abs=1e-8 / arm)
 
 
 # Fits of cams ---------------------------------------------------------------------------------
@@ -436,7 +436,7 @@ def apart(found: Replay, points: ComplexArray, phi: FloatArray) -> FloatArray:
     """(n,) how far the farthest of the `points` lies beyond the face at `phi` (n,) [mm]."""
     lift = found.lift
     assert isinstance(lift, FaceLift)
-    normal, foot = lines(lift.pitch.follower, phi, lift.at(phi), lift.pitch.rotation)
+    normal, foot = lines(lift.pitch.follower, phi, lift.displacement(phi), lift.pitch.rotation)
     beyond = [np.max((np.conj(n) * (points - f)).real) for n, f in zip(normal, foot, strict=True)]
     return np.array(beyond)
 
@@ -464,7 +464,7 @@ def test_a_square_is_all_shocks() -> None:
     square = polyline(np.array([30 + 30j, -30 + 30j, -30 - 30j, 30 - 30j]))
     found = replay_contour(resting(replace(GUIDED, base_radius=30.0)), square)
     assert len(found.shocks) == 4
-    assert found.shocks.after - found.shocks.before == pytest.approx([60.0] * 4, abs=1e-12)
+    assert found.shocks.right - found.shocks.left == pytest.approx([60.0] * 4, abs=1e-12)
     top = found.lift.jet(np.array([math.pi / 4.0]))
     assert top[:, 0] == pytest.approx([30.0 * math.sqrt(2.0) - 30.0, 0.0, -30.0 * math.sqrt(2.0)])
 
@@ -574,7 +574,10 @@ def test_corners_below_the_limit_do_not_count_under_a_face() -> None:
     assert len(ignored.shocks) == 0
     # The corner before those left out goes on, by at most twice the limit across cam angle 0.
     dense = np.linspace(0.0, TURN, 2000)
-    assert np.max(np.abs(ignored.lift.at(dense) - found.lift.at(dense))) <= 0.5 * 40.0 * 0.04**2
+    assert (
+        np.max(np.abs(ignored.lift.displacement(dense) - found.lift.displacement(dense)))
+        <= 0.5 * 40.0 * 0.04**2
+    )
 
 
 def test_many_pieces_take_no_time() -> None:

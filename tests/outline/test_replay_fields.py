@@ -22,7 +22,7 @@ from camgeo.errors import GeometryError
 from camgeo.geometry.contour.arcs import fit_arcs
 from camgeo.geometry.contour.chords import fit_polyline
 from camgeo.geometry.contour.contour import Contour
-from camgeo.geometry.contour.spline import CubicSpline, SplineContour, strands_of
+from camgeo.geometry.contour.spline import CubicSpline, SplineContour, as_spline_contour
 from camgeo.geometry.outline.outline import real_outline
 from camgeo.geometry.outline.path import whole
 from camgeo.geometry.outline.replay import (
@@ -139,7 +139,7 @@ def test_derivatives_are_those_of_the_lift(made: Made) -> None:
     edges = np.concatenate((lift.borders, lift.breaks, lift.motion.borders, [0.0, TURN]))
     phi = (np.arange(331) + 0.37) * TURN / 331.0
     phi = phi[np.min(np.abs(phi[:, None] - edges), axis=1) > 3.0 * h]
-    low, here, high = (lift.at(phi + step) for step in (-h, 0.0, h))
+    low, here, high = (lift.displacement(phi + step) for step in (-h, 0.0, h))
     jet = lift.jet(phi)
     size = np.max(np.abs(replay.actual[:, ::7]), axis=1) + 1.0
     # Of the third derivative h^2 / 6 is left; the lift's rounding, over h or its square.
@@ -171,9 +171,9 @@ def test_nothing_is_beyond_its_summary(made: Made) -> None:
     error = replay.actual - replay.demanded
     assert np.array_equal(replay.lost, sense * error[0])
     dense = np.linspace(0.0, TURN, 20_001)[:-1]
-    inside = lift.at(dense) - lift.motion.jet(dense)[0]
+    inside = lift.displacement(dense) - lift.motion.jet(dense)[0]
     at = (
-        lift.at(np.array([replay.largest_error.place]))
+        lift.displacement(np.array([replay.largest_error.place]))
         - lift.motion.jet(np.array([replay.largest_error.place]))[0]
     )
     assert replay.largest_error.value == pytest.approx(float(at[0]), rel=1e-9, abs=1e-13)
@@ -187,7 +187,7 @@ def test_nothing_is_beyond_its_summary(made: Made) -> None:
     most = max(0.0, float(np.max(sense * error[0])), float(np.max(sense * inside)))
     assert most - 1e-13 <= best.value * (1.0 + 1e-9)
     near = best.place + STEP * np.linspace(-1.1, 1.1, 2001)
-    beside = lift.at(near % TURN) - lift.motion.jet(near % TURN)[0]
+    beside = lift.displacement(near % TURN) - lift.motion.jet(near % TURN)[0]
     top = float(np.max(sense * beside))
     assert best.value >= top - 1e-9 * abs(top) - 1e-13
     assert best.value == pytest.approx(max(top, 0.0), rel=1e-3, abs=1e-12)
@@ -211,29 +211,29 @@ def test_shocks_and_drops_are_where_the_lift_jumps(made: Made) -> None:
     replay, _ = made
     lift = replay.lift
     places = np.unique(np.concatenate((lift.borders, lift.breaks)))
-    before, after = (lift.at(places, side) for side in ("left", "right"))
+    before, after = (lift.displacement(places, side) for side in ("left", "right"))
     falls = np.abs(after - before) > 1e-6
     assert places[falls] == pytest.approx(replay.drops.phi, abs=1e-12)
-    assert before[falls] == pytest.approx(replay.drops.before)
-    assert after[falls] == pytest.approx(replay.drops.after)
+    assert before[falls] == pytest.approx(replay.drops.left)
+    assert after[falls] == pytest.approx(replay.drops.right)
     places = places[~falls]
     left, right = (lift.jet(places, side)[1] for side in ("left", "right"))
     jumps = np.abs(right - left) > 1e-3 * (1.0 + np.abs(left))
     assert set(np.round(places[jumps], 9)) <= set(np.round(replay.shocks.phi, 9))
     known = np.isin(np.round(places, 9), np.round(replay.shocks.phi, 9))
-    assert left[known] == pytest.approx(replay.shocks.before)
-    assert right[known] == pytest.approx(replay.shocks.after)
+    assert left[known] == pytest.approx(replay.shocks.left)
+    assert right[known] == pytest.approx(replay.shocks.right)
     largest = replay.shocks.largest
     assert (largest is None) == (len(replay.shocks) == 0)
     if largest is not None:
-        jump = replay.shocks.after - replay.shocks.before
+        jump = replay.shocks.right - replay.shocks.left
         assert abs(largest.value) == np.max(np.abs(jump))
         assert largest.value == jump[replay.shocks.phi == largest.place][0]
         if replay.demanded_velocity:
             assert replay.largest_shock == abs(largest.value) / replay.demanded_velocity
     doubled = replay.shocks.scaled(-2.0)
-    assert np.array_equal(doubled.before, -2.0 * replay.shocks.before)
-    assert np.array_equal(doubled.after, -2.0 * replay.shocks.after)
+    assert np.array_equal(doubled.left, -2.0 * replay.shocks.left)
+    assert np.array_equal(doubled.right, -2.0 * replay.shocks.right)
 
 
 @pytest.mark.parametrize("scene", ["conjugate_lever", "conjugate_carriage"])
@@ -247,7 +247,7 @@ def test_two_discs_leave_the_difference_of_their_lifts(scene: str) -> None:
         replays.append(found)
     main, other = replays
     sense = 1.0 if design.cam.disc.pitch_curve.leverage(np.zeros(1))[0] > 0.0 else -1.0
-    apart = sense * (other.lift.at(dense) - main.lift.at(dense))
+    apart = sense * (other.lift.displacement(dense) - main.lift.displacement(dense))
     assert np.array_equal(play(main, other, dense), apart)
     ends = closing_error(main, other)
     assert ends.lowest.value == pytest.approx(float(np.min(apart)), rel=1e-3)
@@ -457,7 +457,7 @@ def test_the_lift_is_off_by_what_the_tolerance_allows(scene: str) -> None:
         replay = replay_of(scene, tolerance)
         phi = np.linspace(0.0, 2.0 * math.pi, 3001)
         exact = design_of(scene).effects.subject.state
-        off = np.abs(replay.lift.at(phi) - exact.motion.jet(phi)[0])
+        off = np.abs(replay.lift.displacement(phi) - exact.motion.jet(phi)[0])
         lever = np.abs(exact.curve.leverage(phi))
         assert np.all(off * lever <= 1.1 * tolerance)
         assert not len(replay.shocks)
@@ -472,10 +472,12 @@ def test_on_lines_and_arcs_alone_it_is_the_replay_of_these(scene: str) -> None:
     contour = outline.arcs(1e-2).contour
     pitch, side = cam.disc.pitch_curve, cam.contact.main
     plain, by_strands = replay_contour(pitch, contour, side), replay_spline(
-        pitch, strands_of(contour), side
+        pitch, as_spline_contour(contour), side
     )  # fmt: skip
     phi = np.linspace(0.0, 2.0 * math.pi, 1999)
-    assert by_strands.lift.at(phi) == pytest.approx(plain.lift.at(phi), abs=1e-10)
+    assert by_strands.lift.displacement(phi) == pytest.approx(
+        plain.lift.displacement(phi), abs=1e-10
+    )
 
 
 def test_the_acceleration_of_one_spline_is_continuous() -> None:
@@ -500,4 +502,4 @@ def test_a_corner_towards_the_roller_is_refused() -> None:
     bent = np.array([corners[0], 0.4 * (corners[0] + corners[1]), *corners[1:]])
     cam = design_of("plate_translating").cam
     with pytest.raises(GeometryError, match="turns towards the roller"):
-        replay_spline(cam.disc.pitch_curve, strands_of(Contour.polygon(bent)), "inner")
+        replay_spline(cam.disc.pitch_curve, as_spline_contour(Contour.polygon(bent)), "inner")

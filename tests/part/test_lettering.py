@@ -22,7 +22,7 @@ from matplotlib.textpath import TextToPath
 from camgeo.cam.cam import Contact
 from camgeo.errors import GeometryError, ToleranceError
 from camgeo.geometry.contour.contour import Contour, Pieces, distances, winding_number
-from camgeo.geometry.contour.spline import CubicSpline, SplineContour, area, at, elevated
+from camgeo.geometry.contour.spline import CubicSpline, SplineContour, area, bezier_points, elevated
 from camgeo.geometry.outline.path import Moments
 from camgeo.numeric.arrays import ComplexArray
 from camgeo.part.boundaries import Letter, LetterBoundary, place_letters
@@ -120,7 +120,7 @@ def boundary(letter: str = "S", height: float = 5.0, place: complex = TURNED) ->
 
 
 def sampled(made: LetterBoundary, count: int = 60) -> ComplexArray:
-    points = at(elevated(made.pieces), np.linspace(0.0, 1.0, count))
+    points = bezier_points(elevated(made.pieces), np.linspace(0.0, 1.0, count))
     return np.asarray(points.ravel(), dtype=np.complex128)
 
 
@@ -169,7 +169,7 @@ def test_a_spline_of_other_pieces_is_compared_as_a_curve() -> None:
     controls = curve.controls + np.array([0.0, 0.03j, 0.03j, 0.0])
     bent = CubicSpline(curve.knots, controls)
     strands[first : first + 2] = bent.divided(0.4)
-    points = at(bent.beziers, np.linspace(0.0, 1.0, 200))[0]
+    points = bezier_points(bent.beziers, np.linspace(0.0, 1.0, 200))[0]
     off = np.max(distances(points, Pieces.around([made.arcs(1e-6).contour])))
     assert made.deviation(SplineContour(tuple(strands))) == pytest.approx(off, rel=0.01)
 

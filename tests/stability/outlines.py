@@ -166,7 +166,7 @@ def _lift(spec: CamSpec, side: int) -> Case:
     rolled = _Rolled(spec, side)
 
     def found(places: FloatArray) -> tuple[FloatArray, ...]:
-        return (rolled.replay.lift.at(places),)
+        return (rolled.replay.lift.displacement(places),)
 
     def exact(phi: Number, *numbers: Number) -> tuple[Number, ...]:
         return (rolled.exact.actual(phi, rolled.corner(numbers), numbers, 1).terms[0],)
@@ -203,7 +203,7 @@ def _losses(spec: CamSpec, side: int) -> Iterator[Case]:
 def _lost(replay: Replay, phi: FloatArray) -> FloatArray:
     """Lost stroke (n,) [mm or rad] at `phi` (n,) [rad], as `Replay.lost` has it at its samples."""
     lift = replay.lift
-    difference = lift.at(phi) - lift.motion.jet(phi, "right", 1)[0]
+    difference = lift.displacement(phi) - lift.motion.jet(phi, "right", 1)[0]
     return np.asarray(replay.press * lift.outward * difference)
 
 

@@ -96,7 +96,7 @@ def touched(state: Written, count: int) -> Iterator[tuple[float, int, FloatArray
     lift: Any = state.motion.lift
     middles = 0.5 * (lift.borders + np.append(lift.borders[1:], lift.borders[0] + 2.0 * math.pi))
     places = middles[np.linspace(0, len(middles) - 1, count).astype(int)]
-    elements, _ = lift.held_by(lift.number(places))
+    elements, _ = lift.holding_elements(lift.number(places))
     yield from zip(places.tolist(), elements.tolist(), state.motion.jet(places).T, strict=True)
 
 
@@ -234,7 +234,7 @@ def test_the_velocity_jumps_where_the_roller_touches_two_chords() -> None:
         sides = []
         for side in SIDES:
             at = np.array([shock])
-            element = int(lift.held_by(lift.number(at, side))[0][0])
+            element = int(lift.holding_elements(lift.number(at, side))[0][0])
             jet = state.motion.jet(at, side)[:, 0]
             centre = complex(place(float(jet[0]))) * np.exp(-1j * cam.rotation * shock)
             normal = -1j * ways[element] / abs(ways[element])
@@ -487,7 +487,7 @@ def test_the_force_is_that_of_the_free_body_where_that_side_carries(scene: str, 
     phi = np.linspace(0.01, 6.27, 120)
     jet, omega = state.motion.jet(phi), course.rates(phi)[0]
     lift = state.motion.lift
-    elements, _ = lift.held_by(lift.number(phi))
+    elements, _ = lift.holding_elements(lift.number(phi))
     assert np.all(elements >= 0)
     centres, bent = contour.centres[elements], contour.sweeps[elements]
     along = contour.ends[elements] - contour.vertices[elements]

@@ -142,6 +142,6 @@ def test_the_replay_of_contours_agrees(name: str, key: str) -> None:
     turns = np.angle(np.roll(tangents, -1) / tangents)
     lift = replay_contour(pitch, Contour.through(points, turns).counter_clockwise()).lift
     exact = errors(nominal, machine_dimensions(nominal.machine)[f"follower.{key}"].unit, size)[0]
-    apart = lift.at(nominal.phi) - cam.drive.motion.jet(nominal.phi)[0] - exact
+    apart = lift.displacement(nominal.phi) - cam.drive.motion.jet(nominal.phi)[0] - exact
     assert np.ptp(apart) <= 1e-6 * cam.follower.lift_scale
     assert np.ptp(exact) >= 1e-5 * cam.follower.lift_scale  # there is something to compare

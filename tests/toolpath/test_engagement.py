@@ -58,7 +58,7 @@ def cutting(start: Point, moves: list[Move], *blank: Contour) -> Cutting:
 def at(found: Cutting, piece: int, share: float) -> tuple[complex, complex]:
     """Place and direction at a share of a piece."""
     here = taken(found.course, [piece])
-    point = here.at(np.array([share]))
+    point = here.points_by_share(np.array([share]))
     return complex(point[0]), complex(here.tangents(point)[0])
 
 
@@ -174,7 +174,7 @@ def walks(draw: st.DrawFn) -> tuple[Point, list[Move]]:
 
 
 def along(found: Cutting, piece: int, share: float, count: int) -> ComplexArray:
-    return taken(found.course, [piece] * count).at(np.linspace(0.0, share, count))
+    return taken(found.course, [piece] * count).points_by_share(np.linspace(0.0, share, count))
 
 
 @settings(max_examples=15)

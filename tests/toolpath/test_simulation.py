@@ -488,7 +488,7 @@ def test_below_a_height_is_the_share_that_lies_there(z: float, down: bool, arc: 
         assert kept == (course.ends[0] if down else course.starts[0])
         # What was cut off ends on the same ramp.
         other = complex((found.starts if down else found.ends)[0])
-        place = course.at(np.array([1.0 - share if down else share]))
+        place = course.points_by_share(np.array([1.0 - share if down else share]))
         assert abs(other - place[0]) < 1e-9
 
 

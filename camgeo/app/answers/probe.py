@@ -154,7 +154,7 @@ def _lift_curve(design: Design, step: Decimal | None) -> FloatArray:
     phi: FloatArray = np.radians(cam_angles(step or STEP))
     side = cam.contact.main
     if cam.disc.outline(side).is_trimmed:
-        return np.column_stack((phi, cam.disc.replay(side).lift.at(phi)))
+        return np.column_stack((phi, cam.disc.replay(side).lift.displacement(phi)))
     return np.column_stack((phi, cam.drive.motion.jet(phi, "right", 1)[0]))
 
 
@@ -263,11 +263,11 @@ def points_at_cam_angles(flank: ExactFlank, phi: FloatArray, ball: float = 0.0) 
 
     Raises GeometryError if the disc has nothing of the flank at any of them.
     """
-    course = flank.course_of(phi)
+    course = flank.positions(phi)
     there = ~np.isnan(course)
     if not np.any(there):
         raise GeometryError("the disc has nothing of the flank at any of these cam angles")
-    places = flank.at(course[there])
+    places = flank.places(course[there])
     # As asked for: a turn added and taken away again would round it.
     places.phi[:] = phi[there]
     return ProbePoints(flank, places, int(np.count_nonzero(~there)), ball)
@@ -298,7 +298,7 @@ def evenly_spaced_points(flank: ExactFlank, spacing: float, ball: float = 0.0) -
         return marks[cell] + _integrals(flank, edges[cell], course)
 
     course = inverse(length, lambda u: _paces(flank, u), edges, wanted)
-    return ProbePoints(flank, flank.at(course), 0, ball)
+    return ProbePoints(flank, flank.places(course), 0, ball)
 
 
 def flank_length(flank: ExactFlank) -> float:
@@ -320,7 +320,7 @@ def _integrals(flank: ExactFlank, low: FloatArray, high: FloatArray) -> FloatArr
 
 def _paces(flank: ExactFlank, course: FloatArray) -> FloatArray:
     """(n,) length per position u [mm/rad]."""
-    element, along = flank.element_at(course)
+    element, along = flank.locate_elements(course)
     paces = np.empty(len(course))
     for number, piece in enumerate(flank.path.elements):
         which = element == number

@@ -686,14 +686,14 @@ def read_contour(
         unit=reading.unit,
         gap=reading.gap,
         progress=progress,
-    ).about(reading.origin)
+    ).with_origin(reading.origin)
     flank_area = abs(area(dict(zip(Flank, disc.cam.disc.untrimmed_paths, strict=True))[flank]))
     chosen = min(read.contours, key=lambda contour: abs(contour.area - flank_area))
     size = in_unit(f"{chosen.area:.6g} mm^2", disc.unit)
     note = f"{file.name}: {counted(len(read.contours), 'contour')}; the one of {size} is used"
     note = note if len(read.contours) > 1 else ""
     plain = by_arcs(chosen, ARCS) if isinstance(chosen, SplineContour) else chosen
-    elsewhere = read.off_axis(plain) if flank is Flank.INNER else ""
+    elsewhere = read.misplaced_bore(plain) if flank is Flank.INNER else ""
     message = ""
     if (place := crossing(plain)) is not None:
         message = f"crosses itself ({place}): no disc has this outline"

@@ -470,7 +470,7 @@ def covered_pairs(task: Task, place: complex) -> Covers:
     is left out: a jump of the velocity rules the disc out at every size.
     """
     disc = task.placed_cam(place).disc
-    kinks = np.array([pivot.after for pivot in disc.pitch_path.pivots])
+    kinks = np.array([pivot.phi_end for pivot in disc.pitch_path.pivots])
     pairs = no_pairs(task)
     for name, flank in disc.flanks:
         try:

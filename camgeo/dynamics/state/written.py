@@ -425,7 +425,7 @@ class WrittenMotion:
 
     def on_corner(self, phi: FloatArray, side: Side) -> BoolArray:
         """(n,) whether a vertex of the contour holds the follower at `phi` (n,) [rad]."""
-        elements, _ = self.lift.held_by(self.lift.number(phi, side))
+        elements, _ = self.lift.holding_elements(self.lift.number(phi, side))
         return np.asarray(elements < 0)
 
     def jet_and_bounds(self, low: FloatArray, high: FloatArray) -> tuple[Jet, Jet]:

@@ -24,21 +24,21 @@ from numpy.typing import NDArray
 from camgeo.errors import GeometryError, ToleranceError
 from camgeo.geometry.contour.contour import Fit
 from camgeo.geometry.contour.legs import (
-    APART,
     CROWDED,
+    JOINT_DISTANCE,
     Bends,
     Chain,
     TurnLeg,
-    bends_of,
     clearly_less,
     in_steps,
-    joints_apart,
     least_counts,
+    sample_bends,
+    separate_joints,
 )
 from camgeo.geometry.contour.proof import AIM, Group, fit_by_groups, proved_fit
-from camgeo.geometry.contour.spline import at, highest
+from camgeo.geometry.contour.spline import bezier_points, highest
 from camgeo.geometry.outline.path import Path
-from camgeo.geometry.pieces import Piece
+from camgeo.geometry.pieces import SmoothPiece
 from camgeo.geometry.pitch_curve import WorkingCurve
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray, taken
 
@@ -69,7 +69,7 @@ POWER = 0.25
 """Power of the deviation found of a span that corrects the density there: less than a third,
 because part of it comes from the tangents of its neighbours."""
 
-LEAST_FOUND = 0.01
+LEAST_SHARE = 0.01
 """Least distance that counts, as a fraction of the largest."""
 
 WIDEST_SPAN = 2.0
@@ -78,7 +78,7 @@ chord from its start to its end."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Found:
+class DensityCorrection:
     """The deviations found of spans between given joints.
 
     Attributes
@@ -91,11 +91,11 @@ class Found:
     needs: FloatArray
 
     @classmethod
-    def of(cls, joints: FloatArray, distances: FloatArray) -> Self:
+    def from_distances(cls, joints: FloatArray, distances: FloatArray) -> Self:
         """From the `distances` (m,) [mm] of the spans between `joints` (m + 1,)."""
         largest = float(np.max(distances))
         shares = distances / largest if largest > 0.0 else np.ones(len(distances))
-        excess = in_steps(np.log(np.maximum(shares, LEAST_FOUND)))
+        excess = in_steps(np.log(np.maximum(shares, LEAST_SHARE)))
         return cls(0.5 * (joints[:-1] + joints[1:]), np.exp(POWER * excess))
 
 
@@ -106,7 +106,7 @@ class ArcDensity:
     a^3 = |kappa'| pace^3, the same for all parallels, and b = c |kappa''| pace^4.
     """
 
-    def __init__(self, piece: Piece, bends: Bends) -> None:
+    def __init__(self, piece: SmoothPiece, bends: Bends) -> None:
         self._piece, self._bends = piece, bends
         self._finer: ArcDensity | None = None
         self._borders = np.linspace(piece.start, piece.end, len(bends.speed) + 1)
@@ -124,23 +124,23 @@ class ArcDensity:
         known = inner * 1.03 + min(max(0.25 * (inner - 1.0), 0.0), ENDS)
         return max(known, (self._piece.end - self._piece.start) / WIDEST_SPAN)
 
-    def joints(self, count: int, found: Found | None = None) -> FloatArray:
+    def joints(self, count: int, correction: DensityCorrection | None = None) -> FloatArray:
         """(count + 1,) cam angles [rad] of the ends of `count` parts, both outer ones included.
 
-        `found`: the deviations of about as many spans.
+        `correction`: by the deviations of about as many spans.
         """
         if count > len(self._bends.speed) // 2:
             if self._finer is None:
                 self._finer = ArcDensity(self._piece, self._bends.refined())
-            return self._finer.joints(count, found)
+            return self._finer.joints(count, correction)
         error = (self._total / count) ** 3
         density = self._density(error)
         # These are too many spans: find the error that gives about the requested number.
         error *= (self._width * float(np.sum(density)) / count) ** 3
         density = self._density(error)
-        if found is not None:
+        if correction is not None:
             middles = self._borders[:-1] + 0.5 * self._width
-            density *= np.interp(middles, found.places, found.needs)
+            density *= np.interp(middles, correction.places, correction.needs)
         density += FLOOR * float(np.mean(density))
         if not density[0] > 0.0:  # a straight line has no difficulty anywhere
             density = np.ones(len(density))
@@ -220,7 +220,7 @@ class _Group:
     """
 
     curve: WorkingCurve
-    pieces: tuple[Piece, ...]
+    pieces: tuple[SmoothPiece, ...]
     densities: tuple[ArcDensity, ...]
     ends: Ends
     rests: tuple[Chain, ...]
@@ -229,30 +229,34 @@ class _Group:
         """A chain for each of the pieces."""
         expected = np.array([density.count(aim) for density in self.densities])
         most = MAX_ARCS // 2
-        found = least_counts(
+        biarcs = least_counts(
             self._trials, expected, aim, tolerance, order=ORDER, most=most, together=TOGETHER
         )
-        curved = iter(found)
+        curved = iter(biarcs)
         rests = iter(self.rests)
         return [next(rests) if piece.is_arc else next(curved).chain() for piece in self.pieces]
 
     def _trials(self, wanted: Sequence[tuple[int, int]]) -> list[tuple[Biarcs, float]]:
         joints = [self.densities[piece].joints(count) for piece, count in wanted]
         ends = taken(self.ends, [piece for piece, _ in wanted])
-        made = _sound_biarcs(self.curve, joints, ends)
-        again = [
-            self.densities[piece].joints(count, Found.of(used, biarcs.distances))
-            for (piece, count), (biarcs, used) in zip(wanted, made, strict=True)
+        fits = _sound_biarcs(self.curve, joints, ends)
+        corrected = [
+            self.densities[piece].joints(
+                count, DensityCorrection.from_distances(used, biarcs.distances)
+            )
+            for (piece, count), (biarcs, used) in zip(wanted, fits, strict=True)
         ]
-        both = zip(made, _sound_biarcs(self.curve, again, ends), strict=True)
-        found = [(biarcs, float(np.max(biarcs.distances))) for pair in both for biarcs, _ in pair]
-        pairs = zip(found[::2], found[1::2], strict=True)
-        return [min(pair, key=lambda each: each[1]) for pair in pairs]
+        both = zip(fits, _sound_biarcs(self.curve, corrected, ends), strict=True)
+        candidates = [
+            (biarcs, float(np.max(biarcs.distances))) for pair in both for biarcs, _ in pair
+        ]
+        pairs = zip(candidates[::2], candidates[1::2], strict=True)
+        return [min(pair, key=lambda candidate: candidate[1]) for pair in pairs]
 
 
-def _group(curve: WorkingCurve, pieces: list[Piece]) -> Group:
+def _group(curve: WorkingCurve, pieces: list[SmoothPiece]) -> Group:
     densities, stops = [], []
-    for piece, bends in zip(pieces, bends_of(curve, pieces), strict=True):
+    for piece, bends in zip(pieces, sample_bends(curve, pieces), strict=True):
         if not piece.is_arc:
             densities.append(ArcDensity(piece, bends))
             stops.append(piece.end)
@@ -260,7 +264,7 @@ def _group(curve: WorkingCurve, pieces: list[Piece]) -> Group:
     return _Group(curve, tuple(pieces), tuple(densities), ends, rest_arcs(curve, pieces)).fit
 
 
-def rest_arcs(curve: WorkingCurve, pieces: Sequence[Piece]) -> tuple[Chain, ...]:
+def rest_arcs(curve: WorkingCurve, pieces: Sequence[SmoothPiece]) -> tuple[Chain, ...]:
     """The one arc that each of `pieces` is that is one."""
     arcs = [(piece, piece.centre) for piece in pieces if piece.centre is not None]
     if not arcs:
@@ -283,34 +287,34 @@ def _sound_biarcs(
     back, with less than the roller's radius: such spans are halved. Where that makes more of them,
     the curve itself bends so much, and no halving helps.
     """
-    found = _biarcs(curve, joints, ends)
-    before = [len(each) for each in joints]
+    fits = _biarcs(curve, joints, ends)
+    bad_counts = [len(chain_joints) for chain_joints in joints]
     for _ in range(HALVINGS):
         again = []
-        for k, biarcs in enumerate(found):
-            bad = biarcs.turned_over(curve)
+        for k, biarcs in enumerate(fits):
+            bad = biarcs.inverted_spans(curve)
             crowded = np.min(biarcs.least_step) * PARTS < CROWDED * np.max(np.abs(biarcs.ends))
             if not np.any(bad) and not crowded:
                 continue
             spans = np.flatnonzero(bad)
-            if len(spans) > max(before[k], MANY):
+            if len(spans) > max(bad_counts[k], MANY):
                 continue
-            before[k] = len(spans)
+            bad_counts[k] = len(spans)
             halves = 0.5 * (joints[k][spans] + joints[k][spans + 1])
-            apart = joints_apart(curve, np.insert(joints[k], spans + 1, halves))
-            if not np.array_equal(apart, joints[k]):
-                joints[k] = apart
+            separated = separate_joints(curve, np.insert(joints[k], spans + 1, halves))
+            if not np.array_equal(separated, joints[k]):
+                joints[k] = separated
                 again.append(k)
         if not again:
             break
         more = _biarcs(curve, [joints[k] for k in again], taken(ends, again))
         for k, biarcs in zip(again, more, strict=True):
-            found[k] = biarcs
-    return list(zip(found, joints, strict=True))
+            fits[k] = biarcs
+    return list(zip(fits, joints, strict=True))
 
 
 def _biarcs(curve: WorkingCurve, joints: list[FloatArray], ends: Ends) -> list[Biarcs]:
-    stops = np.cumsum([len(each) for each in joints]) - 1
+    stops = np.cumsum([len(chain_joints) for chain_joints in joints]) - 1
     biarcs = Biarcs.along(curve, np.concatenate(joints), stops, ends)
     last = stops - np.arange(len(joints))
     first = np.concatenate(([0], last[:-1]))
@@ -338,7 +342,7 @@ rotations are those of a piece that continues, and the outermost spans have to b
 the others deviate more."""
 
 
-def tangent_turns(apart: FloatArray, lengths: FloatArray, last: IntArray) -> FloatArray:
+def tangent_turns(offsets: FloatArray, lengths: FloatArray, last: IntArray) -> FloatArray:
     """(2, S) [rad] by which the tangents at the start and at the end of each span turn.
 
     Spans that join have the same rotation there; at both ends of a chain it is 0.
@@ -358,19 +362,21 @@ def tangent_turns(apart: FloatArray, lengths: FloatArray, last: IntArray) -> Flo
     weight = np.where(closes | np.roll(closes, 1), OUTERMOST, 1.0)
     # Displacement of the biarc by a rotation of 1 at the start, or at the end, of a span of length
     # 1.
-    places = np.arange(1, apart.shape[1] + 1) / (apart.shape[1] + 1)
+    places = np.arange(1, offsets.shape[1] + 1) / (offsets.shape[1] + 1)
     ahead = np.where(places < 0.5, places - 1.5 * places * places, 0.5 * (1.0 - places) ** 2)
     behind = -ahead[::-1]
     pull = weight * lengths
-    before, after = pull * (apart @ behind), pull * (apart @ ahead)
+    end_residuals, start_residuals = pull * (offsets @ behind), pull * (offsets @ ahead)
     square = pull * lengths
     joined = ~closes[:-1]
     both = joined[:-1] & joined[1:]
-    own = float(ahead @ ahead) * (square[:-1] + square[1:])
+    diagonal = float(ahead @ ahead) * (square[:-1] + square[1:])
     cross = np.where(both, float(ahead @ behind) * square[1:-1], 0.0)
-    found = _tridiagonal(cross, own, np.where(joined, -(before[:-1] + after[1:]), 0.0))
-    turns[1, :-1] = found
-    turns[0, 1:] = found
+    joint_turns = _tridiagonal(
+        cross, diagonal, np.where(joined, -(end_residuals[:-1] + start_residuals[1:]), 0.0)
+    )
+    turns[1, :-1] = joint_turns
+    turns[0, 1:] = joint_turns
     return turns
 
 
@@ -455,12 +461,12 @@ class Biarcs:
             whole[last, -1] = end
         slopes *= step[:, None]
         outer = tangents[:, (0, -1)].T
-        plain = _Arcs.between(points, *outer)
+        plain = _Arcs.with_end_tangents(points, *outer)
         lengths = np.abs(points[:, -1] - points[:, 0])
-        turns = tangent_turns(plain.near(points[:, 1:-1]), lengths, last)
-        arcs = _Arcs.between(points, *(outer * np.exp(1j * turns)))
-        angles, apart, peaks = arcs.distances_to(points, tangents, slopes)
-        distances = np.maximum(peaks, np.max(np.abs(apart), axis=1))
+        turns = tangent_turns(plain.approximate_offsets(points[:, 1:-1]), lengths, last)
+        arcs = _Arcs.with_end_tangents(points, *(outer * np.exp(1j * turns)))
+        angles, offsets, peaks = arcs.measure_offsets(points, tangents, slopes)
+        distances = np.maximum(peaks, np.max(np.abs(offsets), axis=1))
         least = np.min(np.abs(np.diff(points, axis=1)), axis=1)
         parts = arcs.vertices, arcs.tangents, arcs.curvatures, points[:, -1]
         return cls(first[:, None] + step[:, None] * angles, *parts, distances, least)
@@ -469,20 +475,20 @@ class Biarcs:
     def along_cubics(cls, pieces: ComplexArray) -> Self:
         """Biarcs along Bezier `pieces` (S, 4) [mm], with its tangents; `angles` are parts."""
         t = np.linspace(0.0, 1.0, PARTS + 1)
-        points, sides = at(pieces, t), 3.0 * np.diff(pieces, axis=1)
+        points, sides = bezier_points(pieces, t), 3.0 * np.diff(pieces, axis=1)
         rates = sides @ np.stack(((1.0 - t) ** 2, 2.0 * t * (1.0 - t), t * t))
         # Where the first side has no length the tangent is that of the next one, or of the chord.
         for place, side in ((0, points[:, 1] - points[:, 0]), (-1, points[:, -1] - points[:, -2])):
             rates[:, place] = np.where(rates[:, place] == 0.0, side, rates[:, place])
         slopes = np.abs(rates)
         tangents = rates / np.where(slopes > 0.0, slopes, 1.0)
-        arcs = _Arcs.between(points, tangents[:, 0], tangents[:, -1])
-        angles, apart, peaks = arcs.distances_to(points, tangents, slopes / PARTS)
-        distances = np.maximum(peaks, np.max(np.abs(apart), axis=1))
+        arcs = _Arcs.with_end_tangents(points, tangents[:, 0], tangents[:, -1])
+        angles, offsets, peaks = arcs.measure_offsets(points, tangents, slopes / PARTS)
+        distances = np.maximum(peaks, np.max(np.abs(offsets), axis=1))
         parts = arcs.vertices, arcs.tangents, arcs.curvatures, points[:, -1]
         return cls(angles, *parts, distances, np.min(np.abs(np.diff(points, axis=1)), axis=1))
 
-    def turned_over(self, curve: WorkingCurve) -> BoolArray:
+    def inverted_spans(self, curve: WorkingCurve) -> BoolArray:
         """(S,) spans with an arc whose parallel on the pitch curve has turned inside out."""
         return np.asarray(
             np.any(-curve.pitch.rotation * curve.distance * self.curvatures >= 1.0, axis=1)
@@ -509,7 +515,7 @@ class _Arcs:
     curvatures: FloatArray
 
     @classmethod
-    def between(cls, points: ComplexArray, t0: ComplexArray, t1: ComplexArray) -> Self:
+    def with_end_tangents(cls, points: ComplexArray, t0: ComplexArray, t1: ComplexArray) -> Self:
         """From the first to the last of `points` (S, PARTS + 1), with the unit tangents there."""
         start, end = points[:, 0], points[:, -1]
         # Next to a cusp two joints may be one point; they are too near to each other to be kept.
@@ -531,7 +537,7 @@ class _Arcs:
         curvatures = 2.0 * (np.conj(directions) * chords).imag / squares
         return cls(vertices, directions, curvatures)
 
-    def near(self, places: ComplexArray) -> FloatArray:
+    def approximate_offsets(self, places: ComplexArray) -> FloatArray:
         """How far (S, PARTS - 1) [mm] the `places` inside lie to the right of the arcs, nearly."""
         arc = (np.arange(1, PARTS) > 0.5 * PARTS).astype(np.intp)
         arm = places - self.vertices[:, arc]
@@ -539,7 +545,7 @@ class _Arcs:
         right = arm.real * ahead.imag - arm.imag * ahead.real
         return np.asarray(0.5 * bend * (arm.real**2 + arm.imag**2) + right)
 
-    def distances_to(
+    def measure_offsets(
         self, points: ComplexArray, tangents: ComplexArray, slopes: FloatArray
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Parts of the span (S, 2) at which the arcs begin, distances (S, PARTS + 1) [mm] of the
@@ -552,32 +558,31 @@ class _Arcs:
         back = np.conj(across)[:, None]
         local, rates = back * (points - middle[:, None]), back * tangents * slopes
         rows = np.arange(len(points))
-        before = np.sum(local[:, 1:-1].real < 0.0, axis=1)
-        t, off, turn = _crossing(local[rows, before], local[rows, before + 1],
-                                 rates[rows, before], rates[rows, before + 1])  # fmt: skip
+        middle_part = np.sum(local[:, 1:-1].real < 0.0, axis=1)
+        near, far = (rows, middle_part), (rows, middle_part + 1)
+        t, middle_offset, middle_slope = _crossing(local[near], local[far], rates[near], rates[far])
 
         # From the first arc up to the part with the middle, from the second after it.
-        second = np.arange(PARTS + 1) > before[:, None]
+        second = np.arange(PARTS + 1) > middle_part[:, None]
         arc = second.astype(np.intp)
         row = rows[:, None]
         arm = points - self.vertices[row, arc]
         bend, ahead = self.curvatures[row, arc], 1j * self.tangents[row, arc]
         bent = bend * (arm.real**2 + arm.imag**2) - 2.0 * (np.conj(ahead) * arm).real
         root = np.sqrt(np.maximum(1.0 + bend * bent, 0.0))
-        apart = bent / (1.0 + root)
+        offsets = bent / (1.0 + root)
         outward = (bend * arm - ahead) / root
         growth = (np.conj(outward) * tangents).real * slopes
-        peaks = highest(apart[:, :-1], apart[:, 1:], growth[:, :-1], growth[:, 1:])
+        peaks = highest(offsets[:, :-1], offsets[:, 1:], growth[:, :-1], growth[:, 1:])
         # Within the part with the middle the second arc takes over from the first.
-        near, far = (rows, before), (rows, before + 1)
         sides = highest(
-            np.stack((apart[near], off)), np.stack((off, apart[far])),
-            np.stack((t * growth[near], (1.0 - t) * turn)),
-            np.stack((t * turn, (1.0 - t) * growth[far])),
+            np.stack((offsets[near], middle_offset)), np.stack((middle_offset, offsets[far])),
+            np.stack((t * growth[near], (1.0 - t) * middle_slope)),
+            np.stack((t * middle_slope, (1.0 - t) * growth[far])),
         )  # fmt: skip
-        peaks[near] = np.maximum(np.abs(off), np.max(sides, axis=0))
-        angles = np.stack((np.zeros(len(t)), before + t), 1)
-        return angles, apart, np.max(peaks, axis=1)
+        peaks[near] = np.maximum(np.abs(middle_offset), np.max(sides, axis=0))
+        angles = np.stack((np.zeros(len(t)), middle_part + t), 1)
+        return angles, offsets, np.max(peaks, axis=1)
 
 
 def _crossing(
@@ -594,9 +599,9 @@ def _crossing(
         slope = b + t * (2.0 * c + 3.0 * t * d)
         value = a + t * (b + t * (c + t * d))
         t = np.clip(t - value / np.where(slope > 0.0, slope, np.inf), 0.0, 1.0)
-    off = here.imag + t * (rate.imag + t * (square.imag + t * cube.imag))
-    turn = rate.imag + t * (2.0 * square.imag + 3.0 * t * cube.imag)
-    return t, -off, -turn
+    offset = here.imag + t * (rate.imag + t * (square.imag + t * cube.imag))
+    offset_slope = rate.imag + t * (2.0 * square.imag + 3.0 * t * cube.imag)
+    return t, -offset, -offset_slope
 
 
 # -- fewest arcs -----------------------------------------------------------------------------------
@@ -645,7 +650,7 @@ def fewest_arcs(path: Path, tolerance: float) -> Fit:
     """
     groups: list[_FewestGroup] = []
 
-    def group(curve: WorkingCurve, pieces: list[Piece]) -> Group:
+    def group(curve: WorkingCurve, pieces: list[SmoothPiece]) -> Group:
         groups.append(_FewestGroup(curve, pieces))
         return groups[-1].fit
 
@@ -673,14 +678,14 @@ class _FewestGroup:
     missed : True once a number of arcs gave no result: there, another method may succeed.
     """
 
-    def __init__(self, curve: WorkingCurve, pieces: list[Piece]) -> None:
+    def __init__(self, curve: WorkingCurve, pieces: list[SmoothPiece]) -> None:
         self.missed = False
         self._pieces, self._rests = pieces, rest_arcs(curve, pieces)
-        bends = bends_of(curve, pieces)
+        bends = sample_bends(curve, pieces)
         self._curved = [k for k, piece in enumerate(pieces) if not piece.is_arc]
         if self._curved:
             chosen = [pieces[k] for k in self._curved], [bends[k] for k in self._curved]
-            self._strands = Strands.of(curve, *chosen)
+            self._strands = Strands.from_pieces(curve, *chosen)
         self._known: dict[tuple[int, int], ArcSpline] = {}
 
     def fit(self, aim: float, _tolerance: float) -> list[Chain]:
@@ -697,7 +702,7 @@ class _FewestGroup:
             raise ToleranceError("arcs cannot be distinguished from the curve", aim, math.inf)
         limits = self._strands.difficulty.totals * (ARC / aim) ** (1.0 / 3.0)
         ladders = [_numbers(int(limit)) for limit in limits]
-        found: dict[int, ArcSpline] = {}
+        splines: dict[int, ArcSpline] = {}
         laid = 0
         for attempt in range(ATTEMPTS):
             if laid > LAID:
@@ -706,17 +711,17 @@ class _FewestGroup:
             tries = [
                 (piece, number)
                 for piece, ladder in enumerate(ladders)
-                if piece not in found
+                if piece not in splines
                 for number in ladder[rungs]
             ]
             laid += sum(number for _, number in tries)
             self._lay([pair for pair in tries if pair not in self._known])
             for piece, number in tries:
                 spline = self._known[piece, number]
-                if piece not in found and spline.deviation <= aim:
-                    found[piece] = spline
-            if len(found) == len(ladders):
-                return [found[piece] for piece in range(len(ladders))]
+                if piece not in splines and spline.deviation <= aim:
+                    splines[piece] = spline
+            if len(splines) == len(ladders):
+                return [splines[piece] for piece in range(len(ladders))]
         raise ToleranceError("arcs cannot follow the curve", aim, math.inf)
 
     def _lay(self, tries: list[tuple[int, int]]) -> None:
@@ -731,14 +736,14 @@ class _FewestGroup:
 
 def _numbers(limit: int) -> list[int]:
     """Numbers of arcs to be tried in turn where `limit` is a lower bound, see `ALL_NUMBERS`."""
-    found: list[int] = []
+    numbers: list[int] = []
     number = max(1, limit)
-    while len(found) < ATTEMPTS * TRIALS:
+    while len(numbers) < ATTEMPTS * TRIALS:
         step = 1 << max(0, (number - 1).bit_length() - ALL_NUMBERS)
         number = step * math.ceil(number / step)
-        found.append(number)
+        numbers.append(number)
         number += 1
-    return found
+    return numbers
 
 
 # -- arc splines ----------------------------------------------------------------------------------
@@ -770,12 +775,14 @@ class Strands:
     tangents: ComplexArray
 
     @classmethod
-    def of(cls, curve: WorkingCurve, pieces: Sequence[Piece], bends: Sequence[Bends]) -> Strands:
+    def from_pieces(
+        cls, curve: WorkingCurve, pieces: Sequence[SmoothPiece], bends: Sequence[Bends]
+    ) -> Strands:
         """The `pieces` of `curve`, whose bends along them are `bends`."""
         first = curve.traced(np.array([piece.start for piece in pieces]))
         last = curve.traced(np.array([piece.end for piece in pieces]), "left")
         points, tangents = np.stack((first[0], last[0])), np.stack((first[1], last[1]))
-        return cls(curve, Difficulty.of(pieces, bends), points, tangents)
+        return cls(curve, Difficulty.from_bends(pieces, bends), points, tangents)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -799,30 +806,32 @@ class JointedCurve:
     valid: BoolArray
 
     @classmethod
-    def of(
+    def sample(
         cls, strands: Strands, layout: Layout, pieces: IntArray, places: FloatArray, probes: int
     ) -> JointedCurve:
         """The curve at the `places` (j,) of joints along `pieces` (k,), and at `probes` per arc."""
         angles = strands.difficulty.angles(layout, pieces, places)
         left, right = layout.left, layout.left + 1
         parts = (np.arange(probes) + 0.5) / probes
-        between = angles[left, None] + (angles[right] - angles[left])[:, None] * parts
-        points, tangents, _ = strands.curve.traced(np.concatenate((angles, between.ravel())))
-        samples = points[len(angles) :].reshape(between.shape)
+        probe_angles = angles[left, None] + (angles[right] - angles[left])[:, None] * parts
+        points, tangents, _ = strands.curve.traced(np.concatenate((angles, probe_angles.ravel())))
+        samples = points[len(angles) :].reshape(probe_angles.shape)
         points, tangents = points[: len(angles)], tangents[: len(angles)]
         points[layout.first], points[layout.last] = strands.points[:, pieces]
         tangents[layout.first], tangents[layout.last] = strands.tangents[:, pieces]
         chords = np.abs(points[right] - points[left])
-        apart = (chords > APART * np.max(np.abs(points))) & (angles[right] > angles[left])
-        valid = np.logical_and.reduceat(apart, layout.first_arcs)
+        separate = (chords > JOINT_DISTANCE * np.max(np.abs(points))) & (
+            angles[right] > angles[left]
+        )
+        valid = np.logical_and.reduceat(separate, layout.first_arcs)
         scale = np.zeros(len(angles))
         scale[left] += chords
         scale[right] += chords
         return cls(layout, angles, points, tangents, samples, scale, valid)
 
-    def step(self, system: ArcSystem, off: FloatArray) -> FloatArray:
-        """Gauss-Newton step (j, 2) from `off` (j, 2), offsets [mm] and turns [rad] of joints."""
-        arcs = Arcs.of(self, off)
+    def step(self, system: ArcSystem, offsets: FloatArray) -> FloatArray:
+        """Gauss-Newton step (j, 2) from `offsets` (j, 2), those [mm] and turns [rad] of joints."""
+        arcs = Arcs.from_offsets(self, offsets)
         errors, t = arcs.errors(self.samples)
         left, right = self.layout.left, self.layout.left + 1
         # To first order arcs move by the Hermite cubic of the motion of their ends, a quadratic as
@@ -830,13 +839,13 @@ class JointedCurve:
         # error.
         rest = 1.0 - t
         errors += (0.5 * arcs.length * arcs.miss)[:, None] * t * rest * (rest - t)
-        before, after = arcs.length / self.scale[left], arcs.length / self.scale[right]
+        left_scale, right_scale = arcs.length / self.scale[left], arcs.length / self.scale[right]
         basis = np.stack(
             (
                 rest * rest * (1.0 + 2.0 * t),
-                rest * rest * t * before[:, None],
+                rest * rest * t * left_scale[:, None],
                 t * t * (1.0 + 2.0 * rest),
-                -t * t * rest * after[:, None],
+                -t * t * rest * right_scale[:, None],
             ),
             axis=1,
         )
@@ -845,28 +854,28 @@ class JointedCurve:
         valid = self.valid & np.isfinite(self.layout.largest(np.max(np.abs(errors), axis=1)))
         free = self.layout.of_joints(valid)
         free[self.layout.first] = free[self.layout.last] = False
-        found = system.solved(
+        unknowns = system.solve(
             basis @ basis.transpose(0, 2, 1),
             (basis @ errors[:, :, None])[:, :, 0],
-            np.stack((-2.0 * cosine, -before, 2.0 * end_cosine, -after), axis=1),
+            np.stack((-2.0 * cosine, -left_scale, 2.0 * end_cosine, -right_scale), axis=1),
             -arcs.length * arcs.miss,
             free,
         )
         # Joints between chords of no length are not free, and do not turn.
         scale = np.where(self.scale > 0.0, self.scale, 1.0)
-        return np.asarray(found / np.stack((np.ones(len(found)), scale), axis=1))
+        return np.asarray(unknowns / np.stack((np.ones(len(unknowns)), scale), axis=1))
 
-    def deviations(self, off: FloatArray) -> FloatArray:
+    def deviations(self, offsets: FloatArray) -> FloatArray:
         """(n,) [mm] largest distance of the curve from each arc, from samples."""
-        errors = np.abs(Arcs.of(self, off).errors(self.samples)[0])
-        joints = np.abs(off[:, 0])
-        found = np.maximum(joints[self.layout.left], joints[self.layout.left + 1])
-        inside, before, after = errors[:, 1:-1], errors[:, :-2], errors[:, 2:]
-        bend = 2.0 * inside - before - after
-        top = (inside >= before) & (inside >= after) & (bend > 0.0)
-        rise = np.where(top, (after - before) ** 2, 0.0) / np.where(top, 8.0 * bend, 1.0)
+        errors = np.abs(Arcs.from_offsets(self, offsets).errors(self.samples)[0])
+        joints = np.abs(offsets[:, 0])
+        end_offsets = np.maximum(joints[self.layout.left], joints[self.layout.left + 1])
+        inside, previous, following = errors[:, 1:-1], errors[:, :-2], errors[:, 2:]
+        bend = 2.0 * inside - previous - following
+        top = (inside >= previous) & (inside >= following) & (bend > 0.0)
+        rise = np.where(top, (following - previous) ** 2, 0.0) / np.where(top, 8.0 * bend, 1.0)
         peaks: FloatArray = np.maximum(np.max(errors, axis=1), np.max(inside + rise, axis=1))
-        return np.maximum(found, peaks)
+        return np.maximum(end_offsets, peaks)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -890,20 +899,27 @@ class Arcs:
     miss: FloatArray
 
     @classmethod
-    def of(cls, jointed: JointedCurve, off: FloatArray) -> Arcs:
-        """The arcs along `jointed` with offsets and turns `off` (j, 2) of the joints."""
+    def from_offsets(cls, jointed: JointedCurve, offsets: FloatArray) -> Arcs:
+        """The arcs along `jointed` with the `offsets` (j, 2) [mm] and turns [rad] of its joints."""
         left, right = jointed.layout.left, jointed.layout.left + 1
-        vertices = jointed.points + 1j * jointed.tangents * off[:, 0]
-        tangents = jointed.tangents * np.exp(1j * off[:, 1])
+        vertices = jointed.points + 1j * jointed.tangents * offsets[:, 0]
+        tangents = jointed.tangents * np.exp(1j * offsets[:, 1])
         chords = vertices[right] - vertices[left]
         length = np.abs(chords)
         none = length == 0.0
         along = chords / np.where(none, 1.0, length)
         length[none] = np.nan
-        before = np.angle(along * np.conj(tangents[left]))
-        after = np.angle(tangents[right] * np.conj(along))
+        start_angle = np.angle(along * np.conj(tangents[left]))
+        end_angle = np.angle(tangents[right] * np.conj(along))
         middle = 0.5 * (vertices[left] + vertices[right])
-        return cls(vertices, middle, along, length, 0.5 * (before + after), before - after)
+        return cls(
+            vertices,
+            middle,
+            along,
+            length,
+            0.5 * (start_angle + end_angle),
+            start_angle - end_angle,
+        )
 
     def errors(self, points: ComplexArray) -> tuple[FloatArray, FloatArray]:
         """Signed distances (n, m) [mm] of `points` (n, m) from the arcs, positive on their left,
@@ -927,7 +943,7 @@ FIRST_POWER, MOST_POWER, CALMER, BOLDER = 1.0 / 6.0, 0.25, 0.7, 1.2
 each at its neighbours' cost, deviations grow with about the sixth power of lengths: any power near
 one third would oscillate. An arc that oscillates nevertheless is damped."""
 
-EVEN, REPEATS = 0.15, 3
+UNEVENNESS, REPEATS = 0.15, 3
 """Where an arc still deviates by this much (a logarithm) more than the mean, as where dkappa/ds has
 a zero every other arc, the rounds are repeated."""
 
@@ -984,36 +1000,38 @@ def arc_splines(strands: Strands, pieces: IntArray, counts: IntArray) -> list[Ar
 
     Their deviation is nearly the least possible. Each depends only on its piece and number of arcs.
     """
-    layout = Layout.of(counts)
-    best, excess = _settled(strands, layout, pieces, strands.difficulty.joints(layout, pieces))
-    uneven = np.flatnonzero(excess > EVEN)
+    layout = Layout.from_counts(counts)
+    best, excess = _equal_error_places(
+        strands, layout, pieces, strands.difficulty.joints(layout, pieces)
+    )
+    uneven = np.flatnonzero(excess > UNEVENNESS)
     if len(uneven):
-        part = Layout.of(counts[uneven])
-        chosen = layout.of_joints(excess > EVEN)
+        part = Layout.from_counts(counts[uneven])
+        chosen = layout.of_joints(excess > UNEVENNESS)
         for _ in range(REPEATS):
-            best[chosen] = _settled(strands, part, pieces[uneven], best[chosen])[0]
-    jointed = JointedCurve.of(strands, layout, pieces, best, PROBES)
-    system = ArcSystem.of(layout)
-    off = np.zeros((len(best), 2))
+            best[chosen] = _equal_error_places(strands, part, pieces[uneven], best[chosen])[0]
+    jointed = JointedCurve.sample(strands, layout, pieces, best, PROBES)
+    system = ArcSystem.from_layout(layout)
+    offsets = np.zeros((len(best), 2))
     for _ in range(FINAL_STEPS):
-        off = off + jointed.step(system, off)
+        offsets = offsets + jointed.step(system, offsets)
     return _splines(
-        strands.curve, JointedCurve.of(strands, layout, pieces, best, CLOSE_PROBES), off
+        strands.curve, JointedCurve.sample(strands, layout, pieces, best, CLOSE_PROBES), offsets
     )
 
 
-def _settled(
+def _equal_error_places(
     strands: Strands, layout: Layout, pieces: IntArray, places: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Places (j,) of joints with the smallest deviation found from `places` (j,) on, and the excess
     (k,) of the largest one of each spline, see `Layout.excess`.
     """
-    system = ArcSystem.of(layout)
+    system = ArcSystem.from_layout(layout)
     count = len(layout.first)
     best, least, uneven = places, np.full(count, np.inf), np.full(count, np.inf)
     power, last = np.full(len(layout.left), FIRST_POWER), np.zeros(len(layout.left))
     for _ in range(ROUNDS):
-        jointed = JointedCurve.of(strands, layout, pieces, places, PROBES)
+        jointed = JointedCurve.sample(strands, layout, pieces, places, PROBES)
         deviations = jointed.deviations(jointed.step(system, np.zeros((len(places), 2))))
         worst, excess = layout.largest(deviations), layout.excess(deviations)
         better = clearly_less(worst, least)
@@ -1022,16 +1040,16 @@ def _settled(
         least = np.where(better, worst, least)
         swings = excess * last < 0.0
         power = np.where(swings, CALMER * power, np.minimum(BOLDER * power, MOST_POWER))
-        places, last = evened(layout, places, power * excess), excess
+        places, last = move_joints(layout, places, power * excess), excess
     return best, uneven
 
 
-def _splines(curve: WorkingCurve, jointed: JointedCurve, off: FloatArray) -> list[ArcSpline]:
-    """The splines of a batch, for the final offsets and turns `off` (j, 2) of its joints."""
-    arcs, layout = Arcs.of(jointed, off), jointed.layout
+def _splines(curve: WorkingCurve, jointed: JointedCurve, offsets: FloatArray) -> list[ArcSpline]:
+    """The splines of a batch, for the final `offsets` (j, 2) [mm] and turns [rad] of its joints."""
+    arcs, layout = Arcs.from_offsets(jointed, offsets), jointed.layout
     # A proof adds the distance of joints from their feet along the arcs.
-    gaps = np.abs(off[:, 0] * np.sin(off[:, 1]))
-    total = jointed.deviations(off) + np.maximum(gaps[layout.left], gaps[layout.left + 1])
+    gaps = np.abs(offsets[:, 0] * np.sin(offsets[:, 1]))
+    total = jointed.deviations(offsets) + np.maximum(gaps[layout.left], gaps[layout.left + 1])
     # Each arc has a parallel on the pitch curve.
     side = -curve.pitch.rotation * np.sign(arcs.halves) * curve.distance
     good = (arcs.length > 2.0 * np.abs(np.sin(arcs.halves)) * side) & np.isfinite(total)
@@ -1039,12 +1057,12 @@ def _splines(curve: WorkingCurve, jointed: JointedCurve, off: FloatArray) -> lis
     good &= np.abs(arcs.halves) <= WIDEST_HALF
     valid = jointed.valid & np.logical_and.reduceat(good, layout.first_arcs)
     deviations = np.where(valid, layout.largest(total), np.inf)
-    found = []
+    splines = []
     for k, (first, last) in enumerate(zip(layout.first, layout.last, strict=True)):
-        joints, own = slice(first, last + 1), slice(first - k, last - k)
+        joints, arc_range = slice(first, last + 1), slice(first - k, last - k)
         angles, vertices = jointed.angles[joints], arcs.vertices[joints]
-        found.append(ArcSpline(angles, vertices, arcs.halves[own], float(deviations[k])))
-    return found
+        splines.append(ArcSpline(angles, vertices, arcs.halves[arc_range], float(deviations[k])))
+    return splines
 
 
 # -- joints ---------------------------------------------------------------------------------------
@@ -1090,7 +1108,7 @@ class Layout:
     spline: IntArray
 
     @classmethod
-    def of(cls, counts: IntArray) -> Layout:
+    def from_counts(cls, counts: IntArray) -> Layout:
         """Splines of `counts` (k,) arcs each."""
         last = np.cumsum(counts + 1) - 1
         left = np.delete(np.arange(last[-1] + 1), last)
@@ -1120,9 +1138,11 @@ class Layout:
         """
         worst = self.largest(deviations)[self.spline]
         usable = np.isfinite(worst) & (worst > 0.0)
-        found: FloatArray = np.log(np.where(usable, np.maximum(deviations, LEAST * worst), 1.0))
-        mean: FloatArray = np.bincount(self.spline, weights=found) / self.counts
-        return in_steps(found - mean[self.spline])
+        logarithms: FloatArray = np.log(
+            np.where(usable, np.maximum(deviations, LEAST * worst), 1.0)
+        )
+        mean: FloatArray = np.bincount(self.spline, weights=logarithms) / self.counts
+        return in_steps(logarithms - mean[self.spline])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -1151,7 +1171,7 @@ class Difficulty:
     lengths: FloatArray
 
     @classmethod
-    def of(cls, pieces: Sequence[Piece], bends: Sequence[Bends]) -> Difficulty:
+    def from_bends(cls, pieces: Sequence[SmoothPiece], bends: Sequence[Bends]) -> Difficulty:
         """Tables of `pieces`, none a rest, from how the curve bends along each."""
         starts = np.array([piece.start for piece in pieces])
         spans = np.array([piece.end - piece.start for piece in pieces])
@@ -1199,7 +1219,7 @@ class Difficulty:
             turns = np.interp(places, self.places, self.turns)
             lengths = np.interp(places, self.places, self.lengths)
             deviations = (turns[right] - turns[left]) * (lengths[right] - lengths[left]) ** 2
-            places = evened(layout, places, ALONE * layout.excess(stress * deviations))
+            places = move_joints(layout, places, ALONE * layout.excess(stress * deviations))
         return places
 
     def angles(self, layout: Layout, pieces: IntArray, places: FloatArray) -> FloatArray:
@@ -1209,19 +1229,19 @@ class Difficulty:
         return np.asarray(starts + spans * part)
 
 
-def evened(layout: Layout, places: FloatArray, shrink: FloatArray) -> FloatArray:
+def move_joints(layout: Layout, places: FloatArray, shrink: FloatArray) -> FloatArray:
     """Places (j,) of joints, moved from `places` so that each arc's share of its spline shrinks by
     the factor exp(shrink), shrink (n,), as against the others.
     """
     share = np.exp(shrink)
     share *= (layout.counts / np.bincount(layout.spline, weights=share))[layout.spline]
     # The shares of a spline add up to its arcs, so joint i of the batch belongs at i.
-    before = np.zeros(len(places))
-    before[layout.left + 1] = share
-    before = np.cumsum(before) + layout.of_joints(np.arange(len(layout.first)))
-    found = np.interp(np.arange(len(places), dtype=np.float64), before, places)
-    found[layout.first], found[layout.last] = places[layout.first], places[layout.last]
-    return found
+    cumulative = np.zeros(len(places))
+    cumulative[layout.left + 1] = share
+    cumulative = np.cumsum(cumulative) + layout.of_joints(np.arange(len(layout.first)))
+    moved = np.interp(np.arange(len(places), dtype=np.float64), cumulative, places)
+    moved[layout.first], moved[layout.last] = places[layout.first], places[layout.last]
+    return moved
 
 
 BAND = 4
@@ -1245,23 +1265,28 @@ class ArcSystem:
     cells: IntArray
 
     @classmethod
-    def of(cls, layout: Layout) -> ArcSystem:
-        """The form of the equations; numbers come with `solved`."""
+    def from_layout(cls, layout: Layout) -> ArcSystem:
+        """The form of the equations; numbers come with `solve`."""
         size = 3 * (int(layout.last[-1]) + 1)
-        own = 3 * layout.left[:, None] + np.array([0, 1, 3, 4])
-        bond = np.broadcast_to(3 * layout.left[:, None] + 2, own.shape)
-        blocks = (len(own), 4, 4)
-        rows = np.broadcast_to(own[:, :, None], blocks)
-        columns = np.broadcast_to(own[:, None, :], blocks)
+        joint_unknowns = 3 * layout.left[:, None] + np.array([0, 1, 3, 4])
+        bond = np.broadcast_to(3 * layout.left[:, None] + 2, joint_unknowns.shape)
+        blocks = (len(joint_unknowns), 4, 4)
+        rows = np.broadcast_to(joint_unknowns[:, :, None], blocks)
+        columns = np.broadcast_to(joint_unknowns[:, None, :], blocks)
         diagonal = np.arange(size)
 
         def cell(row: IntArray, column: IntArray) -> IntArray:
             return ((BAND + row - column) * size + column).ravel()
 
-        cells = (cell(rows, columns), cell(own, bond), cell(bond, own), cell(diagonal, diagonal))
+        cells = (
+            cell(rows, columns),
+            cell(joint_unknowns, bond),
+            cell(bond, joint_unknowns),
+            cell(diagonal, diagonal),
+        )
         return cls(layout, np.concatenate(cells))
 
-    def solved(
+    def solve(
         self,
         square: FloatArray,
         pull: FloatArray,

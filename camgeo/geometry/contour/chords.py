@@ -20,22 +20,22 @@ from camgeo.geometry.contour.legs import (
     Bends,
     Chain,
     TurnLeg,
-    bends_of,
-    contour_of,
-    joints_apart,
+    closed_contour,
     least_counts,
+    sample_bends,
+    separate_joints,
     too_many,
 )
 from camgeo.geometry.contour.proof import (
     AIM,
     Group,
     fit_by_groups,
-    fitted,
+    path_fit,
     proved_fit,
 )
 from camgeo.geometry.contour.spline import highest
 from camgeo.geometry.outline.path import Path
-from camgeo.geometry.pieces import Piece
+from camgeo.geometry.pieces import SmoothPiece
 from camgeo.geometry.pitch_curve import WorkingCurve
 from camgeo.numeric.arrays import ComplexArray, FloatArray
 
@@ -70,7 +70,7 @@ class ChordDensity:
     a = |kappa| pace^2 and b = c |kappa'| pace^3, finite at a cusp too.
     """
 
-    def __init__(self, piece: Piece, bends: Bends) -> None:
+    def __init__(self, piece: SmoothPiece, bends: Bends) -> None:
         self._piece, self._bends = piece, bends
         self._finer: ChordDensity | None = None
         self._width = (piece.end - piece.start) / len(bends.speed)
@@ -83,9 +83,9 @@ class ChordDensity:
 
     def count(self, aim: float) -> float:
         """Chords that are expected to come within `aim` [mm], a real number."""
-        found = self._width * float(np.sum(self._density(aim)))
+        expected = self._width * float(np.sum(self._density(aim)))
         least = 4.0 if self._piece.end - self._piece.start > HALF_ROUND else 1.0
-        return max(least, found)
+        return max(least, expected)
 
     def joints(self, count: int) -> FloatArray:
         """(count + 1,) cam angles [rad] of the ends of `count` parts, both outer ones included."""
@@ -172,8 +172,8 @@ def sampled_polyline(path: Path, tolerance: float) -> Contour:
         If the path has a gap.
     """
     fit_turn = partial(_arc_chords, tolerance=tolerance)
-    fit = fitted(path, tolerance, fit_by_groups(_group, tolerance), fit_turn)
-    return contour_of(fit(AIM * tolerance)).counter_clockwise()
+    fit = path_fit(path, tolerance, fit_by_groups(_group, tolerance), fit_turn)
+    return closed_contour(fit(AIM * tolerance)).counter_clockwise()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -200,28 +200,28 @@ class _Group:
 
     def _trials(self, wanted: Sequence[tuple[int, int]]) -> list[tuple[Chain, float]]:
         joints = [self.densities[piece].joints(count) for piece, count in wanted]
-        made, steps = self._chords([piece for piece, _ in wanted], joints)
+        trials, steps = self._chords([piece for piece, _ in wanted], joints)
         crowded = [
             k
-            for k, (chain, _) in enumerate(made)
+            for k, (chain, _) in enumerate(trials)
             if PARTS * steps[k] < CROWDED * np.max(np.abs(chain.vertices))
         ]
         if crowded:
-            apart = [joints_apart(self.curve, joints[k]) for k in crowded]
-            again, _ = self._chords([wanted[k][0] for k in crowded], apart)
-            for k, found in zip(crowded, again, strict=True):
-                made[k] = found
-        return made
+            separated = [separate_joints(self.curve, joints[k]) for k in crowded]
+            again, _ = self._chords([wanted[k][0] for k in crowded], separated)
+            for k, trial in zip(crowded, again, strict=True):
+                trials[k] = trial
+        return trials
 
     def _chords(
         self, pieces: Sequence[int], joints: list[FloatArray]
     ) -> tuple[list[tuple[Chain, float]], list[float]]:
         """Chords along each piece, their largest distance found, and the smallest step [mm]."""
-        steps = np.concatenate([np.diff(each) for each in joints]) / PARTS
-        starts = np.concatenate([each[:-1] for each in joints])
+        steps = np.concatenate([np.diff(piece_joints) for piece_joints in joints]) / PARTS
+        starts = np.concatenate([piece_joints[:-1] for piece_joints in joints])
         phi = starts[:, None] + steps[:, None] * np.arange(PARTS)
         places, tangents, pace = self.curve.traced(phi.ravel())
-        stops = np.cumsum([len(each) - 1 for each in joints])
+        stops = np.cumsum([len(piece_joints) - 1 for piece_joints in joints])
         points, rates = np.empty((2, len(starts), PARTS + 1), dtype=np.complex128)
         for whole, part, ends in (
             (points, places, self.ends), (rates, tangents * pace, self.end_rates)
@@ -233,24 +233,24 @@ class _Group:
         # Next to a cusp two joints may be one point; they are too near to each other to be kept.
         chord[chord == 0.0] = 1.0
         back = np.conj(chord / np.abs(chord))[:, None]
-        apart = (back * (points - points[:, :1])).imag
+        offsets = (back * (points - points[:, :1])).imag
         growth = (back * rates).imag * steps[:, None]
-        peaks = highest(apart[:, :-1], apart[:, 1:], growth[:, :-1], growth[:, 1:])
-        distances = np.maximum(np.max(peaks, axis=1), np.max(np.abs(apart), axis=1))
+        peaks = highest(offsets[:, :-1], offsets[:, 1:], growth[:, :-1], growth[:, 1:])
+        distances = np.maximum(np.max(peaks, axis=1), np.max(np.abs(offsets), axis=1))
         least = np.min(np.abs(np.diff(points, axis=1)), axis=1)
-        made, shortest = [], []
+        trials, shortest = [], []
         for first, stop in zip(np.append(0, stops[:-1]), stops, strict=True):
-            own = slice(int(first), int(stop))
-            chain = Chain.straight(starts[own], points[own, 0])
-            made.append((chain, float(np.max(distances[own]))))
-            shortest.append(float(np.min(least[own])))
-        return made, shortest
+            chord_range = slice(int(first), int(stop))
+            chain = Chain.straight(starts[chord_range], points[chord_range, 0])
+            trials.append((chain, float(np.max(distances[chord_range]))))
+            shortest.append(float(np.min(least[chord_range])))
+        return trials, shortest
 
 
-def _group(curve: WorkingCurve, pieces: list[Piece]) -> Group:
-    bends = bends_of(curve, pieces)
+def _group(curve: WorkingCurve, pieces: list[SmoothPiece]) -> Group:
+    bends = sample_bends(curve, pieces)
     points, tangents, pace = curve.traced(np.array([piece.end for piece in pieces]), "left")
-    densities = tuple(ChordDensity(*each) for each in zip(pieces, bends, strict=True))
+    densities = tuple(ChordDensity(*pair) for pair in zip(pieces, bends, strict=True))
     return _Group(curve, densities, points, tangents * pace).fit
 
 

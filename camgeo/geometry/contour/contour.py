@@ -45,12 +45,12 @@ def is_straight(
     return np.asarray(sagitta <= EPS * np.maximum(np.abs(start), np.abs(end)))
 
 
-def radii_of(starts: ComplexArray, sweeps: FloatArray, centres: ComplexArray) -> FloatArray:
+def piece_radii(starts: ComplexArray, sweeps: FloatArray, centres: ComplexArray) -> FloatArray:
     """(n,) [mm] radius of each piece, an arc; 0 for lines."""
     return np.where(sweeps != 0.0, np.abs(starts - centres), 0.0)
 
 
-def lengths_of(
+def piece_lengths(
     starts: ComplexArray, ends: ComplexArray, sweeps: FloatArray, radii: FloatArray
 ) -> FloatArray:
     """(n,) [mm] length of each piece from `starts` to `ends`, with the `radii` of arcs."""
@@ -92,7 +92,7 @@ class Contour(PieceChain):
     @property
     def radii(self) -> FloatArray:
         """(n,) [mm] radius of each arc; 0 for lines."""
-        return radii_of(self.vertices, self.sweeps, self.centres)
+        return piece_radii(self.vertices, self.sweeps, self.centres)
 
     @property
     def arc_count(self) -> int:
@@ -102,7 +102,7 @@ class Contour(PieceChain):
     @property
     def lengths(self) -> FloatArray:
         """(n,) [mm] length of each piece."""
-        return lengths_of(self.vertices, self.ends, self.sweeps, self.radii)
+        return piece_lengths(self.vertices, self.ends, self.sweeps, self.radii)
 
     @property
     def length(self) -> float:
@@ -125,12 +125,12 @@ class Contour(PieceChain):
         contour far from the origin keeps its digits.
         """
         middle = complex(np.mean(self.vertices))
-        about = Moments.of_pieces(
+        central = Moments.of_pieces(
             self.vertices - middle, self.ends - middle, self.sweeps, self.centres - middle
         )
-        first_error = about.first_error + about.area_error * abs(middle)
-        first = about.first + about.area * middle
-        return Moments(about.area, first, about.area_error, first_error)
+        first_error = central.first_error + central.area_error * abs(middle)
+        first = central.first + central.area * middle
+        return Moments(central.area, first, central.area_error, first_error)
 
     def reversed(self) -> Self:
         """The same outline in the opposite direction."""
@@ -276,9 +276,9 @@ def winding_number(contour: Contour, point: complex) -> int:
     # chord.
     inside = np.abs(point - pieces.centres) < pieces.radii
     beyond = (np.conj(end - start) * -start).imag * pieces.sweeps < 0.0
-    between = np.where(inside & beyond, np.sign(pieces.sweeps), 0.0)
+    segment_turns = np.where(inside & beyond, np.sign(pieces.sweeps), 0.0)
     chords = float(np.sum(np.angle(end * np.conj(start)))) / (2.0 * np.pi)
-    return round(chords + float(np.sum(between)))
+    return round(chords + float(np.sum(segment_turns)))
 
 
 # -- pieces ---------------------------------------------------------------------------------------
@@ -288,7 +288,7 @@ def winding_number(contour: Contour, point: complex) -> int:
 HALF_TURN = 0.5 * TURN
 
 
-class Run(Protocol):
+class PieceRun(Protocol):
     """What consists of lines and arcs: their `Pieces`, a chain of them, a course."""
 
     @property
@@ -321,35 +321,35 @@ class Pieces(CheckedFields):
         return len(self.starts)
 
     @classmethod
-    def of(cls, run: Run) -> Pieces:
+    def from_run(cls, run: PieceRun) -> Pieces:
         """Those of `run`."""
         return Pieces(run.starts, run.ends, run.sweeps, run.centres)
 
     @classmethod
     def around(cls, contours: Iterable[Contour]) -> Pieces:
         """Those of closed contours, in parts of at most half a turn."""
-        each = [contour.split(HALF_TURN) for contour in contours]
+        parts = [contour.split(HALF_TURN) for contour in contours]
         names = ("vertices", "ends", "sweeps", "centres")
-        columns = ([getattr(contour, name) for contour in each] for name in names)
+        columns = ([getattr(contour, name) for contour in parts] for name in names)
         return Pieces(*(np.concatenate([np.empty(0), *column]) for column in columns))
 
     @property
     def radii(self) -> FloatArray:
         """(n,) [mm] of arcs; 0 for lines."""
-        return radii_of(self.starts, self.sweeps, self.centres)
+        return piece_radii(self.starts, self.sweeps, self.centres)
 
     @property
     def lengths(self) -> FloatArray:
         """(n,) [mm]."""
-        return lengths_of(self.starts, self.ends, self.sweeps, self.radii)
+        return piece_lengths(self.starts, self.ends, self.sweeps, self.radii)
 
-    def at(self, shares: FloatArray) -> ComplexArray:
+    def points_by_share(self, shares: FloatArray) -> ComplexArray:
         """(n,) complex [mm] the place at a share of the length of each; its own ends at 0 and 1."""
         straight = self.starts + (self.ends - self.starts) * shares
         turned = self.centres + (self.starts - self.centres) * np.exp(1j * self.sweeps * shares)
         inner = np.where(self.sweeps == 0.0, straight, turned)
-        found: ComplexArray = np.where(shares == 1.0, self.ends, inner)
-        return np.where(shares == 0.0, self.starts, found)
+        points: ComplexArray = np.where(shares == 1.0, self.ends, inner)
+        return np.where(shares == 0.0, self.starts, points)
 
     def tangents(self, places: ComplexArray) -> ComplexArray:
         """(n,) unit tangents at `places` (n,) [mm] on the pieces; 0 on one without a length."""
@@ -358,9 +358,9 @@ class Pieces(CheckedFields):
         size = np.abs(along)
         return np.asarray(np.divide(along, np.where(size > 0.0, size, 1.0)))
 
-    def between(self, first: FloatArray, last: FloatArray) -> Pieces:
+    def subpieces(self, first: FloatArray, last: FloatArray) -> Pieces:
         """The part of each from the share `first` to the share `last` (n,) of its length."""
-        ends = (self.at(first), self.at(last))
+        ends = (self.points_by_share(first), self.points_by_share(last))
         return Pieces(*ends, self.sweeps * (last - first), self.centres)
 
     def halves(self) -> tuple[IntArray, FloatArray, FloatArray]:
@@ -379,7 +379,7 @@ class Pieces(CheckedFields):
         steps = np.maximum(2.0 * np.arccos(flat), TURN / POINTS)
         counts = np.maximum(1, np.ceil(np.abs(self.sweeps) / steps)).astype(np.intp)
         index, number = grouped(counts)
-        return index, taken(self, index).at((number + 1) / counts[index])
+        return index, taken(self, index).points_by_share((number + 1) / counts[index])
 
     def faces(self, arms: ComplexArray) -> BoolArray:
         """(n,) whether the ray along `arms` (n,) from the centre of each arc meets it."""
@@ -393,7 +393,7 @@ class Pieces(CheckedFields):
         squares = np.where(chords == 0.0, 1.0, np.abs(chords) ** 2)
         return np.asarray(((places - self.starts) * np.conj(chords)).real / squares)
 
-    def apart(self, places: ComplexArray) -> FloatArray:
+    def distances(self, places: ComplexArray) -> FloatArray:
         """(n,) distance [mm] of `places` (n,) from its piece each; (k, n) of places (k, 1).
 
         The nearest point of a piece is the foot of the perpendicular, if that lies on it, or an
@@ -418,58 +418,58 @@ BLOCK = 500_000
 """Pairs that are computed at once."""
 
 
-def distances(points: ComplexArray, run: Run) -> FloatArray:
+def distances(points: ComplexArray, run: PieceRun) -> FloatArray:
     """(n,) exact distance [mm] of each of `points` (n,) from the nearest piece of `run`."""
-    pieces = Pieces.of(run)
+    pieces = Pieces.from_run(run)
     middles, reaches = _bounds(pieces)
     step = max(1, BLOCK // len(pieces))
-    found = [np.empty(0)]
+    blocks = [np.empty(0)]
     for k in range(0, len(points), step):
         some = points[k : k + step]
-        off = np.abs(some[:, None] - middles)
-        nearest = np.min(off + reaches, axis=1)
-        row, column = np.nonzero(off - reaches <= nearest[:, None])
-        apart = taken(pieces, column).apart(some[row])
+        middle_distances = np.abs(some[:, None] - middles)
+        nearest = np.min(middle_distances + reaches, axis=1)
+        row, column = np.nonzero(middle_distances - reaches <= nearest[:, None])
+        piece_distances = taken(pieces, column).distances(some[row])
         first = np.flatnonzero(np.diff(row, prepend=-1))
-        found.append(np.minimum.reduceat(apart, first))
-    return np.concatenate(found)
+        blocks.append(np.minimum.reduceat(piece_distances, first))
+    return np.concatenate(blocks)
 
 
-def least_distance(one: Run, other: Run) -> float:
+def least_distance(one: PieceRun, other: PieceRun) -> float:
     """The distance [mm] between two chains, each piece beginning where the one before it ends; 0 if
     they meet.
     """
     least = min(
         float(np.min(distances(_ends(one), other))), float(np.min(distances(_ends(other), one)))
     )
-    a, b = Pieces.of(one), Pieces.of(other)
+    a, b = Pieces.from_run(one), Pieces.from_run(other)
     (of_a, reach_a), (of_b, reach_b) = _bounds(a), _bounds(b)
     step = max(1, BLOCK // len(b))
     for k in range(0, len(a), step):
         rows = np.arange(k, min(k + step, len(a)))
-        off = np.abs(of_a[rows, None] - of_b) - reach_a[rows, None] - reach_b
-        row, column = np.nonzero(off < least)
+        gaps = np.abs(of_a[rows, None] - of_b) - reach_a[rows, None] - reach_b
+        row, column = np.nonzero(gaps < least)
         if len(row):
             some, others = taken(a, rows[row]), taken(b, column)
-            mixed = _of_arc_and_line(some, others), _of_arc_and_line(others, some)
-            least = min(least, _of_arcs(some, others), _of_lines(some, others), *mixed)
+            mixed = _arc_line_gap(some, others), _arc_line_gap(others, some)
+            least = min(least, _arc_gap(some, others), _line_gap(some, others), *mixed)
     return least
 
 
-def surely_apart(one: Fit, other: Fit) -> float:
+def proved_gap(one: Fit, other: Fit) -> float:
     """Least distance [mm] of the exact curves of two fits; not positive where they may meet."""
-    contours = (Pieces.around([each.contour]) for each in (one, other))
+    contours = (Pieces.around([fit.contour]) for fit in (one, other))
     return least_distance(*contours) - one.deviation - other.deviation
 
 
-def _ends(chain: Run) -> ComplexArray:
+def _ends(chain: PieceRun) -> ComplexArray:
     """(n + 1,) complex [mm], the ends of its n pieces."""
     return np.append(chain.starts, chain.ends[-1:])
 
 
 def _bounds(pieces: Pieces) -> tuple[ComplexArray, FloatArray]:
     """(n,) the middle [mm] of each piece, and a bound of the distance of its points from there."""
-    middles = pieces.at(np.full(len(pieces), 0.5))
+    middles = pieces.points_by_share(np.full(len(pieces), 0.5))
     # Of an arc up to half a turn the ends are farthest from its middle.
     small = np.abs(pieces.sweeps) <= HALF_TURN
     reaches = np.where(small, np.abs(pieces.starts - middles), 2.0 * pieces.radii)
@@ -480,21 +480,23 @@ def _least(values: FloatArray, valid: BoolArray) -> float:
     return float(np.min(values[valid], initial=np.inf))
 
 
-def _of_arcs(a: Pieces, b: Pieces) -> float:
+def _arc_gap(a: Pieces, b: Pieces) -> float:
     """The least distance [mm] of inner points of pairs of arcs on a common normal; 0 where they
     cross, infinite if there is neither. So do the next two of others.
     """
-    between = b.centres - a.centres
-    apart = np.abs(between)
-    bent = (a.sweeps != 0.0) & (b.sweeps != 0.0) & (apart > 0.0)
-    along: ComplexArray = np.divide(np.where(bent, between, 1.0), np.where(bent, apart, 1.0))
+    centre_line = b.centres - a.centres
+    centre_distance = np.abs(centre_line)
+    bent = (a.sweeps != 0.0) & (b.sweeps != 0.0) & (centre_distance > 0.0)
+    along: ComplexArray = np.divide(
+        np.where(bent, centre_line, 1.0), np.where(bent, centre_distance, 1.0)
+    )
     ra, rb = a.radii, b.radii
     least = np.inf
     for one in (1.0, -1.0):
         for other in (1.0, -1.0):
-            gap = np.abs(apart + other * rb - one * ra)
+            gap = np.abs(centre_distance + other * rb - one * ra)
             least = min(least, _least(gap, bent & a.faces(one * along) & b.faces(other * along)))
-    lever = (apart**2 + ra**2 - rb**2) / (2.0 * np.where(bent, apart, 1.0))
+    lever = (centre_distance**2 + ra**2 - rb**2) / (2.0 * np.where(bent, centre_distance, 1.0))
     meet = bent & (np.abs(lever) <= ra)
     height = np.sqrt(np.maximum(ra**2 - lever**2, 0.0))
     for side in (1j, -1j):
@@ -504,7 +506,7 @@ def _of_arcs(a: Pieces, b: Pieces) -> float:
     return least
 
 
-def _of_arc_and_line(arc: Pieces, line: Pieces) -> float:
+def _arc_line_gap(arc: Pieces, line: Pieces) -> float:
     mixed = (arc.sweeps != 0.0) & (line.sweeps == 0.0) & (line.starts != line.ends)
     share = line.feet(arc.centres)
     chord = line.ends - line.starts
@@ -517,18 +519,18 @@ def _of_arc_and_line(arc: Pieces, line: Pieces) -> float:
     meet = mixed & (np.abs(foot) <= arc.radii)
     for side in (1.0, -1.0):
         place = share + side * half
-        on = meet & (place >= 0.0) & (place <= 1.0)
-        if np.any(on & arc.faces(line.starts + place * chord - arc.centres)):
+        hit = meet & (place >= 0.0) & (place <= 1.0)
+        if np.any(hit & arc.faces(line.starts + place * chord - arc.centres)):
             return 0.0
     return least
 
 
-def _of_lines(a: Pieces, b: Pieces) -> float:
+def _line_gap(a: Pieces, b: Pieces) -> float:
     along, across = a.ends - a.starts, b.ends - b.starts
     sine = (np.conj(along) * across).imag
     straight = (a.sweeps == 0.0) & (b.sweeps == 0.0) & (sine != 0.0)
-    between, safe = b.starts - a.starts, np.where(straight, sine, 1.0)
-    first = (np.conj(between) * across).imag / safe
-    second = (np.conj(between) * along).imag / safe
-    on = straight & (first >= 0.0) & (first <= 1.0) & (second >= 0.0) & (second <= 1.0)
-    return 0.0 if np.any(on) else np.inf
+    offset, safe = b.starts - a.starts, np.where(straight, sine, 1.0)
+    first = (np.conj(offset) * across).imag / safe
+    second = (np.conj(offset) * along).imag / safe
+    crossed = straight & (first >= 0.0) & (first <= 1.0) & (second >= 0.0) & (second <= 1.0)
+    return 0.0 if np.any(crossed) else np.inf

@@ -54,7 +54,7 @@ def bound_by_arcs(measure: Measure, contour: SplineContour) -> float:
     """
     finest = FINEST * contour.reach
     share = max(SHARE * (COARSE * contour.reach), finest)
-    found, failed = math.inf, None
+    bound, failed = math.inf, None
     for _ in range(ROUNDS):
         fine = approximating_arcs(contour, share)
         try:
@@ -63,20 +63,20 @@ def bound_by_arcs(measure: Measure, contour: SplineContour) -> float:
             # Fine arcs follow each bend of the spline, also those that the proof of arcs cannot
             # handle.
             failed = fault
-            if found < math.inf:
+            if bound < math.inf:
                 break
             share *= COARSER
             continue
-        found = min(found, reached + fine.apart)
+        bound = min(bound, reached + fine.distance)
         reached = max(reached, ENOUGH)
-        if fine.apart <= SHARPNESS * reached or share <= finest:
+        if fine.distance <= SHARPNESS * reached or share <= finest:
             break
         if failed is not None:
             break
         share = max(min(0.25 * share, SHARE * reached), finest)
-    if found == math.inf and failed is not None:
+    if bound == math.inf and failed is not None:
         raise failed
-    return found
+    return bound
 
 
 # -- lines and arcs -------------------------------------------------------------------------------
@@ -106,7 +106,7 @@ ORDER: Final = 6
 
 
 @cache
-def _over_quarters() -> FloatArray:
+def _quarter_coefficients() -> FloatArray:
     """(7, 28): Bernstein coefficients of degree 6 over [0, 1] -> those over each quarter."""
     rows = np.zeros((ORDER + 1, QUARTERS, ORDER + 1))
     for k in range(ORDER + 1):
@@ -161,7 +161,7 @@ def bounds_beside_arcs(
     forward = lengths > 0.0
     forward &= np.all(np.abs(sides.imag) <= math.tan(WIDEST) * sides.real, axis=1)
 
-    from_line = np.max(np.abs((y @ ELEVATION) @ _over_quarters()), axis=1)
+    from_line = np.max(np.abs((y @ ELEVATION) @ _quarter_coefficients()), axis=1)
     line = from_line <= aim
     middle = 0.125 * (local[:, 0] + 3.0 * local[:, 1] + 3.0 * local[:, 2] + local[:, 3])
     # Through both ends and m: centre on x = L/2 at height h with |m|^2 = L m_x + 2 h m_y.
@@ -169,11 +169,11 @@ def bounds_beside_arcs(
     square = middle.real * (middle.real - lengths) + middle.imag * middle.imag
     centre = square / (2.0 * height)
     radius = np.where(forward, np.hypot(0.5 * lengths, centre), 1.0)
-    from_arc, beside = _from_arcs(x, y, lengths, centre, radius)
+    from_arc, narrow = _from_arcs(x, y, lengths, centre, radius)
     deep = 0.25 * lengths * lengths / (radius + np.abs(centre))
     sagitta = np.where(line, 0.0, np.sign(centre) * deep)
     from_arc = np.where(radius > flattest, np.maximum(from_arc, 8.0 * aim), from_arc)
-    bound = np.where(line, from_line, np.where(beside, from_arc, np.inf))
+    bound = np.where(line, from_line, np.where(narrow, from_arc, np.inf))
     return sagitta, np.where(forward, bound, np.inf)
 
 
@@ -191,14 +191,14 @@ def _from_arcs(
     # |x - c|^2 - r^2 = |x|^2 - 2 c x, for the circle passes through the origin.
     dot = (0.5 * lengths)[:, None] * x + centre[:, None] * y
     q -= ((2.0 * half)[:, None] * dot) @ ELEVATION
-    off = np.max(np.abs(q @ _over_quarters()), axis=1)
+    largest = np.max(np.abs(q @ _quarter_coefficients()), axis=1)
     # |x - c| = sqrt(r^2 + 2 r q): the distance is q for small q, and at most this.
-    inner = 1.0 - 2.0 * off / radius
-    bound = 2.0 * off / (1.0 + np.sqrt(np.maximum(inner, 0.0)))
+    inner = 1.0 - 2.0 * largest / radius
+    bound = 2.0 * largest / (1.0 + np.sqrt(np.maximum(inner, 0.0)))
     arm = -np.sign(centre)[:, None] * (y - centre[:, None])
     aside = np.abs(x - 0.5 * lengths[:, None])
-    within = np.all((arm > 0.0) & (aside <= math.tan(WIDEST) * arm), axis=1)
-    return bound, within & (inner > 0.0)
+    narrow = np.all((arm > 0.0) & (aside <= math.tan(WIDEST) * arm), axis=1)
+    return bound, narrow & (inner > 0.0)
 
 
 ROUNDING = 2.0**-52 * 16.0
@@ -244,7 +244,7 @@ class ApproximatingArcs:
     """
 
     contour: Contour
-    apart: float
+    distance: float
     counts: IntArray
     cubics: IntArray
     shares: FloatArray
@@ -272,17 +272,17 @@ def approximating_arcs(contour: SplineContour, tolerance: float) -> Approximatin
     owner = np.concatenate((parts.owner, np.array(exact, dtype=np.intp)))
     order = np.argsort(owner, kind="stable")
     starts, sweeps, centres = parts.arcs()
-    found = Contour(
+    arc_contour = Contour(
         np.concatenate((starts, [arc.start for arc in contour.arcs]))[order],
         np.concatenate((sweeps, [arc.sweep for arc in contour.arcs]))[order],
         np.concatenate((centres, [arc.centre for arc in contour.arcs]))[order],
     )
     sizes = np.maximum(np.abs(centres) + np.abs(starts - centres), contour.reach)
-    apart = np.max(parts.bounds + ROUNDING * sizes, initial=ROUNDING * contour.reach)
+    distance = np.max(parts.bounds + ROUNDING * sizes, initial=ROUNDING * contour.reach)
     none = np.zeros(len(exact))
     return ApproximatingArcs(
-        found,
-        float(apart),
+        arc_contour,
+        float(distance),
         np.bincount(owner, minlength=len(strands)),
         np.concatenate((parts.cubics, none.astype(np.intp) - 1))[order],
         np.concatenate((parts.shares, none))[order],
@@ -326,7 +326,7 @@ def _parts(pieces: list[ComplexArray], owners: list[int], tolerance: float, reac
     none = np.zeros((0, CUBIC + 1), dtype=np.complex128)
     whole = np.concatenate([none, *pieces])
     moving = np.flatnonzero(np.max(np.abs(np.diff(whole, axis=1)), axis=1) > 0.0)
-    owner = np.repeat(np.array(owners, dtype=np.intp), [len(each) for each in pieces])[moving]
+    owner = np.repeat(np.array(owners, dtype=np.intp), [len(beziers) for beziers in pieces])[moving]
     whole = whole[moving]
     aim = max(tolerance, ROUNDING * reach)
     flattest = max(aim / FLATNESS, FLATTEST * reach)

@@ -12,7 +12,7 @@ import numpy as np
 from camgeo.errors import GeometryError, ToleranceError
 from camgeo.geometry.contour.cubic_proof import FINEST, SHARE, ApproximatingArcs, approximating_arcs
 from camgeo.geometry.contour.legs import (
-    APART,
+    JOINT_DISTANCE,
     UNTRIED,
     Chain,
     Leg,
@@ -20,17 +20,17 @@ from camgeo.geometry.contour.legs import (
     TurnLeg,
     check_regular,
     clearly_less,
+    gap_error,
     in_steps,
-    legs_of,
-    runs_of,
+    join_runs,
+    path_legs,
     still_closer,
     too_many,
-    torn_apart,
 )
-from camgeo.geometry.contour.proof import SHARPNESS, by_curve, proved, proved_bound
+from camgeo.geometry.contour.proof import SHARPNESS, fit_until_proved, group_by_curve, proved_bound
 from camgeo.geometry.contour.spline import Arc, CubicSpline, SplineContour, SplineFit
 from camgeo.geometry.outline.path import Path
-from camgeo.geometry.pieces import Piece
+from camgeo.geometry.pieces import SmoothPiece
 from camgeo.geometry.pitch_curve import WorkingCurve
 from camgeo.kinematics.mechanism.follower import bend_of_path
 from camgeo.kinematics.motion import FULL_ORDER
@@ -84,7 +84,7 @@ class Part:
         return Arc(self.start, end, self.sweep, self.centre)
 
 
-def parts_of(legs: Sequence[Leg], tolerance: float) -> list[Part]:
+def path_parts(legs: Sequence[Leg], tolerance: float) -> list[Part]:
     """The parts of a path, in order; those too short for a strand are omitted.
 
     Raises
@@ -96,15 +96,15 @@ def parts_of(legs: Sequence[Leg], tolerance: float) -> list[Part]:
     """
     stretches = [(k, leg) for k, leg in enumerate(legs) if isinstance(leg, StretchLeg)]
     pieces = [(number, leg, piece) for number, leg in stretches for piece in leg.pieces]
-    found: list[Part | None] = [None] * len(pieces)
+    piece_parts: list[Part | None] = [None] * len(pieces)
     right = np.empty(len(pieces), dtype=np.complex128)
     left = right.copy()
-    for curve, chosen in by_curve([(leg, piece) for _, leg, piece in pieces]):
+    for curve, chosen in group_by_curve([(leg, piece) for _, leg, piece in pieces]):
         numbers = [pieces[k][0] for k in chosen]
-        starts, ends, parts = _of_curve(curve, [pieces[k][2] for k in chosen], numbers)
+        starts, ends, parts = _curve_parts(curve, [pieces[k][2] for k in chosen], numbers)
         right[chosen], left[chosen] = starts, ends
         for k, part in zip(chosen, parts, strict=True):
-            found[k] = part
+            piece_parts[k] = part
     order: list[Part] = []
     begin = 0
     for number, leg in enumerate(legs):
@@ -114,12 +114,12 @@ def parts_of(legs: Sequence[Leg], tolerance: float) -> list[Part]:
             continue
         end = begin + len(leg.pieces)
         _require_joined(leg, right[begin:end], left[begin:end], tolerance)
-        kept = [part for part in found[begin:end] if part is not None]
-        if kept and not leg.closed:
+        leg_parts = [part for part in piece_parts[begin:end] if part is not None]
+        if leg_parts and not leg.closed:
             # An omitted piece before a part belongs to that part.
-            start = kept[0].start if leg.first is None else leg.first
-            kept[0] = replace(kept[0], start=start, begin=leg.start)
-        order += kept
+            start = leg_parts[0].start if leg.first is None else leg.first
+            leg_parts[0] = replace(leg_parts[0], start=start, begin=leg.start)
+        order += leg_parts
         begin = end
     return order
 
@@ -135,11 +135,11 @@ def _require_joined(
     if not leg.closed:
         gaps[0] = 0.0
     if np.any(gaps > np.maximum(tolerance, ROUNDING_OF_PARTS * np.abs(right))):
-        raise torn_apart(leg.pieces[int(np.argmax(gaps))].start)
+        raise gap_error(leg.pieces[int(np.argmax(gaps))].start)
 
 
-def _of_curve(
-    curve: WorkingCurve, pieces: Sequence[Piece], legs: Sequence[int]
+def _curve_parts(
+    curve: WorkingCurve, pieces: Sequence[SmoothPiece], legs: Sequence[int]
 ) -> tuple[ComplexArray, ComplexArray, list[Part | None]]:
     """Starts and ends (pieces,) [mm] of pieces of one curve, and the parts that they will be; None
     for one too short. `legs` are the numbers of their legs.
@@ -149,14 +149,14 @@ def _of_curve(
     """
     moving = [k for k, piece in enumerate(pieces) if not piece.is_arc]
     rests = [k for k, piece in enumerate(pieces) if piece.is_arc]
-    phi, nodes = cells_of([pieces[k] for k in moving])
+    phi, nodes = cell_angles([pieces[k] for k in moving])
     count = len(moving)
-    resting_from = np.array([pieces[k].start for k in rests])
+    rest_starts = np.array([pieces[k].start for k in rests])
     middle = np.array([0.5 * (pieces[k].start + pieces[k].end) for k in rests])
-    here = Traced.of(
-        curve, np.concatenate((phi[:, :-1].ravel(), nodes.ravel(), resting_from, middle))
+    here = Traced.evaluate(
+        curve, np.concatenate((phi[:, :-1].ravel(), nodes.ravel(), rest_starts, middle))
     )
-    back = Traced.of(curve, np.array([piece.end for piece in pieces]), "left")
+    back = Traced.evaluate(curve, np.array([piece.end for piece in pieces]), "left")
 
     stop, last = phi[:, :-1].size, phi[:, :-1].size + nodes.size
     cells = here.shaped(slice(0, stop), (count, CELLS))
@@ -172,17 +172,17 @@ def _of_curve(
     starts[moving], middles[moving] = cells.points[:, 0], cells.points[:, CELLS // 2]
     starts[rests], middles[rests] = resting.points
     ends = back.points
-    long = np.abs(middles - starts) + np.abs(ends - middles) > APART * np.abs(starts)
+    long = np.abs(middles - starts) + np.abs(ends - middles) > JOINT_DISTANCE * np.abs(starts)
 
     rows = [place for place, k in enumerate(moving) if long[k]]
-    kept = [moving[place] for place in rows]
+    long_pieces = [moving[place] for place in rows]
     course = None
-    if kept:
-        points = np.column_stack((cells.points[rows], ends[kept]))
-        tangents = np.column_stack((cells.tangents[rows], back.tangents[kept]))
-        course = ArcLength.of(curve, phi[rows], points, tangents, taken(inside, rows))
+    if long_pieces:
+        points = np.column_stack((cells.points[rows], ends[long_pieces]))
+        tangents = np.column_stack((cells.tangents[rows], back.tangents[long_pieces]))
+        course = ArcLength.from_samples(curve, phi[rows], points, tangents, taken(inside, rows))
     parts: list[Part | None] = [None] * len(pieces)
-    for row, (place, k) in enumerate(zip(rows, kept, strict=True)):
+    for row, (place, k) in enumerate(zip(rows, long_pieces, strict=True)):
         first, arriving = complex(cells.tangents[place, 0]), complex(back.tangents[k])
         begin, start = pieces[k].start, complex(starts[k])
         parts[k] = Part(legs[k], begin, start, course, row, first=first, last=arriving)
@@ -246,7 +246,7 @@ class Traced:
     slope: FloatArray
 
     @classmethod
-    def of(cls, curve: WorkingCurve, phi: FloatArray, side: Side = "right") -> Traced:
+    def evaluate(cls, curve: WorkingCurve, phi: FloatArray, side: Side = "right") -> Traced:
         """The evaluation at `phi` (n,) [rad], in one call."""
         pitch = curve.pitch
         relative = pitch.relative_jet(phi, side)
@@ -267,7 +267,7 @@ class Traced:
     def shaped(self, which: slice, shape: tuple[int, ...]) -> Traced:
         """The part `which` of all arrays, reshaped."""
         part = taken(self, which)
-        return Traced(*(getattr(part, each.name).reshape(shape) for each in fields(part)))
+        return Traced(*(getattr(part, column.name).reshape(shape) for column in fields(part)))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -295,7 +295,7 @@ class ArcLength:
     density: FloatArray
 
     @classmethod
-    def of(
+    def from_samples(
         cls,
         curve: WorkingCurve,
         phi: FloatArray,
@@ -303,7 +303,7 @@ class ArcLength:
         tangents: ComplexArray,
         inside: Traced,
     ) -> ArcLength:
-        """From the curve at the cells' ends and, `inside`, at the nodes: see `cells_of`.
+        """From the curve at the cells' ends and, `inside`, at the nodes: see `cell_angles`.
 
         The pieces must be regular, except for cusps at single points.
         """
@@ -317,8 +317,8 @@ class ArcLength:
         # The two curvatures of a parallel: kappa_d = kappa/(1 + d kappa), and its slope over s_d.
         slope = inside.slope / (pace * regular * regular)
         kappa = inside.bend[..., 1] / regular[..., 1]
-        apart = half * (pace[..., 0] + pace[..., 2]) * 0.5 * (NODES[2] - NODES[0])
-        second = (slope[..., 2] - slope[..., 0]) / apart
+        node_distance = half * (pace[..., 0] + pace[..., 2]) * 0.5 * (NODES[2] - NODES[0])
+        second = (slope[..., 2] - slope[..., 0]) / node_distance
         density = np.sqrt(np.sqrt(np.abs(second - kappa**3)))
         return cls(curve, phi, s + ends[:-1, None], points, tangents, pace, density)
 
@@ -391,9 +391,9 @@ class ArcLength:
         chord = last - first
         bow, lean = leave - chord, arrive - chord
         w = 1.0 - t
-        at = first + t * chord + (t * w) * (w * bow - t * lean)
+        interpolated = first + t * chord + (t * w) * (w * bow - t * lean)
         along = chord + (w * (1.0 - 3.0 * t)) * bow + (t * (3.0 * t - 2.0)) * lean
-        return at, along / step
+        return interpolated, along / step
 
     def _cells(self, piece: IntArray, s: FloatArray) -> IntArray:
         """(n,) number of the cell that each `s` (n,) of the pieces `piece` (n,) lies in."""
@@ -401,7 +401,7 @@ class ArcLength:
         return np.minimum(np.maximum(cell, piece * CELLS), piece * CELLS + (CELLS - 1))
 
 
-def cells_of(pieces: Sequence[Piece]) -> tuple[FloatArray, FloatArray]:
+def cell_angles(pieces: Sequence[SmoothPiece]) -> tuple[FloatArray, FloatArray]:
     """(pieces, CELLS + 1) and (pieces, CELLS, 3) cam angles [rad] of cells' ends and nodes."""
     start = np.array([piece.start for piece in pieces])[:, None]
     end = np.array([piece.end for piece in pieces])[:, None]
@@ -464,7 +464,7 @@ LADDER = _ladder()
 
 
 @dataclass(frozen=True, slots=True)
-class Found:
+class FittedSpline:
     """A spline for a piece, and its largest distance [mm] found."""
 
     spline: CubicSpline
@@ -484,19 +484,19 @@ class Trial:
     solution: Solution
     worst: FloatArray
 
-    def found(self, number: int) -> Found:
+    def fitted_spline(self, number: int) -> FittedSpline:
         """The spline of that number, over its own arc length from 0 on."""
-        layout, found = self.layout, self.solution
+        layout, solution = self.layout, self.solution
         count = int(layout.counts[number])
         first = int(layout.span_starts[number])
         begin = int(layout.control_starts[number])
-        places = np.append(found.low[first : first + count], found.high[first + count - 1])
+        places = np.append(solution.low[first : first + count], solution.high[first + count - 1])
         places = places - places[0]
         knots = np.concatenate(
             (np.repeat(places[:1], ORDER), places[1:-1], np.repeat(places[-1:], ORDER))
         )
-        spline = CubicSpline(knots, found.controls[begin : begin + count + ORDER - 1])
-        return Found(spline, float(self.worst[number]))
+        spline = CubicSpline(knots, solution.controls[begin : begin + count + ORDER - 1])
+        return FittedSpline(spline, float(self.worst[number]))
 
 
 def limits(course: ArcLength, aim: float) -> FloatArray:
@@ -504,7 +504,7 @@ def limits(course: ArcLength, aim: float) -> FloatArray:
     return np.asarray(CUBIC_CONSTANT * course.totals * aim**-0.25)
 
 
-def fewest(course: ArcLength, ends: Ends, aim: float, tolerance: float) -> list[Found]:
+def fewest(course: ArcLength, ends: Ends, aim: float, tolerance: float) -> list[FittedSpline]:
     """A spline for each piece, of the fewest cubics whose distance found is at most `aim` [mm].
 
     For a number of cubics the distance depends only on the piece, and the numbers tried only on the
@@ -525,7 +525,7 @@ def fewest(course: ArcLength, ends: Ends, aim: float, tolerance: float) -> list[
     return _search(course, ends, counts, next_counts, DAMPING, aim, tolerance)
 
 
-def fast(course: ArcLength, ends: Ends, aim: float, tolerance: float) -> list[Found]:
+def fast(course: ArcLength, ends: Ends, aim: float, tolerance: float) -> list[FittedSpline]:
     """A spline for each piece whose distance found is at most `aim` [mm], nearly always in one
     pass: a few numbers of cubics are tried at once, because calls cost more than numbers.
 
@@ -557,30 +557,30 @@ def _search(
     damping: tuple[float, ...],
     aim: float,
     tolerance: float,
-) -> list[Found]:
+) -> list[FittedSpline]:
     """A spline for each piece, of the first of its `counts` of cubics whose distance is at most
     `aim` [mm]; if there is none, of those that `next_counts` gives, by the last number and its
     distance over the aim.
     """
     open_counts = dict(enumerate(counts))
     marks = [UNTRIED] * len(counts)
-    found: dict[int, Found] = {}
+    splines: dict[int, FittedSpline] = {}
     while open_counts:
         if not all(open_counts.values()):
             raise too_many(MAX_CUBICS, "cubics", tolerance)
-        tried = [(k, count) for k, each in open_counts.items() for count in each]
+        tried = [(k, count) for k, piece_counts in open_counts.items() for count in piece_counts]
         trial = _equalised(course, ends, tried, damping)
         for number, (k, count) in enumerate(tried):
             worst = float(trial.worst[number])
-            if k in found:
+            if k in splines:
                 continue
             if worst <= aim:
-                found[k] = trial.found(number)
+                splines[k] = trial.fitted_spline(number)
                 del open_counts[k]
             else:
                 marks[k] = still_closer(marks[k], count, worst, tolerance)
                 open_counts[k] = next_counts(count, worst / aim)
-    return [found[k] for k in range(len(counts))]
+    return [splines[k] for k in range(len(counts))]
 
 
 def _equalised(
@@ -596,13 +596,13 @@ def _equalised(
     line = course.s.ravel()
     low = np.interp(piece[owner] + local / counts[owner], shares, line)
     high = np.interp(piece[owner] + (local + 1) / counts[owner], shares, line)
-    found = solve(course, layout, low, high)
+    solution = solve(course, layout, low, high)
     best_low, best_high = low, high
-    worst = np.maximum.reduceat(found.errors, layout.span_starts)
+    worst = np.maximum.reduceat(solution.errors, layout.span_starts)
     for power in damping:
-        low, high = _shifted(course, layout, owner, found, power)
-        found = solve(course, layout, low, high)
-        now = np.maximum.reduceat(found.errors, layout.span_starts)
+        low, high = _shifted(course, layout, owner, solution, power)
+        solution = solve(course, layout, low, high)
+        now = np.maximum.reduceat(solution.errors, layout.span_starts)
         better = clearly_less(now, worst)
         moved = better[owner]
         best_low, best_high = np.where(moved, low, best_low), np.where(moved, high, best_high)
@@ -612,23 +612,23 @@ def _equalised(
 
 
 def _shifted(
-    course: ArcLength, layout: Layout, owner: IntArray, found: Solution, power: float
+    course: ArcLength, layout: Layout, owner: IntArray, solution: Solution, power: float
 ) -> tuple[FloatArray, FloatArray]:
     """New spans: the density of knots grows with the fourth root of the error, to a power."""
     first = layout.span_starts
     last = first + layout.counts - 1
-    worst = np.maximum.reduceat(found.errors, first)
-    share = found.errors / np.where(worst > 0.0, worst, 1.0)[owner]
+    worst = np.maximum.reduceat(solution.errors, first)
+    share = solution.errors / np.where(worst > 0.0, worst, 1.0)[owner]
     work = np.exp(0.25 * power * in_steps(np.log(share + SMALLEST)))
     sums = np.cumsum(work)
-    before = (sums[first] - work[first])[owner]
+    prior_work = (sums[first] - work[first])[owner]
     total = np.add.reduceat(work, first)[owner]
     # Work up to the end of each span, such that a spline's work is its number of spans.
-    done = first[owner] + (sums - before) / total * layout.counts[owner]
-    done[last] = last + 1.0
-    lengths = found.high - found.low
+    progress = first[owner] + (sums - prior_work) / total * layout.counts[owner]
+    progress[last] = last + 1.0
+    lengths = solution.high - solution.low
     far = np.cumsum(lengths)
-    line = np.interp(np.arange(len(owner) + 1.0), np.append(0.0, done), np.append(0.0, far))
+    line = np.interp(np.arange(len(owner) + 1.0), np.append(0.0, progress), np.append(0.0, far))
     offset = (course.ends[layout.piece] - (far[first] - lengths[first]))[owner]
     low, high = line[:-1] + offset, line[1:] + offset
     low[first], high[last] = course.ends[layout.piece], course.ends[layout.piece + 1]
@@ -692,8 +692,8 @@ class Layout:
     @property
     def control_starts(self) -> IntArray:
         """(splines,) first control point of each."""
-        each = self.counts + ORDER - 1
-        return np.cumsum(each) - each
+        controls = self.counts + ORDER - 1
+        return np.cumsum(controls) - controls
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -734,9 +734,9 @@ def solve(
     basis = _basis(low, high, first_span, first_span + layout.counts[owner] - 1, parts)
     columns = (layout.control_starts[owner] + local)[:, None] + np.arange(ORDER)
 
-    at = low[:, None] + (high - low)[:, None] * parts
+    arc_lengths = low[:, None] + (high - low)[:, None] * parts
     exact = np.full(spans, final) | (layout.counts * CELLS_A_SPAN > CELLS)[owner]
-    points, tangents = _curve(course, layout.piece[owner], at, exact)
+    points, tangents = _curve(course, layout.piece[owner], arc_lengths, exact)
 
     fixed, held = _fixed(layout, low, high)
     middle = len(parts) // 2
@@ -759,48 +759,48 @@ def solve(
     solved = solveh_banded(bands, right, lower=True, check_finite=False)
     controls = np.where(held, fixed, solved[:, 0] + 1j * solved[:, 1])
 
-    apart = np.einsum("sqc,sc->sq", basis, controls[columns]) - points
-    off = (np.conj(tangents) * apart).imag  # the part along the curve is not a distance
-    errors = np.max(np.abs(off), axis=1)
+    residuals = np.einsum("sqc,sc->sq", basis, controls[columns]) - points
+    offsets = (np.conj(tangents) * residuals).imag  # the part along the curve is not a distance
+    errors = np.max(np.abs(offsets), axis=1)
     if final:
         first = layout.span_starts
-        errors = np.maximum(errors, _peaks(off, first, first + layout.counts - 1))
+        errors = np.maximum(errors, _peaks(offsets, first, first + layout.counts - 1))
     return Solution(low, high, controls, errors)
 
 
-def _peaks(off: FloatArray, first: IntArray, last: IntArray) -> FloatArray:
+def _peaks(offsets: FloatArray, first: IntArray, last: IntArray) -> FloatArray:
     """(spans,) largest magnitude of the parabolas through any three neighbours of `off` (spans,
     parts).
 
     At their vertices; those of the spans before and after count too. Before the spans `first` and
     after the spans `last` (splines,) nothing is off.
     """
-    after, before = np.roll(off[:, 0], -1), np.roll(off[:, -1], 1)
-    after[last] = 0.0
-    before[first] = 0.0
-    values = np.column_stack((before, off, after))
-    before, here, after = values[:, :-2], values[:, 1:-1], values[:, 2:]
-    slope = 0.5 * (after - before)
-    bend = after - 2.0 * here + before
+    following, previous = np.roll(offsets[:, 0], -1), np.roll(offsets[:, -1], 1)
+    following[last] = 0.0
+    previous[first] = 0.0
+    values = np.column_stack((previous, offsets, following))
+    previous, here, following = values[:, :-2], values[:, 1:-1], values[:, 2:]
+    slope = 0.5 * (following - previous)
+    bend = following - 2.0 * here + previous
     fall = np.divide(0.5 * slope * slope, bend, out=np.zeros_like(bend), where=bend != 0.0)
     peaks = np.where(np.abs(slope) < np.abs(bend), np.abs(here - fall), 0.0)
     return np.asarray(np.max(peaks, axis=1))
 
 
 def _curve(
-    course: ArcLength, piece: IntArray, at: FloatArray, exact: BoolArray
+    course: ArcLength, piece: IntArray, s: FloatArray, exact: BoolArray
 ) -> tuple[ComplexArray, ComplexArray]:
-    """(spans, parts) points and tangents of the curve at S `at`, the curve itself where `exact`
+    """(spans, parts) points and tangents of the curve at S `s`, the curve itself where `exact`
     (spans,), else between its cells.
     """
-    of = np.repeat(piece, at.shape[1]).reshape(at.shape)
+    sample_piece = np.repeat(piece, s.shape[1]).reshape(s.shape)
     if np.all(exact):
-        points, tangents = _exact(course, of.ravel(), at.ravel())
-        return points.reshape(at.shape), tangents.reshape(at.shape)
-    points, tangents = course.near(of, at)
+        points, tangents = _exact(course, sample_piece.ravel(), s.ravel())
+        return points.reshape(s.shape), tangents.reshape(s.shape)
+    points, tangents = course.near(sample_piece, s)
     if np.any(exact):
-        found = _exact(course, of[exact].ravel(), at[exact].ravel())
-        points[exact], tangents[exact] = (part.reshape(-1, at.shape[1]) for part in found)
+        exact_values = _exact(course, sample_piece[exact].ravel(), s[exact].ravel())
+        points[exact], tangents[exact] = (part.reshape(-1, s.shape[1]) for part in exact_values)
     return points, tangents
 
 
@@ -831,9 +831,9 @@ def _basis(
 ) -> FloatArray:
     """(spans, parts, 4) the four B-splines over each span, clamped at the spans `first`, `last`."""
     index = np.arange(len(low))
-    before = [low[np.maximum(index - k, first)] for k in (2, 1, 0)]
-    after = [high[np.minimum(index + k, last)] for k in (0, 1, 2)]
-    knots = np.stack((*before, *after), axis=1)[:, None, :]
+    left_knots = [low[np.maximum(index - k, first)] for k in (2, 1, 0)]
+    right_knots = [high[np.minimum(index + k, last)] for k in (0, 1, 2)]
+    knots = np.stack((*left_knots, *right_knots), axis=1)[:, None, :]
     x = low[:, None] + (high - low)[:, None] * parts
     values = [np.ones_like(x)]
     for degree in range(1, ORDER):
@@ -858,7 +858,7 @@ between samples miss, so that the first proof holds."""
 STRAIGHT = 2.0**-52 * 64.0
 """A piece whose sagitta is a smaller fraction of its distance from the cam axis is a line."""
 
-Search = Callable[[ArcLength, Ends, float, float], list[Found]]
+Search = Callable[[ArcLength, Ends, float, float], list[FittedSpline]]
 
 
 def fit_spline(path: Path, tolerance: float) -> SplineFit:
@@ -890,8 +890,8 @@ def fewest_cubics(path: Path, tolerance: float) -> SplineFit:
 
 
 def _proved(path: Path, tolerance: float, search: Search) -> SplineFit:
-    legs = legs_of(path)
-    parts = parts_of(legs, tolerance)
+    legs = path_legs(path)
+    parts = path_parts(legs, tolerance)
     size = max(abs(part.start) for part in parts)
     if not tolerance > ROUNDING_OF_PARTS * size:
         raise ToleranceError(
@@ -904,16 +904,16 @@ def _proved(path: Path, tolerance: float, search: Search) -> SplineFit:
     def fit(aim: float) -> tuple[SplineContour, float]:
         whole: list[CubicSpline | Arc | None] = list(arcs)
         error = 0.0
-        for chosen, course, ends_of in groups:
-            for k, found in zip(chosen, search(course, ends_of, aim, tolerance), strict=True):
-                whole[k] = _strand(found.spline, size)
-                error = max(error, found.error)
+        for chosen, course, spline_ends in groups:
+            for k, fitted in zip(chosen, search(course, spline_ends, aim, tolerance), strict=True):
+                whole[k] = _strand(fitted.spline, size)
+                error = max(error, fitted.error)
         return SplineContour(tuple(strand for strand in whole if strand is not None)), error
 
-    def prove(made: tuple[SplineContour, float]) -> float:
-        return fitted_deviation(legs, parts, *made, SHARPNESS * tolerance)
+    def prove(fitted: tuple[SplineContour, float]) -> float:
+        return fitted_deviation(legs, parts, *fitted, SHARPNESS * tolerance)
 
-    (contour, _), reached = proved(fit, prove, AIM * tolerance, tolerance)
+    (contour, _), reached = fit_until_proved(fit, prove, AIM * tolerance, tolerance)
     return SplineFit(contour.counter_clockwise(), reached, tolerance)
 
 
@@ -926,17 +926,17 @@ def _groups(
         course = parts[k].course
         if course is not None:
             chosen.setdefault(id(course), (course, []))[1].append(k)
-    found = []
+    groups = []
     for course, members in chosen.values():
         course.require_finite()
-        ends_of = Ends(
+        spline_ends = Ends(
             np.array([parts[k].start for k in members]),
             np.array([ends[k] for k in members]),
             np.array([parts[k].first for k in members]),
             np.array([parts[k].last for k in members]),
         )
-        found.append((members, course, ends_of))
-    return found
+        groups.append((members, course, spline_ends))
+    return groups
 
 
 def _strand(spline: CubicSpline, size: float) -> CubicSpline | Arc:
@@ -981,12 +981,12 @@ def fitted_deviation(
         chains[part.leg].append(
             Chain(angles[which], arcs.vertices[which], arcs.sweeps[which], arcs.centres[which])
         )
-    runs = runs_of(
-        [(leg, found or [Chain.empty()]) for leg, found in zip(legs, chains, strict=True)]
+    runs = join_runs(
+        [(leg, leg_chains or [Chain.empty()]) for leg, leg_chains in zip(legs, chains, strict=True)]
     )
     if any(np.any(np.diff(run.angles) <= 0.0) for run in runs):
         raise GeometryError("the contour does not follow the exact curve once round")
-    return proved_bound(runs, ARC_CELLS, enough) + fine.apart
+    return proved_bound(runs, ARC_CELLS, enough) + fine.distance
 
 
 def _angles(parts: Sequence[Part], contour: SplineContour, fine: ApproximatingArcs) -> FloatArray:
@@ -1017,9 +1017,9 @@ def _angles(parts: Sequence[Part], contour: SplineContour, fine: ApproximatingAr
             continue
         cubic = fine.cubics[which]
         s = np.concatenate(low)[cubic] + fine.shares[which] * np.concatenate(width)[cubic]
-        found = course.angles(piece[which], s)
-        points, tangents, pace = course.curve.traced(found)
-        apart = (np.conj(tangents) * (fine.contour.vertices[which] - points)).real
+        phi = course.angles(piece[which], s)
+        points, tangents, pace = course.curve.traced(phi)
+        ahead = (np.conj(tangents) * (fine.contour.vertices[which] - points)).real
         forward = pace > 0.0
-        angles[which] = found + np.where(forward, apart, 0.0) / np.where(forward, pace, 1.0)
+        angles[which] = phi + np.where(forward, ahead, 0.0) / np.where(forward, pace, 1.0)
     return angles

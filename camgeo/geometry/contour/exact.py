@@ -156,7 +156,7 @@ class _Pieces:
         """(n,) complex [mm]."""
         return 0.5 * (self.start + self.end) + self.rise
 
-    def at(self, share: FloatArray) -> ComplexArray:
+    def points_by_share(self, share: FloatArray) -> ComplexArray:
         """(n,) complex [mm] the point of each piece at the `share` (n,) of its length."""
         half = 0.5 * self.sweep
         safe = np.where(half == 0.0, 1.0, half)
@@ -179,18 +179,18 @@ def distance(one: Contour, other: Contour) -> float:
     It exceeds that distance by at most the fraction `SHARPNESS` and rounding. Arcs count as those
     of their sweep through their end points.
     """
-    size = max(float(np.max(np.abs(each.vertices))) for each in (one, other))
+    size = max(float(np.max(np.abs(contour.vertices))) for contour in (one, other))
     rounding = ROUNDING * size
     a, b = _pieces(one), _pieces(other)
     if len(a.sweep) < len(b.sweep):
         a, b = b, a  # many cells with few pieces each take one round, and the others then few
     bound = 0.0
     for cells, pieces in ((a, b), (b, a)):
-        found, some = bound, max(1, PAIRS // len(pieces.sweep))
+        reached, some = bound, max(1, PAIRS // len(pieces.sweep))
         for first in range(0, len(cells.sweep), some):
             block = taken(cells, slice(first, first + some))
-            found, own = _largest(block, pieces, rounding, found)
-            bound = max(bound, own)
+            reached, block_bound = _largest(block, pieces, rounding, reached)
+            bound = max(bound, block_bound)
     return bound + 2.0 * rounding
 
 
@@ -207,23 +207,23 @@ def _largest(cells: _Pieces, pieces: _Pieces, rounding: float, known: float) -> 
     count, others = len(cells.sweep), len(pieces.sweep)
     pairs = np.repeat(np.arange(count), others), np.tile(np.arange(others), count)
     starts = _least(_distances(cells.start[pairs[0]], taken(pieces, pairs[1])), pairs[0])
-    found, bound = max(known, float(np.max(starts))), known
+    reached, bound = max(known, float(np.max(starts))), known
     for _ in range(ROUNDS):
         # In the order of the cells, each of which has at least one piece.
-        pairs, found, most = _bounded(cells, pieces, pairs, found, rounding)
-        loose = most > found * (1.0 + HALF) + rounding
+        pairs, reached, most = _bounded(cells, pieces, pairs, reached, rounding)
+        loose = most > reached * (1.0 + HALF) + rounding
         bound = max(bound, float(np.max(most[~loose], initial=0.0)))
         if not np.any(loose):
-            return found, bound
+            return reached, bound
         if np.count_nonzero(loose) > MOST:
             break
         place = np.cumsum(loose) - 1
-        kept = loose[pairs[0]]
-        cell, piece = place[pairs[0][kept]], pairs[1][kept]
+        undecided = loose[pairs[0]]
+        cell, piece = place[pairs[0][undecided]], pairs[1][undecided]
         number = int(place[-1]) + 1
         pairs = np.concatenate((cell, cell + number)), np.concatenate((piece, piece))
         cells = taken(cells, loose).halves()
-    return found, max(bound, float(np.max(most[loose])))
+    return reached, max(bound, float(np.max(most[loose])))
 
 
 Pairs = tuple[IntArray, IntArray]
@@ -231,25 +231,25 @@ Pairs = tuple[IntArray, IntArray]
 
 
 def _bounded(
-    cells: _Pieces, pieces: _Pieces, pairs: Pairs, found: float, rounding: float
+    cells: _Pieces, pieces: _Pieces, pairs: Pairs, reached: float, rounding: float
 ) -> tuple[Pairs, float, FloatArray]:
     """The pairs in which the piece may be nearest to a point of the cell, the largest distance
     found [mm], and the bound (cells,) of each cell's [mm].
     """
     middle = cells.middle
     reach = np.maximum(np.abs(cells.start - middle), np.abs(cells.end - middle))
-    apart = _distances(middle[pairs[0]], taken(pieces, pairs[1]))
-    nearest = _least(apart, pairs[0])
-    found = max(found, float(np.max(nearest)))
-    near = apart <= (nearest + 2.0 * reach)[pairs[0]] + rounding
+    distances = _distances(middle[pairs[0]], taken(pieces, pairs[1]))
+    nearest = _least(distances, pairs[0])
+    reached = max(reached, float(np.max(nearest)))
+    near = distances <= (nearest + 2.0 * reach)[pairs[0]] + rounding
     pairs = pairs[0][near], pairs[1][near]
     most = nearest + reach
-    few = (np.bincount(pairs[0], minlength=len(most)) <= FEW) & (most > found)
+    few = (np.bincount(pairs[0], minlength=len(most)) <= FEW) & (most > reached)
     chosen = few[pairs[0]]
     if np.any(chosen):
         cell, piece = pairs[0][chosen], pairs[1][chosen]
-        own, against = taken(cells, cell), taken(pieces, piece)
-        share, largest = _extremes(own, against, rounding)
+        chosen_cells, chosen_pieces = taken(cells, cell), taken(pieces, piece)
+        share, largest = _extremes(chosen_cells, chosen_pieces, rounding)
         least = _least(largest, cell)
         most[few] = np.minimum(most[few], least)
         # Where the piece that decides is farthest off, the distance is found, not only bounded.
@@ -257,10 +257,10 @@ def _bounded(
         deciding = np.flatnonzero(largest == least[place[cell]])
         shares = np.zeros(len(least))
         shares[place[cell[deciding]]] = share[deciding]
-        points = taken(cells, few).at(shares)
-        there = _least(_distances(points[place[cell]], against), cell)
-        found = max(found, float(np.max(there)))
-    return pairs, found, most
+        points = taken(cells, few).points_by_share(shares)
+        there = _least(_distances(points[place[cell]], chosen_pieces), cell)
+        reached = max(reached, float(np.max(there)))
+    return pairs, reached, most
 
 
 def _least(values: FloatArray, group: IntArray) -> FloatArray:
@@ -300,7 +300,7 @@ class _Frame:
         """(n,) from the centre to `points` (n,) in these axes, times `sine`."""
         return (points - 0.5 * self.chord) * self.sine - 0.5j * self.chord * self.cosine
 
-    def off_circle(self, points: ComplexArray) -> FloatArray:
+    def circle_distances(self, points: ComplexArray) -> FloatArray:
         """(n,) [mm] distance of `points` in these axes from line or circle, positive outside."""
         x, y = points.real, points.imag
         power = (x * (x - self.chord) + y * y) * self.sine - self.chord * y * self.cosine
@@ -309,9 +309,9 @@ class _Frame:
     def beyond(self, points: ComplexArray) -> FloatArray:
         """(n,) [mm] how far `points` in these axes lie beyond the normals at the ends."""
         heading = self.cosine + 1j * self.sine  # at the end, and mirrored at the start
-        before = -(points * heading).real
-        after = ((points - self.chord) * np.conj(heading)).real
-        return np.maximum(before, after)
+        start_excess = -(points * heading).real
+        end_excess = ((points - self.chord) * np.conj(heading)).real
+        return np.maximum(start_excess, end_excess)
 
 
 def _frame(pieces: _Pieces) -> _Frame:
@@ -326,7 +326,7 @@ def _distances(points: ComplexArray, pieces: _Pieces) -> FloatArray:
     frame = _frame(pieces)
     local = frame.local(points - pieces.start)
     at_ends = np.minimum(np.abs(points - pieces.start), np.abs(points - pieces.end))
-    return np.where(frame.beyond(local) <= 0.0, np.abs(frame.off_circle(local)), at_ends)
+    return np.where(frame.beyond(local) <= 0.0, np.abs(frame.circle_distances(local)), at_ends)
 
 
 def _extremes(cells: _Pieces, pieces: _Pieces, rounding: float) -> tuple[FloatArray, FloatArray]:
@@ -337,20 +337,24 @@ def _extremes(cells: _Pieces, pieces: _Pieces, rounding: float) -> tuple[FloatAr
     shares = np.stack(
         (np.zeros(len(cells.sweep)), np.ones(len(cells.sweep)), _share(cells, pieces))
     )
-    off = np.stack(
-        [np.abs(frame.off_circle(frame.local(cells.at(t) - pieces.start))) for t in shares]
+    offsets = np.stack(
+        [
+            np.abs(frame.circle_distances(frame.local(cells.points_by_share(t) - pieces.start)))
+            for t in shares
+        ]
     )
-    farthest = np.argmax(off, axis=0)
+    farthest = np.argmax(offsets, axis=0)
     share, largest = (
-        np.take_along_axis(each, farthest[None, :], axis=0)[0] for each in (shares, off)
+        np.take_along_axis(rows, farthest[None, :], axis=0)[0] for rows in (shares, offsets)
     )
     # The cell lies in the rectangle over its chord, so bounds at its four corners hold for it.
     hull = [end + rise for end in (cells.start, cells.end) for rise in (0.0, cells.rise)]
-    beyond = np.max([frame.beyond(frame.local(each - pieces.start)) for each in hull], axis=0)
-    of_ends = [
-        np.max([np.abs(each - end) for each in hull], axis=0) for end in (pieces.start, pieces.end)
+    beyond = np.max([frame.beyond(frame.local(corner - pieces.start)) for corner in hull], axis=0)
+    end_distances = [
+        np.max([np.abs(corner - end) for corner in hull], axis=0)
+        for end in (pieces.start, pieces.end)
     ]
-    bound = np.where(beyond <= rounding, largest, np.minimum(of_ends[0], of_ends[1]))
+    bound = np.where(beyond <= rounding, largest, np.minimum(end_distances[0], end_distances[1]))
     return share, bound
 
 
@@ -360,22 +364,22 @@ def _share(cells: _Pieces, pieces: _Pieces) -> FloatArray:
 
     There its normal passes through the centre of the piece.
     """
-    own, frame = _frame(cells), _frame(pieces)
+    cell_frame, frame = _frame(cells), _frame(pieces)
     gradient = frame.outside(frame.from_centre(frame.local(cells.start - pieces.start)))
     bent = cells.sweep != 0.0
-    arm = own.outside(own.from_centre(np.zeros_like(cells.start)))
+    arm = cell_frame.outside(cell_frame.from_centre(np.zeros_like(cells.start)))
     # From the piece's centre to the cell's own, times both sines.
-    between = own.sine * gradient - frame.sine * arm
-    turned = np.angle(between * np.conj(arm)) * np.where(cells.sweep < 0.0, -1.0, 1.0)
+    centre_offset = cell_frame.sine * gradient - frame.sine * arm
+    turned = np.angle(centre_offset * np.conj(arm)) * np.where(cells.sweep < 0.0, -1.0, 1.0)
     on_arc = np.mod(turned, math.pi) / np.where(bent, np.abs(cells.sweep), 1.0)
     round_piece = frame.sine > 0.0
-    square = np.where(round_piece, frame.sine, 1.0) * own.chord * own.chord
+    square = np.where(round_piece, frame.sine, 1.0) * cell_frame.chord * cell_frame.chord
     foot = -(gradient * np.conj(cells.chord)).real / square
     share = np.where(bent, on_arc, np.where(round_piece, foot, 0.0))
     return np.asarray(np.clip(share, 0.0, 1.0))
 
 
-def distance_between(exact: Contour, contour: Contour) -> float:
+def deviation_bound(exact: Contour, contour: Contour) -> float:
     """Upper bound [mm] of the distance between two closed contours, in both directions.
 
     It changes no faster than the numbers of `contour` do, see above.

@@ -17,7 +17,7 @@ from camgeo.geometry.contour.exact import arc_angles, arc_count, arc_offset
 from camgeo.geometry.contour.legs import Chain, StretchLeg, TurnLeg, check_regular, too_many
 from camgeo.geometry.contour.proof import SHARPNESS, PieceOfLeg, proved_fit
 from camgeo.geometry.outline.path import Path
-from camgeo.geometry.pieces import Piece
+from camgeo.geometry.pieces import SmoothPiece
 from camgeo.geometry.pitch_curve import WorkingCurve
 from camgeo.kinematics.mechanism.follower import bend_of_path
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray, ascending, grouped
@@ -59,25 +59,28 @@ def fewest_chords(path: Path, tolerance: float) -> Fit:
         If the contour cannot be compared with the path.
     """
     ladders: list[list[Ladder]] = []
-    found: list[float] = []
+    deviations: list[float] = []
 
     def fit_pieces(pieces: Sequence[PieceOfLeg], aim: float) -> list[Chain]:
         for leg, piece in pieces:
             require_regular(leg.curve, piece)
-        legs = [list(group) for _, group in groupby(pieces, lambda each: id(each[0]))]
+        legs = [list(group) for _, group in groupby(pieces, lambda pair: id(pair[0]))]
         if not ladders:
-            ladders.extend(_ladders(own[0][0]) for own in legs)
+            ladders.extend(_ladders(leg_pieces[0][0]) for leg_pieces in legs)
         # If the proved deviation of a layout exceeds the one found, a layout with less deviation
         # follows. Which one does not depend on the tolerance, so a looser one takes no more
         # pieces.
-        most = max(found) * EASE if found else aim
-        found.clear()
+        most = max(deviations) * EASE if deviations else aim
+        deviations.clear()
         chains: list[Chain] = []
-        for own, of_leg in zip(legs, ladders, strict=True):
-            laid = [each.fewest(most, PROVED, MAX_CHORDS) for each in of_leg]
-            found.extend(deviation for _, deviation in laid)
+        for leg_pieces, leg_ladders in zip(legs, ladders, strict=True):
+            laid = [ladder.fewest(most, PROVED, MAX_CHORDS) for ladder in leg_ladders]
+            deviations.extend(deviation for _, deviation in laid)
             # One chain for all of a leg, none for its other pieces.
-            chains += [_chain([chords for chords, _ in laid]), *[Chain.empty()] * (len(own) - 1)]
+            chains += [
+                _chain([chords for chords, _ in laid]),
+                *[Chain.empty()] * (len(leg_pieces) - 1),
+            ]
         return chains
 
     def fit_turn(leg: TurnLeg, aim: float) -> Chain:
@@ -94,7 +97,7 @@ def fewest_chords(path: Path, tolerance: float) -> Fit:
     return fit
 
 
-def require_regular(curve: WorkingCurve, piece: Piece) -> None:
+def require_regular(curve: WorkingCurve, piece: SmoothPiece) -> None:
     """Raise UndercutError if 1 + d kappa is negative at some sample of the piece.
 
     It may be zero at single points, at a cusp without undercut, but not over a whole dwell.
@@ -107,19 +110,19 @@ def _ladders(leg: StretchLeg) -> list[Ladder]:
     """The ladders along a whole leg, from corner to corner."""
     cuts = _kinks(leg)
     if leg.closed and not len(cuts):
-        return [Ladder.of(_stretched(leg, leg.start, leg.end, closed=True))]
+        return [Ladder.from_stretch(_stretched(leg, leg.start, leg.end, closed=True))]
     ends = [*cuts, cuts[0] + leg.end - leg.start] if leg.closed else [leg.start, *cuts, leg.end]
     parts = [_stretched(leg, low, high, closed=False) for low, high in pairwise(ends)]
-    return [Ladder.of(part) for part in parts]
+    return [Ladder.from_stretch(part) for part in parts]
 
 
 def _kinks(leg: StretchLeg) -> list[float]:
     """Cam angles [rad] inside the leg where its pieces do not meet smoothly to rounding."""
-    at = leg.joints
-    right, left = leg.point(at), leg.point(at, "left")
-    turned = np.abs(leg.curve.tangent(at) - leg.curve.tangent(at, "left"))
-    apart = np.abs(right - left) > KINK * np.abs(right)
-    return [float(angle) for angle in at[apart | (turned > KINK)]]
+    joints = leg.joints
+    right, left = leg.point(joints), leg.point(joints, "left")
+    turned = np.abs(leg.curve.tangent(joints) - leg.curve.tangent(joints, "left"))
+    gapped = np.abs(right - left) > KINK * np.abs(right)
+    return [float(angle) for angle in joints[gapped | (turned > KINK)]]
 
 
 def _stretched(leg: StretchLeg, start: float, end: float, *, closed: bool) -> Stretched:
@@ -137,8 +140,8 @@ def _stretched(leg: StretchLeg, start: float, end: float, *, closed: bool) -> St
 
 def _chain(laid: Sequence[Chords]) -> Chain:
     """Stretches one after the other; the last vertex of each is the first of the next."""
-    angles = np.concatenate([each.angles[: len(each.worst)] for each in laid])
-    vertices = np.concatenate([each.vertices[: len(each.worst)] for each in laid])
+    angles = np.concatenate([chords.angles[: len(chords.worst)] for chords in laid])
+    vertices = np.concatenate([chords.vertices[: len(chords.worst)] for chords in laid])
     return Chain.straight(angles, vertices)
 
 
@@ -193,7 +196,7 @@ class Ladder:
     unit: float
 
     @classmethod
-    def of(cls, stretch: Stretched) -> Ladder:
+    def from_stretch(cls, stretch: Stretched) -> Ladder:
         """The ladder of a stretch; the unit of a straight one is its own length."""
         table = stretch.table
         whole = 0.25 * float(np.sum(table.bends))
@@ -236,13 +239,13 @@ class Ladder:
             rung = self._last_rung(counts, rung)
             bends = self._bends(rung)
             aim = self._aim(rung) * bends.least(counts)
-            laid = evened(self.stretch, aim, counts, MOST_TURN)
+            laid = place_equal_error(self.stretch, aim, counts, MOST_TURN)
             chords = laid.chords
-            found = math.hypot(share * float(np.max(chords.worst)), chords.gap)
-            if np.max(chords.turns) <= MOST_TURN * EVEN:
-                reached = min(reached, found)
-                if found <= most:
-                    return chords, found
+            deviation = math.hypot(share * float(np.max(chords.worst)), chords.gap)
+            if np.max(chords.turns) <= MOST_TURN * EVENNESS:
+                reached = min(reached, deviation)
+                if deviation <= most:
+                    return chords, deviation
             if plain and rung < FINEST:
                 wait(self._counts(rung + 1), rung + 1, plain=True)
             for bend in _worst(laid, counts, aim):
@@ -257,7 +260,7 @@ class Ladder:
     def _bends(self, rung: int) -> Bends:
         table = self.stretch.table
         shares = table.shares(self._aim(rung), MOST_TURN)
-        return bends_of(self.stretch, shares, np.ones(len(table.inflections)))
+        return stretch_bends(self.stretch, shares, np.ones(len(table.inflections)))
 
     def _counts(self, rung: int) -> IntArray:
         """(b,) pieces for the bends on a rung; no later rung has fewer."""
@@ -276,16 +279,16 @@ class Ladder:
         return low
 
 
-def _worst(laid: Evened, counts: IntArray, aim: float) -> set[int]:
+def _worst(laid: EqualErrorPieces, counts: IntArray, aim: float) -> set[int]:
     """The one or two short bends of the piece with the largest deviation."""
     chords = laid.chords
     worst = int(np.argmax(np.maximum(chords.worst / aim, chords.turns / MOST_TURN)))
     bend = int(laid.bend[worst])
     bends = {bend, (bend + 1) % len(counts)} if laid.through[worst] else {bend}
-    return {each for each in bends if counts[each] < SHORT}
+    return {k for k in bends if counts[k] < SHORT}
 
 
-# -- evened ---------------------------------------------------------------------------------------
+# -- equal error ---------------------------------------------------------------------------------
 # Straight pieces placed so that all of them have equal deviations, bend by bend.
 #
 # One chord runs through each inflection, from eps off on one side to eps off on the other. It is
@@ -332,11 +335,11 @@ class Bends:
         if not np.any(some):
             return 1.0
         spare = (counts - self.extra + self.beyond)[some]
-        taken = (self.high - self.low + self.beyond)[some]
-        return min(float(np.max(taken / spare)) ** 2, 1.0)
+        needed = (self.high - self.low + self.beyond)[some]
+        return min(float(np.max(needed / spare)) ** 2, 1.0)
 
 
-def bends_of(
+def stretch_bends(
     stretch: Stretched,
     shares: FloatArray,
     reaches: FloatArray,
@@ -349,18 +352,18 @@ def bends_of(
     is 0; where it is not, its chords get at least half of the bend.
     """
     total = float(shares[-1])
-    at = shares[list(stretch.table.inflections)]
-    left, right = at - THROUGH * reaches, at + THROUGH * reaches
-    if stretch.closed and not len(at):
+    inflections = shares[list(stretch.table.inflections)]
+    left, right = inflections - THROUGH * reaches, inflections + THROUGH * reaches
+    if stretch.closed and not len(inflections):
         none = np.zeros(1)
         return Bends(none, np.array([total]), none, none, none > 0.0)
     if stretch.closed:
         low, high = right, np.append(left[1:], left[0] + total)
-        first, last = at, np.append(at[1:], at[0] + total)
+        first, last = inflections, np.append(inflections[1:], inflections[0] + total)
         extra = np.zeros(len(low))
     else:
         low, high = np.append(0.0, right), np.append(left, total)
-        first, last = np.append(0.0, at), np.append(at, total)
+        first, last = np.append(0.0, inflections), np.append(inflections, total)
         extra = np.zeros(len(low))
         extra[0] += CORNER
         extra[-1] += CORNER
@@ -379,7 +382,7 @@ def bends_of(
 ROUNDS = 8
 """Most rounds of placing the vertices."""
 
-EVEN = 1.001
+EVENNESS = 1.001
 """Deviations are even enough if the largest is at most this multiple of the target."""
 
 UNEVEN, SINGLE = 1.003, 24
@@ -392,7 +395,7 @@ round."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Evened:
+class EqualErrorPieces:
     """Pieces placed along a stretch.
 
     Attributes
@@ -407,7 +410,9 @@ class Evened:
     through: BoolArray
 
 
-def evened(stretch: Stretched, tolerance: float, counts: IntArray, most_turn: float) -> Evened:
+def place_equal_error(
+    stretch: Stretched, tolerance: float, counts: IntArray, most_turn: float
+) -> EqualErrorPieces:
     """Pieces that deviate by `tolerance` [mm] if they can: `counts` (b,) of them in the bends.
 
     Vertices are placed by equal shares of the table first, then of the deviations found. The chords
@@ -417,12 +422,12 @@ def evened(stretch: Stretched, tolerance: float, counts: IntArray, most_turn: fl
     shares = stretch.table.shares(tolerance, most_turn)
     total = float(shares[-1])
     reaches = np.ones(len(stretch.table.inflections))
-    at = costs = shares
+    marks = costs = shares
     best, least = None, math.inf
     single = np.zeros(0, dtype=np.bool_)
     for number in range(ROUNDS):
-        bends = bends_of(stretch, shares, reaches, counts)
-        places, bend, through = _places(stretch, bends, counts, at, costs)
+        bends = stretch_bends(stretch, shares, reaches, counts)
+        places, bend, through = _places(stretch, bends, counts, marks, costs)
         full = stretch.table.sagittas(tolerance, most_turn, shares, places % total)
         held, offsets, loose = _offsets(stretch, bends, bend, through, full)
         single = single if len(single) else np.zeros(len(places), dtype=np.bool_)
@@ -434,32 +439,34 @@ def evened(stretch: Stretched, tolerance: float, counts: IntArray, most_turn: fl
         score = max(float(np.max(chords.worst)) / tolerance, turned)
         gain = least / score
         if gain > 1.0:
-            best, least = Evened(chords, bend[:size], through), score
+            best, least = EqualErrorPieces(chords, bend[:size], through), score
         excess = np.maximum(chords.worst[through] / tolerance, 1.0)
-        settled = number > 2 and gain < EVEN and np.max(excess, initial=0.0) <= EVEN
-        if score <= EVEN or settled:
+        settled = number > 2 and gain < EVENNESS and np.max(excess, initial=0.0) <= EVENNESS
+        if score <= EVENNESS or settled:
             break
         single = _with_ends(single, np.flatnonzero(chords.worst > UNEVEN * tolerance))
-        size_of = 0.5 * (chords.span + chords.worst)
-        cost = np.maximum(np.sqrt(size_of / tolerance), chords.turns / most_turn)
-        at, costs = _found(places, np.maximum(cost, LEAST_COST), total, stretch.closed)
+        piece_deviation = 0.5 * (chords.span + chords.worst)
+        cost = np.maximum(np.sqrt(piece_deviation / tolerance), chords.turns / most_turn)
+        marks, costs = _cumulative_costs(
+            places, np.maximum(cost, LEAST_COST), total, stretch.closed
+        )
         reaches = reaches / np.cbrt(np.roll(excess, 1) if stretch.closed else excess)
     assert best is not None
     return best
 
 
 def _places(
-    stretch: Stretched, bends: Bends, counts: IntArray, at: FloatArray, costs: FloatArray
+    stretch: Stretched, bends: Bends, counts: IntArray, marks: FloatArray, costs: FloatArray
 ) -> tuple[FloatArray, IntArray, BoolArray]:
     """Places (m,) of the vertices, the bend of each, and whether it is the last before an
-    inflection; `costs` over the places `at` define equal parts.
+    inflection; `costs` over the places `marks` define equal parts.
     """
     round_and_round = stretch.closed and not len(stretch.table.inflections)
     sizes = counts if round_and_round else counts + 1
     bend, number = grouped(sizes)
-    low, high = monotone(at, costs, bends.low), monotone(at, costs, bends.high)
+    low, high = monotone(marks, costs, bends.low), monotone(marks, costs, bends.high)
     part = number / np.maximum(counts, 1)[bend]
-    places = monotone(costs, at, low[bend] + (high - low)[bend] * part)
+    places = monotone(costs, marks, low[bend] + (high - low)[bend] * part)
     places = np.where(number == 0, bends.low[bend], places)
     places = np.where((number == counts[bend]) & (number > 0), bends.high[bend], places)
     through = number == counts[bend]
@@ -501,7 +508,7 @@ def _with_ends(single: BoolArray, pieces: IntArray) -> BoolArray:
     return more if np.count_nonzero(more) <= SINGLE else single
 
 
-def _found(
+def _cumulative_costs(
     places: FloatArray, cost: FloatArray, total: float, closed: bool
 ) -> tuple[FloatArray, FloatArray]:
     """Places and the sum of the costs up to them; of a closed stretch a chord more at both ends."""
@@ -562,25 +569,25 @@ class StretchTable:
     def shares(self, tolerance: float, most_turn: float) -> FloatArray:
         """(n + 1,) chords needed up to each point of the grid, none turning by over `most_turn`."""
         cells = np.maximum(self.bends / (4.0 * np.sqrt(tolerance)), self.turns / most_turn)
-        even = self.steps / np.sum(self.steps)
-        cells += even * (FLOOR * np.sum(cells) + 1e-9)
+        uniform = self.steps / np.sum(self.steps)
+        cells += uniform * (FLOOR * np.sum(cells) + 1e-9)
         return np.concatenate(([0.0], np.cumsum(cells)))
 
     def sagittas(
-        self, tolerance: float, most_turn: float, shares: FloatArray, at: FloatArray
+        self, tolerance: float, most_turn: float, shares: FloatArray, places: FloatArray
     ) -> FloatArray:
-        """Deviation [mm] of chords that are one share long, where `shares` reach `at` (m,).
+        """Deviation [mm] of chords that are one share long, where `shares` reach `places` (m,).
 
         It is `tolerance` unless they are shorter so as not to turn by over `most_turn`.
         """
-        cell = np.clip(np.searchsorted(shares, at) - 1, 0, len(self.bends) - 1)
+        cell = np.clip(np.searchsorted(shares, places) - 1, 0, len(self.bends) - 1)
         bend, turn = self.bends[cell], self.turns[cell]
         longest = most_turn * bend / np.where(turn > 0.0, 4.0 * np.sqrt(tolerance) * turn, 1.0)
         return tolerance * np.where(turn > 0.0, np.minimum(longest, 1.0), 1.0) ** 2
 
-    def angles(self, shares: FloatArray, at: FloatArray) -> FloatArray:
-        """Cam angles [rad] at which the `shares` reach the values `at`."""
-        return monotone(shares, self.grid, at)
+    def angles(self, shares: FloatArray, places: FloatArray) -> FloatArray:
+        """Cam angles [rad] at which the `shares` reach the values `places`."""
+        return monotone(shares, self.grid, places)
 
 
 def stretch_table(curve: WorkingCurve, start: float, end: float) -> StretchTable:
@@ -732,21 +739,23 @@ def lay(
     samples = min(max(POINTS // count | 1, FINE), FINEST_SPLIT) if count < MANY else COARSE
     parts = (np.arange(samples) + 1.0) / (samples + 1.0)
     inner = angles[:count, None] + (ends - angles[:count])[:, None] * parts
-    between = stretch.points(inner.ravel()).reshape(inner.shape)
+    inner_points = stretch.points(inner.ravel()).reshape(inner.shape)
 
-    height, share = _heights(points, between, count, stretch.rotation)
+    height, share = _heights(points, inner_points, count, stretch.rotation)
     highest = np.argmax(np.abs(height), axis=1)[:, None]
-    off = _least_squares(
+    vertex_offsets = _least_squares(
         np.take_along_axis(height, highest, axis=1)[:, 0],
         np.take_along_axis(share, highest, axis=1)[:, 0],
         held,
         offsets,
     )
     for number in np.flatnonzero(loose):
-        off[number] = _least_worst(int(number), off, height, share)
-    vertices = points + off * normals
-    height, _ = _heights(vertices, between, count, stretch.rotation)
-    heights = np.column_stack((-off[:count], height, -np.roll(off, -1)[:count]))
+        vertex_offsets[number] = _least_worst(int(number), vertex_offsets, height, share)
+    vertices = points + vertex_offsets * normals
+    height, _ = _heights(vertices, inner_points, count, stretch.rotation)
+    heights = np.column_stack(
+        (-vertex_offsets[:count], height, -np.roll(vertex_offsets, -1)[:count])
+    )
     top, bottom = np.max(heights, axis=1), np.min(heights, axis=1)
     peaks = _peaks(heights)
     top = np.maximum(top, np.max(peaks, axis=1))
@@ -754,22 +763,26 @@ def lay(
 
     chord = (np.roll(vertices, -1) - vertices)[:count]
     along = chord / np.abs(chord)
-    after = np.roll(tangents, -1)[:count]
+    next_tangents = np.roll(tangents, -1)[:count]
     gap = max(
-        float(np.max(np.abs(off[:count] * (np.conj(tangents[:count]) * along).imag))),
-        float(np.max(np.abs(np.roll(off, -1)[:count] * (np.conj(after) * along).imag))),
+        float(np.max(np.abs(vertex_offsets[:count] * (np.conj(tangents[:count]) * along).imag))),
+        float(
+            np.max(
+                np.abs(np.roll(vertex_offsets, -1)[:count] * (np.conj(next_tangents) * along).imag)
+            )
+        ),
     )
-    turns = np.abs(np.angle(after * np.conj(tangents[:count])))
+    turns = np.abs(np.angle(next_tangents * np.conj(tangents[:count])))
     return Chords(angles, vertices, np.maximum(top, -bottom), 0.5 * (top - bottom), turns, gap)
 
 
 def _heights(
-    vertices: ComplexArray, between: ComplexArray, count: int, rotation: int
+    vertices: ComplexArray, points: ComplexArray, count: int, rotation: int
 ) -> tuple[FloatArray, FloatArray]:
     """Heights (c, p) of points outward of their chords, and fractions of the chords' lengths."""
     start = vertices[:count]
     chord = (np.roll(vertices, -1) - vertices)[:count]
-    local = (between - start[:, None]) * np.conj(chord / np.abs(chord) ** 2)[:, None]
+    local = (points - start[:, None]) * np.conj(chord / np.abs(chord) ** 2)[:, None]
     return rotation * local.imag * np.abs(chord)[:, None], local.real
 
 
@@ -786,58 +799,62 @@ def _least_squares(
     part, rise = np.zeros(size), np.zeros(size)
     weight[:count], part[:count], rise[:count] = 1.0, share, height
     rest = 1.0 - part
-    own = 1.0 + weight * rest * rest + np.roll(weight * part * part, 1)
-    next_to = weight * rest * part
+    diagonal = 1.0 + weight * rest * rest + np.roll(weight * part * part, 1)
+    coupling = weight * rest * part
     right = weight * rest * rise + np.roll(weight * part * rise, 1)
-    off = np.where(held, offsets, right / own)
+    vertex_offsets = np.where(held, offsets, right / diagonal)
     for _ in range(SWEEPS):
-        around = next_to * np.roll(off, -1) + np.roll(next_to * off, 1)
-        off = np.where(held, offsets, (right - around) / own)
-    return off
+        around = coupling * np.roll(vertex_offsets, -1) + np.roll(coupling * vertex_offsets, 1)
+        vertex_offsets = np.where(held, offsets, (right - around) / diagonal)
+    return vertex_offsets
 
 
-def _least_worst(number: int, off: FloatArray, height: FloatArray, share: FloatArray) -> float:
+def _least_worst(
+    number: int, vertex_offsets: FloatArray, height: FloatArray, share: FloatArray
+) -> float:
     """Offset of one vertex that minimises the largest deviation there and of its pieces.
 
     The maximum of straight lines over the offset has one lowest point; cutting planes, one falling
     and one rising, find it.
     """
-    count, following = len(height), (number + 1) % len(off)
+    count, following = len(height), (number + 1) % len(vertex_offsets)
     lines = [(0.0, 1.0)]
     if number < count:
-        rest = height[number] - share[number] * off[following]
+        rest = height[number] - share[number] * vertex_offsets[following]
         lines += zip(rest, 1.0 - share[number], strict=True)
-    before = (number - 1) % len(off)
-    if before < count:
-        rest = height[before] - (1.0 - share[before]) * off[before]
-        lines += zip(rest, share[before], strict=True)
+    previous = (number - 1) % len(vertex_offsets)
+    if previous < count:
+        rest = height[previous] - (1.0 - share[previous]) * vertex_offsets[previous]
+        lines += zip(rest, share[previous], strict=True)
     base, slope = np.array(lines).T
-    height_of, rise_of = np.concatenate((base, -base)), np.concatenate((-slope, slope))
-    falling, rising = int(np.argmin(rise_of)), int(np.argmax(rise_of))
-    at = 0.0
+    line_heights, line_rises = np.concatenate((base, -base)), np.concatenate((-slope, slope))
+    falling, rising = int(np.argmin(line_rises)), int(np.argmax(line_rises))
+    offset = 0.0
     for _ in range(MOST_CUTS):
-        at = (height_of[falling] - height_of[rising]) / (rise_of[rising] - rise_of[falling])
-        values = height_of + rise_of * at
+        offset = (line_heights[falling] - line_heights[rising]) / (
+            line_rises[rising] - line_rises[falling]
+        )
+        values = line_heights + line_rises * offset
         top = int(np.argmax(values))
         if values[top] <= values[falling] + ROUNDING * abs(values[falling]):
             break
-        if rise_of[top] < 0.0:
+        if line_rises[top] < 0.0:
             falling = top
         else:
             rising = top
-    return float(at)
+    return float(offset)
 
 
 def _peaks(heights: FloatArray) -> FloatArray:
     """Values at the vertices of parabolas through three neighbours each, where inside them."""
-    before, here, after = heights[:, :-2], heights[:, 1:-1], heights[:, 2:]
-    slope, bend = 0.5 * (after - before), before - 2.0 * here + after
+    previous, here, following = heights[:, :-2], heights[:, 1:-1], heights[:, 2:]
+    slope, bend = 0.5 * (following - previous), previous - 2.0 * here + following
     inside = np.abs(slope) < np.abs(bend)
     return here - np.where(inside, 0.5 * slope * slope / np.where(inside, bend, 1.0), 0.0)
 
 
-def monotone(x: FloatArray, y: FloatArray, at: FloatArray) -> FloatArray:
-    """(m,) values at `at` (m,) of the table `y` (n,) over `x` (n,), both strictly ascending.
+def monotone(x: FloatArray, y: FloatArray, places: FloatArray) -> FloatArray:
+    """(m,) values at `places` (m,) of the table `y` (n,) over `x` (n,), both strictly ascending.
 
     Piecewise cubic, its slopes at the points the harmonic means of those on both sides (F. N.
     Fritsch, J. Butland, SIAM J. Sci. Stat. Comput. 5, 1984): it ascends as the table does. Beyond
@@ -846,11 +863,13 @@ def monotone(x: FloatArray, y: FloatArray, at: FloatArray) -> FloatArray:
     width = np.diff(x)
     slope = np.diff(y) / width
     slopes = np.empty(len(x))
-    before, after = 2.0 * width[1:] + width[:-1], width[1:] + 2.0 * width[:-1]
-    slopes[1:-1] = (before + after) / (before / slope[:-1] + after / slope[1:])
+    left_weight, right_weight = 2.0 * width[1:] + width[:-1], width[1:] + 2.0 * width[:-1]
+    slopes[1:-1] = (left_weight + right_weight) / (
+        left_weight / slope[:-1] + right_weight / slope[1:]
+    )
     slopes[0], slopes[-1] = slope[0], slope[-1]
-    k = np.clip(np.searchsorted(x, at, side="right") - 1, 0, len(width) - 1)
-    s = (at - x[k]) / width[k]
+    k = np.clip(np.searchsorted(x, places, side="right") - 1, 0, len(width) - 1)
+    s = (places - x[k]) / width[k]
     m0, m1, d = slopes[k], slopes[k + 1], slope[k]
     rise: FloatArray = s * (m0 + s * ((3.0 * d - 2.0 * m0 - m1) + s * (m0 + m1 - 2.0 * d)))
     return y[k] + width[k] * rise

@@ -48,49 +48,59 @@ class Outlines:
     followed: float = 0.0
     loose: str = ""
 
-    def about(self, origin: complex) -> Outlines:
+    def with_origin(self, origin: complex) -> Outlines:
         """The same in axes whose origin is at `origin` [mm]."""
-        return replace(self, contours=tuple(_moved(each, -origin) for each in self.contours))
+        return replace(self, contours=tuple(_moved(contour, -origin) for contour in self.contours))
 
-    def off_axis(self, outline: Contour) -> str:
+    def misplaced_bore(self, outline: Contour) -> str:
         """Where the bore of `outline` is, in words, if it has one that is not about the origin: its
         largest contour inside with arcs that go more than half round one centre.
         """
-        inner = (each for each in self.contours if isinstance(each, Contour) and each.arc_count)
-        for each in inner:
-            if winding_number(outline, middle_of(each)) != 1 or each.area > 0.999 * outline.area:
+        inner = (
+            contour
+            for contour in self.contours
+            if isinstance(contour, Contour) and contour.arc_count
+        )
+        for contour in inner:
+            if (
+                winding_number(outline, contour_centre(contour)) != 1
+                or contour.area > 0.999 * outline.area
+            ):
                 continue
-            bore = complex(each.centres[np.argmax(np.abs(each.sweeps))])
-            about = np.abs(each.centres - bore) <= ROUND * each.length
-            if abs(np.sum(each.sweeps[about])) > MORE_THAN_HALF:
+            bore = complex(contour.centres[np.argmax(np.abs(contour.sweeps))])
+            concentric = np.abs(contour.centres - bore) <= ROUND * contour.length
+            if abs(np.sum(contour.sweeps[concentric])) > MORE_THAN_HALF:
                 x, y = (round(part, 6) + 0.0 for part in (bore.real, bore.imag))
-                told = f"its bore is about ({x:.10g}, {y:.10g}) mm: --origin {x:.10g} {y:.10g}"
-                return told if abs(bore) > CENTRED else ""
+                message = f"its bore is about ({x:.10g}, {y:.10g}) mm: --origin {x:.10g} {y:.10g}"
+                return message if abs(bore) > CENTRED else ""
         return ""
 
 
-def _moved(contour: Contour | SplineContour, by: complex) -> Contour | SplineContour:
+def _moved(contour: Contour | SplineContour, shift: complex) -> Contour | SplineContour:
     if isinstance(contour, Contour):
-        centres = np.where(contour.sweeps != 0.0, contour.centres + by, 0.0)
-        return Contour(contour.vertices + by, contour.sweeps, centres)
+        centres = np.where(contour.sweeps != 0.0, contour.centres + shift, 0.0)
+        return Contour(contour.vertices + shift, contour.sweeps, centres)
     return SplineContour(
         tuple(
-            CubicSpline(each.knots, each.controls + by)
-            if isinstance(each, CubicSpline)
+            CubicSpline(strand.knots, strand.controls + shift)
+            if isinstance(strand, CubicSpline)
             else Arc(
-                each.start + by, each.end + by, each.sweep, each.centre + by * bool(each.sweep)
+                strand.start + shift,
+                strand.end + shift,
+                strand.sweep,
+                strand.centre + shift * bool(strand.sweep),
             )
-            for each in contour.strands
+            for strand in contour.strands
         )
     )
 
 
-def middle_of(contour: Contour | SplineContour) -> complex:
+def contour_centre(contour: Contour | SplineContour) -> complex:
     """The centre of the area inside [mm]; with splines, of the ends of its strands."""
     if isinstance(contour, SplineContour):
-        return complex(np.mean([each.start for each in contour.strands]))
-    found = contour.moments
-    return found.first / found.area
+        return complex(np.mean([strand.start for strand in contour.strands]))
+    moments = contour.moments
+    return moments.first / moments.area
 
 
 def by_arcs(contour: SplineContour, tolerance: float) -> Contour:
@@ -105,14 +115,14 @@ def by_arcs(contour: SplineContour, tolerance: float) -> Contour:
             continue
         pieces = strand.beziers
         for _ in range(HALVINGS):
-            found = Biarcs.along_cubics(pieces)
-            far = ~(found.distances <= tolerance)
+            biarcs = Biarcs.along_cubics(pieces)
+            far = ~(biarcs.distances <= tolerance)
             if not np.any(far):
                 break
             pieces = cut(pieces, np.where(far, 2, 1))
         else:
             raise GeometryError(f"a spline turns too sharply for arcs within {tolerance:g} mm")
-        chain = found.chain()
+        chain = biarcs.chain()
         columns += zip(chain.vertices, chain.sweeps, chain.centres, strict=True)
     vertices, sweeps, centres = (np.array(column) for column in zip(*columns, strict=True))
     return Contour(vertices, sweeps, centres)

@@ -17,7 +17,7 @@ import numpy as np
 from camgeo.errors import GeometryError, ToleranceError, UndercutError
 from camgeo.geometry.contour.contour import Contour
 from camgeo.geometry.outline.path import Path, Pivot, Stretch
-from camgeo.geometry.pieces import Piece, centres_at, circles, smooth_pieces
+from camgeo.geometry.pieces import SmoothPiece, circles, rigid_centres, smooth_pieces
 from camgeo.geometry.pitch_curve import WorkingCurve, curvature_slope
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, Side, joined
 from camgeo.numeric.kept import kept_with_owner
@@ -31,7 +31,7 @@ ROUNDING = 2.0**-52 * 32.0
 
 
 @kept_with_owner
-def arc_pieces(curve: WorkingCurve) -> tuple[Piece, ...]:
+def arc_pieces(curve: WorkingCurve) -> tuple[SmoothPiece, ...]:
     """As `smooth_pieces`, with the centres of those that are arcs; neighbours on one circle are one
     piece.
     """
@@ -41,21 +41,21 @@ def arc_pieces(curve: WorkingCurve) -> tuple[Piece, ...]:
         return smooth
     near = ROUNDING * (farthest + pitch.follower.base_radius)
     borders = np.concatenate((pitch.borders, pitch.borders + TURN))
-    found: list[Piece] = []
+    pieces: list[SmoothPiece] = []
     for piece in smooth:
         inner = borders[(borders > piece.start) & (borders < piece.end)]
         ends = np.concatenate(([piece.start], inner, [piece.end]))
-        about = centres_at(pitch, 0.5 * (ends[:-1] + ends[1:]))
-        centre = complex(about[0]) if np.all(np.abs(about - about[0]) <= near) else None
-        found.append(replace(piece, centre=centre))
-        if _on_one_circle(found[-2:], near):
-            found[-2:] = [replace(found[-2], end=piece.end)]
-    if _on_one_circle([found[-1], found[0]], near):
-        found[-1:] = [replace(found[-1], end=found.pop(0).end + TURN)]
-    return tuple(found)
+        centres = rigid_centres(pitch, 0.5 * (ends[:-1] + ends[1:]))
+        centre = complex(centres[0]) if np.all(np.abs(centres - centres[0]) <= near) else None
+        pieces.append(replace(piece, centre=centre))
+        if _share_circle(pieces[-2:], near):
+            pieces[-2:] = [replace(pieces[-2], end=piece.end)]
+    if _share_circle([pieces[-1], pieces[0]], near):
+        pieces[-1:] = [replace(pieces[-1], end=pieces.pop(0).end + TURN)]
+    return tuple(pieces)
 
 
-def _on_one_circle(pieces: list[Piece], near: float) -> bool:
+def _share_circle(pieces: list[SmoothPiece], near: float) -> bool:
     """Whether two neighbours have one centre, up to `near` [mm]."""
     one, other = pieces[0], pieces[-1]
     if one is other or one.centre is None or other.centre is None:
@@ -102,11 +102,11 @@ class StretchLeg:
         return np.concatenate((self.curve.borders, self.curve.borders + TURN))
 
     @property
-    def pieces(self) -> tuple[Piece, ...]:
+    def pieces(self) -> tuple[SmoothPiece, ...]:
         """Its smooth pieces, in order; neighbours on one circle are one."""
         if self.closed:
             return arc_pieces(self.curve)
-        found = []
+        leg_pieces = []
         for turn in (-TURN, 0.0, TURN):
             for piece in arc_pieces(self.curve):
                 start, end = piece.start + turn, piece.end + turn
@@ -114,13 +114,13 @@ class StretchLeg:
                     continue
                 start = self.start if start < self.start + SNAP else start
                 end = self.end if end > self.end - SNAP else end
-                found.append(Piece(start, end, piece.centre))
-        return tuple(found)
+                leg_pieces.append(SmoothPiece(start, end, piece.centre))
+        return tuple(leg_pieces)
 
     @property
     def joints(self) -> FloatArray:
         """(k,) t at which one of its pieces follows another."""
-        starts = [each.start for each in self.pieces if self.closed or each.start > self.start]
+        starts = [piece.start for piece in self.pieces if self.closed or piece.start > self.start]
         return np.array(starts, dtype=np.float64)
 
     def point(self, t: FloatArray, side: Side = "right") -> ComplexArray:
@@ -147,7 +147,7 @@ class StretchLeg:
         """(n,) complex [mm] the point about which Z turns, with t as the angle, all along the
         stretch without a border that `t` (n,) lies in; NaN where it is not known to.
         """
-        return centres_at(self.curve.pitch, t)
+        return rigid_centres(self.curve.pitch, t)
 
 
 @dataclass(frozen=True, slots=True)
@@ -223,7 +223,7 @@ class TurnLeg:
 Leg = StretchLeg | TurnLeg
 
 
-def legs_of(path: Path) -> tuple[Leg, ...]:
+def path_legs(path: Path) -> tuple[Leg, ...]:
     """The legs of a path, in order; corners are where they meet.
 
     Raises
@@ -237,16 +237,16 @@ def legs_of(path: Path) -> tuple[Leg, ...]:
     if not path.stretches:
         raise GeometryError("a path needs a stretch of the curve")
     legs: list[Leg] = []
-    before = path.elements[-1]
+    previous = path.elements[-1]
     for element in path.elements:
         if isinstance(element, Stretch):
             if element.end - element.start <= SNAP:
                 continue
-            start = before.end if isinstance(before, Pivot) else None
+            start = previous.end if isinstance(previous, Pivot) else None
             legs.append(StretchLeg(element.curve, element.start, element.end, path.is_whole, start))
         else:
             legs += _turn(element, path.stretches[0].curve.pitch.rotation)
-        before = element
+        previous = element
     return tuple(legs)
 
 
@@ -259,7 +259,7 @@ def _turn(pivot: Pivot, rotation: int) -> list[TurnLeg]:
     # the sweep.
     if pivot.distance * pivot.sweep * rotation > 0.0:
         raise UndercutError(
-            f"the arc about a corner at cam angle {math.degrees(pivot.before):.6g} degrees has"
+            f"the arc about a corner at cam angle {math.degrees(pivot.phi_start):.6g} degrees has"
             " turned inside out: the parallel is too far on the concave side"
         )
     return [TurnLeg(pivot.centre, pivot.start, pivot.end, pivot.sweep)]
@@ -301,7 +301,7 @@ class Chain:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Run:
+class LegRun:
     """All pieces of a contour along one leg, in the direction of the leg.
 
     Attributes
@@ -334,20 +334,20 @@ class Run:
         return np.where(self.sweeps != 0.0, np.abs(self.starts - self.centres), 0.0)
 
 
-def runs_of(parts: list[tuple[Leg, list[Chain]]]) -> tuple[Run, ...]:
+def join_runs(parts: list[tuple[Leg, list[Chain]]]) -> tuple[LegRun, ...]:
     """The runs of all legs in turn, each ending in the first vertex of the next.
 
     Where a leg begins at a corner or an arc, its first vertex is the exact point there, not that
     point as rounded by its own curve.
     """
     whole = [_joined_chain(leg, chains) for leg, chains in parts]
-    runs: list[Run] = []
+    runs: list[LegRun] = []
     following: complex = next(complex(chain.vertices[0]) for chain in whole if len(chain.vertices))
     for (leg, _), chain in reversed(list(zip(parts, whole, strict=True))):
         closing = chain.angles[0] + (leg.end - leg.start) if leg.closed else leg.end
         vertices = np.append(chain.vertices, following)
         angles = np.append(chain.angles, closing)
-        runs.insert(0, Run(leg, angles, vertices, chain.sweeps, chain.centres))
+        runs.insert(0, LegRun(leg, angles, vertices, chain.sweeps, chain.centres))
         following = complex(vertices[0])
     return tuple(runs)
 
@@ -359,7 +359,7 @@ def _joined_chain(leg: Leg, chains: list[Chain]) -> Chain:
     return chain
 
 
-def contour_of(runs: tuple[Run, ...]) -> Contour:
+def closed_contour(runs: tuple[LegRun, ...]) -> Contour:
     """The closed contour of all runs in turn."""
     return Contour(
         np.concatenate([run.starts for run in runs]),
@@ -376,17 +376,17 @@ def contour_of(runs: tuple[Run, ...]) -> Contour:
 CUSP = 1e-12
 """1 + d kappa within this of zero is a cusp at a single point: twenty times its rounding."""
 
-APART = 2.0**-52 * 1e4
+JOINT_DISTANCE = 2.0**-52 * 1e4
 """Smallest distance of two joints, as a fraction of their distance from the cam axis: the direction
 from one to the next is still known to 1e-3 rad. Only next to a cusp does a curve move so little."""
 
-CROWDED = 1e3 * APART
+CROWDED = 1e3 * JOINT_DISTANCE
 """Joints with places between them nearer than this share of their distance from the cam axis are
-looked at for `joints_apart`; a pace that changes thousandfold between two joints is that of a cusp.
+passed to `separate_joints`; a pace that changes thousandfold between two joints is that of a cusp.
 """
 
 
-def check_regular(curve: WorkingCurve, piece: Piece, regularity: FloatArray) -> None:
+def check_regular(curve: WorkingCurve, piece: SmoothPiece, regularity: FloatArray) -> None:
     """`require_regular` where `regularity` (n,), 1 + d kappa at samples, is known already."""
     smallest = float(np.min(regularity))
     if smallest < -CUSP or (piece.is_arc and smallest <= CUSP):
@@ -397,7 +397,7 @@ def check_regular(curve: WorkingCurve, piece: Piece, regularity: FloatArray) -> 
         )
 
 
-def torn_apart(angle: float) -> GeometryError:
+def gap_error(angle: float) -> GeometryError:
     """The error of a parallel that is no single leg, torn apart at the cam angle `angle` [rad]."""
     return GeometryError(
         f"the curve is torn apart at cam angle {math.degrees(angle):.6g} degrees: the velocity of"
@@ -405,22 +405,22 @@ def torn_apart(angle: float) -> GeometryError:
     )
 
 
-def joints_apart(curve: WorkingCurve, joints: FloatArray) -> FloatArray:
+def separate_joints(curve: WorkingCurve, joints: FloatArray) -> FloatArray:
     """`joints` (n + 1,) [rad] without those too near to the one before; both ends are kept."""
     points = curve.point(joints)
     points[-1] = curve.point(joints[-1:], "left")[0]
-    least = APART * float(np.max(np.abs(points)))
+    least = JOINT_DISTANCE * float(np.max(np.abs(points)))
     if len(joints) == 2 or np.min(np.abs(np.diff(points))) >= least:
         return joints
-    kept = [0]
+    indices = [0]
     for k in range(1, len(joints) - 1):
-        if min(abs(points[k] - points[kept[-1]]), abs(points[k] - points[-1])) >= least:
-            kept.append(k)
-    return joints[[*kept, -1]]
+        if min(abs(points[k] - points[indices[-1]]), abs(points[k] - points[-1])) >= least:
+            indices.append(k)
+    return joints[[*indices, -1]]
 
 
 CELLS = 256
-"""Cells of a piece over which `bends_of` samples a curve."""
+"""Cells of a piece over which `sample_bends` samples a curve."""
 
 FINER = 8
 """Cells into which one of `Bends` is divided for counts as large as theirs."""
@@ -454,17 +454,17 @@ class Bends:
         places = np.arange(-1.0, len(self.speed) + 1.0)
         fine = (np.arange(FINER * len(self.speed)) + 0.5) / FINER - 0.5
 
-        def over(values: FloatArray, least: float = -math.inf) -> FloatArray:
-            before, after = 2.0 * values[0] - values[1], 2.0 * values[-1] - values[-2]
-            ends = max(before, least), max(after, least)
+        def refine(values: FloatArray, least: float = -math.inf) -> FloatArray:
+            left, right = 2.0 * values[0] - values[1], 2.0 * values[-1] - values[-2]
+            ends = max(left, least), max(right, least)
             return np.interp(fine, places, np.concatenate((ends[:1], values, ends[1:])))
 
         # A speed that triples within a cell would be extrapolated below zero.
         signed = (self.curvature, self.slope, self.regularity)
-        return Bends(over(self.speed, 0.0), *map(over, signed))
+        return Bends(refine(self.speed, 0.0), *map(refine, signed))
 
 
-def bends_of(curve: WorkingCurve, pieces: Sequence[Piece]) -> list[Bends]:
+def sample_bends(curve: WorkingCurve, pieces: Sequence[SmoothPiece]) -> list[Bends]:
     """The bends of all `pieces` of a curve, from one evaluation.
 
     Raises
@@ -487,17 +487,17 @@ def bends_of(curve: WorkingCurve, pieces: Sequence[Piece]) -> list[Bends]:
     tangent = pitch.follower.tangent_jet(jet, pitch.rotation)
     slope = curvature_slope(tangent, pitch.rotation)
     (u, u1), (w, w1) = tangent.u, tangent.w
-    against = (u * w1 - w * u1) / (speed * speed)
-    kappa = (1.0 - pitch.rotation * (tangent.turning + against)) / speed
+    relative_turning = (u * w1 - w * u1) / (speed * speed)
+    kappa = (1.0 - pitch.rotation * (tangent.turning + relative_turning)) / speed
     whole = (speed, kappa, slope, 1.0 + curve.distance * kappa)
     stops = np.cumsum(counts)
-    found = [
+    piece_bends = [
         Bends(*(part[stop - count : stop] for part in whole))
         for stop, count in zip(stops, counts, strict=True)
     ]
-    for piece, bends in zip(pieces, found, strict=True):
+    for piece, bends in zip(pieces, piece_bends, strict=True):
         check_regular(curve, piece, bends.regularity)
-    return found
+    return piece_bends
 
 
 # -- counts ---------------------------------------------------------------------------------------
@@ -508,7 +508,7 @@ def bends_of(curve: WorkingCurve, pieces: Sequence[Piece]) -> list[Bends]:
 # with the tolerance either.
 
 
-Made = TypeVar("Made")
+Fitted = TypeVar("Fitted")
 
 FINE = 200
 """Up to this many parts each count is tried; above, counts grow by this fraction."""
@@ -521,19 +521,19 @@ FAR = 0.8
 """Fraction of the expected increase to skip where the distance found is more than twice the aim."""
 
 
-STUCK_AFTER, STUCK = 4.0, 0.9
+STUCK_FACTOR, STUCK = 4.0, 0.9
 """Where so many times as many parts, beyond `FINE`, do not reduce the distance below this fraction,
 their length is not to blame, because every stretch of a piece gets its share of them: the cam
 angles of a step, or the points of a cusp, cannot be told apart."""
 
 
-Make = Callable[[Sequence[tuple[int, int]]], Sequence[tuple[Made, float]]]
+Make = Callable[[Sequence[tuple[int, int]]], Sequence[tuple[Fitted, float]]]
 """[(number of the piece, count), ...] -> the result for each and its largest distance [mm] found,
 by any rule that depends only on the count."""
 
 
 def least_counts(
-    make: Make[Made],
+    make: Make[Fitted],
     expected: FloatArray,
     aim: float,
     tolerance: float,
@@ -541,7 +541,7 @@ def least_counts(
     order: float,
     most: int,
     together: int = TOGETHER,
-) -> list[Made]:
+) -> list[Fitted]:
     """The results of the least sufficient count for each of n pieces, which share their calls.
 
     Parameters
@@ -559,29 +559,29 @@ def least_counts(
     """
     counts = [ladder(float(value)) for value in expected]
     marks = [UNTRIED] * len(counts)
-    done: dict[int, Made] = {}
-    while len(done) < len(counts):
+    fits: dict[int, Fitted] = {}
+    while len(fits) < len(counts):
         wanted = []
         for piece, count in enumerate(counts):
             tried = 0
-            while piece not in done and (not tried or tried + count <= together):
+            while piece not in fits and (not tried or tried + count <= together):
                 wanted.append((piece, count))
                 tried += count
-                count = above(count)
-        for (piece, count), (made, distance) in zip(wanted, make(wanted), strict=True):
-            if piece in done:
+                count = next_count(count)
+        for (piece, count), (fit, distance) in zip(wanted, make(wanted), strict=True):
+            if piece in fits:
                 continue
             if distance <= aim:
-                done[piece] = made
+                fits[piece] = fit
                 continue
-            counts[piece] = above(count)
+            counts[piece] = next_count(count)
             if not distance <= 2.0 * aim:
                 share = (distance / aim) ** (1.0 / order) if aim > 0.0 else np.inf
                 counts[piece] = max(counts[piece], ladder(FAR * min(share, 4.0) * count))
             marks[piece] = still_closer(marks[piece], count, distance, tolerance)
             if counts[piece] > most:
-                raise stuck_at(distance, tolerance)
-    return [done[piece] for piece in range(len(counts))]
+                raise stuck_error(distance, tolerance)
+    return [fits[piece] for piece in range(len(counts))]
 
 
 Mark = tuple[int, float]
@@ -597,12 +597,12 @@ def still_closer(mark: Mark, count: int, distance: float, tolerance: float) -> M
     """
     if distance <= STUCK * mark[1]:
         mark = count, distance
-    if count >= STUCK_AFTER * max(mark[0], FINE):
-        raise stuck_at(distance, tolerance)
+    if count >= STUCK_FACTOR * max(mark[0], FINE):
+        raise stuck_error(distance, tolerance)
     return mark
 
 
-def stuck_at(distance: float, tolerance: float) -> ToleranceError:
+def stuck_error(distance: float, tolerance: float) -> ToleranceError:
     """The error that no number of parts comes within `tolerance` [mm], but to `distance` [mm]."""
     reached = distance if math.isfinite(distance) else math.inf
     return ToleranceError("the pieces of the contour cannot follow the curve", tolerance, reached)
@@ -613,7 +613,7 @@ def too_many(most: int, what: str, tolerance: float) -> ToleranceError:
     return ToleranceError(f"more than {most:,} {what} would be needed", tolerance, math.inf)
 
 
-def above(count: int) -> int:
+def next_count(count: int) -> int:
     """The next count to try after `count`."""
     return count + 1 + count // FINE
 
@@ -622,7 +622,7 @@ def ladder(value: float) -> int:
     """The least count on the list of trials that is not below `value`."""
     count = 1
     while count < value:
-        count = above(count)
+        count = next_count(count)
     return count
 
 
@@ -649,6 +649,6 @@ def in_steps(logarithms: FloatArray) -> FloatArray:
     return np.asarray(np.rint(logarithms / STEP) * STEP)
 
 
-def clearly_less(found: FloatArray, best: FloatArray) -> BoolArray:
-    """(n,) whether a deviation `found` is less than `best`, which may be infinite."""
-    return np.asarray(found < CLEARLY * best)
+def clearly_less(deviation: FloatArray, best: FloatArray) -> BoolArray:
+    """(n,) whether a `deviation` is less than `best`, which may be infinite."""
+    return np.asarray(deviation < CLEARLY * best)

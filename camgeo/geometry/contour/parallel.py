@@ -56,27 +56,31 @@ Carrier = tuple[complex, complex | float]
 def _meeting(one: Carrier, other: Carrier, near: complex, distance: float) -> complex:
     """Where two lines or circles meet, next to `near`."""
     if isinstance(one[1], float) and isinstance(other[1], float):
-        between = other[0] - one[0]
-        apart = abs(between)
-        along = (apart**2 + one[1] ** 2 - other[1] ** 2) / (2.0 * apart) if apart else math.inf
-        found = _either_side(one[0], between / (apart or 1.0), along, one[1])
+        centre_line = other[0] - one[0]
+        centre_distance = abs(centre_line)
+        along = (
+            (centre_distance**2 + one[1] ** 2 - other[1] ** 2) / (2.0 * centre_distance)
+            if centre_distance
+            else math.inf
+        )
+        points = _either_side(one[0], centre_line / (centre_distance or 1.0), along, one[1])
     elif isinstance(one[1], float) or isinstance(other[1], float):
         (centre, radius), (point, direction) = sorted(
-            (one, other), key=lambda each: not isinstance(each[1], float)
+            (one, other), key=lambda carrier: not isinstance(carrier[1], float)
         )
         assert isinstance(radius, float)
         foot = ((centre - point) * np.conj(direction)).real
         away = point + foot * direction - centre
         # In the direction of the foot, the line is at its distance from the centre.
         unit = away / abs(away) if abs(away) > 0.0 else 1j * direction
-        found = _either_side(centre, unit, abs(away), radius)
+        points = _either_side(centre, unit, abs(away), radius)
     else:
         cross = (np.conj(one[1]) * other[1]).imag
         share = (np.conj(other[0] - one[0]) * other[1]).imag / cross
         return complex(one[0] + share * one[1])
-    if not found:
+    if not points:
         raise _gone(distance)
-    return min(found, key=lambda point: abs(point - near))
+    return min(points, key=lambda point: abs(point - near))
 
 
 def _either_side(
@@ -104,7 +108,7 @@ def _sweeps(
         turned = float(np.angle(end / start)) * np.sign(sweep) % TURN
         near = abs(sweep)
         # Ends of whole turns may be rounded to either side.
-        turned = min((turned, turned + TURN), key=lambda each: abs(each - near))
+        turned = min((turned, turned + TURN), key=lambda angle: abs(angle - near))
         if abs(turned - near) > 0.25 * TURN or not turned > 0.0:
             raise _gone(distance)
         sweeps[k] = math.copysign(turned, sweep)
@@ -126,17 +130,17 @@ def corners(contour: Contour) -> BoolArray:
     return np.asarray(np.abs((np.conj(leaving) * ahead).imag) > SMOOTH)
 
 
-def steps_to(contour: Contour, distance: float, limit: float) -> int:
+def count_steps(contour: Contour, distance: float, limit: float) -> int:
     """Least number of equal steps to a parallel between which corners leave the chords of the
     parabolas along which they slide by at most `limit` [mm].
     """
 
-    def off(step: float) -> float:
+    def corner_error(step: float) -> float:
         # The root of a linear function is bent most where it is least, in its first step.
-        middle, end = (parallel(contour, each).vertices for each in (0.5 * step, step))
+        middle, end = (parallel(contour, shift).vertices for shift in (0.5 * step, step))
         return SAG * float(np.max(np.abs(middle - 0.5 * (contour.vertices + end))))
 
-    return next(steps for steps in count(1) if off(distance / steps) <= limit)
+    return next(steps for steps in count(1) if corner_error(distance / steps) <= limit)
 
 
 def _gone(distance: float) -> GeometryError:

@@ -41,16 +41,16 @@ from camgeo.geometry.contour.legs import (
     SNAP,
     Chain,
     Leg,
-    Run,
+    LegRun,
     StretchLeg,
     TurnLeg,
-    contour_of,
-    legs_of,
-    runs_of,
-    torn_apart,
+    closed_contour,
+    gap_error,
+    join_runs,
+    path_legs,
 )
 from camgeo.geometry.outline.path import Path
-from camgeo.geometry.pieces import Piece
+from camgeo.geometry.pieces import SmoothPiece
 from camgeo.geometry.pitch_curve import WorkingCurve
 from camgeo.numeric.arrays import (
     BoolArray,
@@ -101,7 +101,7 @@ HUGE = 1e3
 SHORT = 1e-3
 """Range of a formula [rad] that a message suspects."""
 
-BEFORE = 2.0 * SNAP
+LEFT_DISTANCE = 2.0 * SNAP
 """Distance before a border at which its left-hand value is taken [rad]: a few ulps, so that the
 point there is within its rounding, and beyond the reach of the border."""
 
@@ -144,7 +144,7 @@ def deviation(path: Path, contour: Contour) -> float:
 
 
 def proved_bound(
-    runs: tuple[Run, ...], arc_cells: int = ARC_CELLS, enough: float = ENOUGH
+    runs: tuple[LegRun, ...], arc_cells: int = ARC_CELLS, enough: float = ENOUGH
 ) -> float:
     """Upper bound [mm] of the distance between the contour of `runs` and their legs.
 
@@ -158,25 +158,25 @@ def proved_bound(
     GeometryError
         If a run does not follow its leg.
     """
-    found, largest = 0.0, 0.0
+    reached, largest = 0.0, 0.0
     for run in runs:
         if not len(run.sweeps):
-            largest = max(largest, _reach_from(run))
+            largest = max(largest, _empty_run_bound(run))
             continue
-        found, bound = _run_bound(run, found, arc_cells, enough)
+        reached, bound = _run_bound(run, reached, arc_cells, enough)
         largest = max(largest, bound)
     return largest
 
 
-def _reach_from(run: Run) -> float:
+def _empty_run_bound(run: LegRun) -> float:
     """Bound of the distance of a leg without pieces from its only vertex."""
     if not isinstance(run.leg, TurnLeg):
         raise GeometryError("the contour leaves out a stretch of the exact outline")
     return float(abs(run.vertices[0] - run.leg.last)) + run.leg.length
 
 
-def _run_bound(run: Run, found: float, arc_cells: int, enough: float) -> tuple[float, float]:
-    """Largest distance found so far, including `found` of other runs, and bound for this run.
+def _run_bound(run: LegRun, reached: float, arc_cells: int, enough: float) -> tuple[float, float]:
+    """Largest distance found so far, including `reached` of other runs, and bound for this run.
 
     Rounding is charged to each piece with the lengths that enter its own distances: the circle of a
     nearly straight arc is large, and no other piece is measured from it.
@@ -190,11 +190,13 @@ def _run_bound(run: Run, found: float, arc_cells: int, enough: float) -> tuple[f
     for halving in range(HALVINGS):
         if np.max(enclosure.steep) > STEEPEST:  # halving would not help
             break
-        found = max(found, float(np.max(enclosure.found)))
-        own = rounding[cells.piece]
-        bound = enclosure.bound + own
+        reached = max(reached, float(np.max(enclosure.reached)))
+        cell_rounding = rounding[cells.piece]
+        bound = enclosure.bound + cell_rounding
         steep = enclosure.steepness > STEEPEST
-        loose = steep | (bound > np.maximum((1.0 + SHARPNESS) * found + 2.0 * own, enough))
+        loose = steep | (
+            bound > np.maximum((1.0 + SHARPNESS) * reached + 2.0 * cell_rounding, enough)
+        )
         if np.count_nonzero(loose) > most or halving + 1 == HALVINGS:
             loose = steep
         settled = ~loose
@@ -203,7 +205,7 @@ def _run_bound(run: Run, found: float, arc_cells: int, enough: float) -> tuple[f
             total += np.bincount(cells.piece[settled], part[settled], len(total))
         if not np.any(loose):
             _check_turns(run, turned[0], turned[1])
-            return found, _with_ends(run, places, largest)
+            return reached, _with_ends(run, places, largest)
         if np.count_nonzero(loose) > most or not np.any(loose & cells.have_middles):
             break
         cells = cells.halved(loose)
@@ -212,7 +214,7 @@ def _run_bound(run: Run, found: float, arc_cells: int, enough: float) -> tuple[f
     raise _uncompared(run, float(cells.low[np.argmax(enclosure.steepness)]))
 
 
-def _uncompared(run: Run, place: float) -> GeometryError:
+def _uncompared(run: LegRun, place: float) -> GeometryError:
     """The error for a contour that does not follow the leg at `place` [rad]; it is the motion's if
     a formula of it holds there for no longer than `SHORT`.
     """
@@ -235,7 +237,7 @@ def _uncompared(run: Run, place: float) -> GeometryError:
     )
 
 
-def _without_flat_arcs(run: Run) -> tuple[Run, FloatArray]:
+def _without_flat_arcs(run: LegRun) -> tuple[LegRun, FloatArray]:
     """The run with lines in place of the arcs whose huge circles round by more than their sagittas,
     and (n,) [mm] what its distances then miss: rounding, and those sagittas.
     """
@@ -250,7 +252,7 @@ def _without_flat_arcs(run: Run) -> tuple[Run, FloatArray]:
     return replace(run, sweeps=sweeps, centres=centres), missed
 
 
-def _first_cells(run: Run, arc_cells: int) -> _Cells:
+def _first_cells(run: LegRun, arc_cells: int) -> _Cells:
     """The range of each piece in equal parts, cut at the borders of the leg's formulas.
 
     One part for a line, from which the curve departs like a parabola, and for an arc.
@@ -279,7 +281,7 @@ def _first_cells(run: Run, arc_cells: int) -> _Cells:
     return _Cells(low, np.append(low[1:], ends[-1]), piece, poles)
 
 
-def _first_enclosure(run: Run, cells: _Cells) -> tuple[Enclosure, ComplexArray]:
+def _first_enclosure(run: LegRun, cells: _Cells) -> tuple[Enclosure, ComplexArray]:
     """The first cells, and (2, n) [mm] the places of the pieces' starts and ends on the leg.
 
     All from one evaluation, because calls cost more than numbers: a place is a cell of zero width.
@@ -287,9 +289,9 @@ def _first_enclosure(run: Run, cells: _Cells) -> tuple[Enclosure, ComplexArray]:
     starts, ends = run.angles[:-1], run.angles[1:]
     at_border = _near(ends, run.leg.borders)
     at_border[-1] = True
-    before = ends[at_border] - BEFORE
-    low = np.concatenate((cells.low, starts, ends[-1:], before))
-    high = np.concatenate((cells.high, starts, ends[-1:], before))
+    left_angles = ends[at_border] - LEFT_DISTANCE
+    low = np.concatenate((cells.low, starts, ends[-1:], left_angles))
+    high = np.concatenate((cells.high, starts, ends[-1:], left_angles))
     jet, speeds = run.leg.jet_and_bounds(low, high)
     count, pieces = len(cells.low), len(starts)
     tangent = jet[1, count:] / np.abs(jet[1, count:])
@@ -305,12 +307,12 @@ def _near(angles: FloatArray, borders: FloatArray) -> BoolArray:
     if not len(borders):
         return np.zeros(len(angles), dtype=np.bool_)
     place = np.searchsorted(borders, angles)
-    after = np.abs(borders[np.minimum(place, len(borders) - 1)] - angles)
-    return np.minimum(after, np.abs(borders[place - 1] - angles)) <= SNAP
+    next_distance = np.abs(borders[np.minimum(place, len(borders) - 1)] - angles)
+    return np.minimum(next_distance, np.abs(borders[place - 1] - angles)) <= SNAP
 
 
 def _enclosed(
-    run: Run, cells: _Cells, known: tuple[ComplexArray, FloatArray] | None = None
+    run: LegRun, cells: _Cells, known: tuple[ComplexArray, FloatArray] | None = None
 ) -> Enclosure:
     """The cells compared with their pieces; `known` are their jets and speeds, if there are any."""
     jet, (v1, v2, v3) = known or run.leg.jet_and_bounds(cells.low, cells.high)
@@ -318,7 +320,7 @@ def _enclosed(
     return enclose(taylor, run, cells.piece)
 
 
-def _with_ends(run: Run, places: ComplexArray, bound: float) -> float:
+def _with_ends(run: LegRun, places: ComplexArray, bound: float) -> float:
     """The bound of the distance across [mm], including the contribution of the ends of the pieces.
 
     With g and n the distance of the place from the end along and across the piece, n outward, the
@@ -328,7 +330,7 @@ def _with_ends(run: Run, places: ComplexArray, bound: float) -> float:
     """
     is_arc = run.sweeps != 0.0
     radii = np.where(is_arc, run.radii, 1.0)
-    off_circle = np.where(is_arc, np.abs(np.abs(run.ends - run.centres) - radii), 0.0)
+    end_errors = np.where(is_arc, np.abs(np.abs(run.ends - run.centres) - radii), 0.0)
     chord = run.ends - run.starts
     largest = 0.0
     for vertices, on_leg in zip((run.starts, run.ends), places, strict=True):
@@ -342,11 +344,11 @@ def _with_ends(run: Run, places: ComplexArray, bound: float) -> float:
             share = np.where(is_arc, 2.0 * radii * (radii + bound) / bottom, 1.0)
         share = np.where(bottom > 0.0, share, np.inf)
         largest = max(largest, float(np.max(np.where(square > 0.0, square * share, 0.0))))
-    ends = float(np.max(off_circle))
+    ends = float(np.max(end_errors))
     return float(np.hypot(bound, np.sqrt(largest))) + ends
 
 
-def _check_turns(run: Run, least: FloatArray, most: FloatArray) -> None:
+def _check_turns(run: LegRun, least: FloatArray, most: FloatArray) -> None:
     """GeometryError unless each arc turns about its centre as far as the curve, not the long way
     round.
 
@@ -455,7 +457,7 @@ class Enclosure:
         of an arc; 0 along lines.
     """
 
-    found: FloatArray
+    reached: FloatArray
     bound: FloatArray
     steepness: FloatArray
     steep: FloatArray
@@ -463,7 +465,7 @@ class Enclosure:
     most_turn: FloatArray
 
 
-def enclose(taylor: Taylor, run: Run, piece: IntArray) -> Enclosure:
+def enclose(taylor: Taylor, run: LegRun, piece: IntArray) -> Enclosure:
     """The cells of `taylor` compared with the pieces `piece` (n,) of `run`.
 
     Raises
@@ -476,10 +478,10 @@ def enclose(taylor: Taylor, run: Run, piece: IntArray) -> Enclosure:
         return Enclosure(*_arc_cells(taylor, run, piece))
     if not np.any(is_arc):
         return Enclosure(*_line_cells(taylor, run, piece))
-    out = np.empty((6, len(piece)))
+    columns = np.empty((6, len(piece)))
     for which, kind in ((is_arc, _arc_cells), (~is_arc, _line_cells)):
-        out[:, which] = kind(taylor.take(which), run, piece[which])
-    return Enclosure(*out)
+        columns[:, which] = kind(taylor.take(which), run, piece[which])
+    return Enclosure(*columns)
 
 
 def _sines(
@@ -492,7 +494,7 @@ def _sines(
     return np.minimum(low, 1.0), np.where(smallest > 0.0, np.minimum(high, 1.0), 1.0)
 
 
-def _arc_cells(taylor: Taylor, run: Run, piece: IntArray) -> tuple[FloatArray, ...]:
+def _arc_cells(taylor: Taylor, run: LegRun, piece: IntArray) -> tuple[FloatArray, ...]:
     """The parts of an `Enclosure` for cells of arcs."""
     z, z1, z2 = taylor.jet[0], taylor.jet[1], taylor.jet[2]
     offset, rotation = run.leg.distance, run.leg.rotation
@@ -514,10 +516,10 @@ def _arc_cells(taylor: Taylor, run: Run, piece: IntArray) -> tuple[FloatArray, .
     least, most, rest = taylor.value_range(slope, bend, third)
     square_z = pitch_radius * pitch_radius + 2.0 * square
 
-    def reach_at(growth: FloatArray) -> FloatArray:
+    def centre_distance(growth: FloatArray) -> FloatArray:
         return np.asarray(np.sqrt(np.clip(square_z + 2.0 * growth, 0.0, BOUNDLESS)))
 
-    nearest, farthest = reach_at(least - rest), reach_at(most + rest)
+    nearest, farthest = centre_distance(least - rest), centre_distance(most + rest)
     slowest, fastest = taylor.pace_range()
     change = taylor.slope_change(bend, third)
     low, high = _sines(slope, change, nearest * slowest, farthest * fastest)
@@ -530,15 +532,16 @@ def _arc_cells(taylor: Taylor, run: Run, piece: IntArray) -> tuple[FloatArray, .
         square = total * total - 2.0 * reach * shift * versine
         return np.asarray(np.sqrt(np.maximum(square, 0.0)) - radius)
 
-    pulls_in = shift > 0.0
-    outer, inner = np.where(pulls_in, small, large), np.where(pulls_in, large, small)
+    inward = shift > 0.0
+    outer, inner = np.where(inward, small, large), np.where(inward, large, small)
     upper, lower = distance(farthest, outer), distance(nearest, inner)
     # The parabola reaches both ends of its range, so the distance does at least this.
     sure = np.maximum(
-        distance(reach_at(most - rest), inner), -distance(reach_at(least + rest), outer)
+        distance(centre_distance(most - rest), inner),
+        -distance(centre_distance(least + rest), outer),
     )
     normal = (1j * rotation * offset) * z1 / pace
-    found = np.maximum(np.abs(np.abs(arm + normal) - radius), sure)
+    reached = np.maximum(np.abs(np.abs(arm + normal) - radius), sure)
     forward = (arm.real * z1.imag - arm.imag * z1.real) * sense > 0.0
     steep = np.where(forward, np.abs(slope) / np.where(forward, r * pace, 1.0), 1.0)
     bound = np.maximum(np.abs(upper), np.abs(lower))
@@ -546,10 +549,10 @@ def _arc_cells(taylor: Taylor, run: Run, piece: IntArray) -> tuple[FloatArray, .
     with np.errstate(divide="ignore", invalid="ignore"):
         least_turn = whole * slowest * np.sqrt(1.0 - high * high) / farthest
         most_turn = np.where(nearest > 0.0, whole * fastest / nearest, np.inf)
-    return found, bound, np.where(forward, high, 1.0), steep, least_turn, most_turn
+    return reached, bound, np.where(forward, high, 1.0), steep, least_turn, most_turn
 
 
-def _line_cells(taylor: Taylor, run: Run, piece: IntArray) -> tuple[FloatArray, ...]:
+def _line_cells(taylor: Taylor, run: LegRun, piece: IntArray) -> tuple[FloatArray, ...]:
     """The parts of an `Enclosure` for cells of lines."""
     z, z1, z2 = taylor.jet[0], taylor.jet[1], taylor.jet[2]
     offset, rotation = run.leg.distance, run.leg.rotation
@@ -580,20 +583,20 @@ def _line_cells(taylor: Taylor, run: Run, piece: IntArray) -> tuple[FloatArray, 
 
     outer, inner = (least_k, most_k) if shift > 0.0 else (most_k, least_k)
     with np.errstate(invalid="ignore"):
-        low_out, high_out, unsure_out = signed(outer)
-        low_in, high_in, unsure_in = signed(inner)
-        upper, lower = high_out + unsure_out, low_in - unsure_in
+        outer_low, outer_high, outer_unsure = signed(outer)
+        inner_low, inner_high, inner_unsure = signed(inner)
+        upper, lower = outer_high + outer_unsure, inner_low - inner_unsure
         # The parabola reaches both ends of its range, so the distance does at least this.
-        sure = np.maximum(high_in - unsure_in, -(low_out + unsure_out))
+        sure = np.maximum(inner_high - inner_unsure, -(outer_low + outer_unsure))
     pace = np.abs(z1)
-    found = np.abs(arm.imag + shift * ahead.real / pace)
-    found = np.where(slowest > 0.0, np.maximum(found, sure), found)
+    reached = np.abs(arm.imag + shift * ahead.real / pace)
+    reached = np.where(slowest > 0.0, np.maximum(reached, sure), reached)
     forward = ahead.real > 0.0
     steep = np.where(forward, np.abs(slope) / pace, 1.0)
     bound = np.maximum(np.abs(upper), np.abs(lower))
     bound = np.where(slowest > 0.0, bound, np.inf)
     none = np.zeros(len(piece))
-    return found, bound, np.where(forward, high, 1.0), steep, none, none
+    return reached, bound, np.where(forward, high, 1.0), steep, none, none
 
 
 # -- locate ---------------------------------------------------------------------------------------
@@ -625,12 +628,12 @@ def _places(leg: Leg, points: ComplexArray, ahead: ComplexArray, guess: FloatArr
     """
     t = guess
     for _ in range(STEPS):
-        at, tangent, pace = leg.traced(t)
+        feet, tangent, pace = leg.traced(t)
         cosine = ahead.real * tangent.real + ahead.imag * tangent.imag
         along = np.where(cosine >= ASKEW, ahead, tangent)
-        apart = points - at
+        offsets = points - feet
         forward = pace > 0.0
-        way = apart.real * along.real + apart.imag * along.imag
+        way = offsets.real * along.real + offsets.imag * along.imag
         rate = np.where(cosine >= ASKEW, cosine, 1.0) * pace
         step = np.where(forward, way, 0.0) / np.where(forward, rate, 1.0)
         step = np.clip(step, -0.2, 0.2)
@@ -653,7 +656,7 @@ def _directions(vertices: ComplexArray, contour: Contour) -> ComplexArray:
     return np.asarray(np.where(size > 0.0, both / np.where(size > 0.0, size, 1.0), 0.0))
 
 
-def locate(path: Path, contour: Contour) -> tuple[Run, ...]:
+def locate(path: Path, contour: Contour) -> tuple[LegRun, ...]:
     """Orient `contour` as `path`, cut it where legs meet, and find the places of its vertices.
 
     A vertex belongs to each corner of the path and to each end of an arc: the nearest one.
@@ -663,9 +666,9 @@ def locate(path: Path, contour: Contour) -> tuple[Run, ...]:
     GeometryError
         If the contour does not follow the path once round.
     """
-    legs = legs_of(path)
+    legs = path_legs(path)
     samples = [_samples(leg) for leg in legs]
-    points = np.concatenate([each.points[:-1] for each in samples])
+    points = np.concatenate([sampled.points[:-1] for sampled in samples])
     area = 0.5 * float(np.sum((np.conj(points) * np.roll(points, -1)).imag))
     if area * contour.area < 0.0:
         contour = contour.reversed()
@@ -719,7 +722,7 @@ def _counts(legs: tuple[Leg, ...], nearest: IntArray, pieces: int) -> IntArray:
     return counts
 
 
-def _open_run(leg: Leg, sampled: _Samples, contour: Contour, start: int, stop: int) -> Run:
+def _open_run(leg: Leg, sampled: _Samples, contour: Contour, start: int, stop: int) -> LegRun:
     """The run of the pieces `start` to `stop` along a leg."""
     vertices = np.append(contour.vertices, contour.vertices[0])[start : stop + 1]
     along_contour = np.concatenate(([0.0], np.cumsum(contour.lengths[start:stop])))
@@ -735,10 +738,10 @@ def _open_run(leg: Leg, sampled: _Samples, contour: Contour, start: int, stop: i
         angles[1:-1] = _places(leg, vertices[1:-1], ahead, guess)
         if np.any(np.diff(angles) <= 0.0):
             raise GeometryError("the contour does not follow the exact curve once round")
-    return Run(leg, angles, vertices, contour.sweeps[start:stop], contour.centres[start:stop])
+    return LegRun(leg, angles, vertices, contour.sweeps[start:stop], contour.centres[start:stop])
 
 
-def _closed_run(leg: Leg, sampled: _Samples, contour: Contour) -> Run:
+def _closed_run(leg: Leg, sampled: _Samples, contour: Contour) -> LegRun:
     """The run of a contour without corners, along a closed leg."""
     first = int(np.argmin(np.abs(sampled.points - contour.vertices[0])))
     along_contour = np.concatenate(([0.0], np.cumsum(contour.lengths)))
@@ -758,7 +761,7 @@ def _closed_run(leg: Leg, sampled: _Samples, contour: Contour) -> Run:
     phi = phi - TURN * np.floor(phi[0] / TURN)
     phi = phi - TURN if phi[0] >= TURN else phi  # a tiny negative angle rounds to a full turn
     vertices = np.append(contour.vertices, contour.vertices[0])
-    return Run(leg, np.append(phi, phi[0] + TURN), vertices, contour.sweeps, contour.centres)
+    return LegRun(leg, np.append(phi, phi[0] + TURN), vertices, contour.sweeps, contour.centres)
 
 
 # -- proved ---------------------------------------------------------------------------------------
@@ -778,7 +781,7 @@ the aim; the tolerance is for messages."""
 
 
 def fit_by_groups(
-    make: Callable[[WorkingCurve, list[Piece]], Group], tolerance: float
+    make: Callable[[WorkingCurve, list[SmoothPiece]], Group], tolerance: float
 ) -> FitPieces:
     """The fit of `camgeo.geometry.contour.proof.proved_fit`, group by group.
 
@@ -788,17 +791,17 @@ def fit_by_groups(
 
     def fit_pieces(pieces: Sequence[PieceOfLeg], aim: float) -> list[Chain]:
         if not groups:
-            for curve, places in by_curve(pieces):
+            for curve, places in group_by_curve(pieces):
                 groups.append((make(curve, [pieces[k][1] for k in places]), places))
-        found: dict[int, Chain] = {}
+        chains: dict[int, Chain] = {}
         for group, places in groups:
-            found.update(zip(places, group(aim, tolerance), strict=True))
-        return [found[k] for k in range(len(pieces))]
+            chains.update(zip(places, group(aim, tolerance), strict=True))
+        return [chains[k] for k in range(len(pieces))]
 
     return fit_pieces
 
 
-def by_curve(pieces: Sequence[PieceOfLeg]) -> list[tuple[WorkingCurve, list[int]]]:
+def group_by_curve(pieces: Sequence[PieceOfLeg]) -> list[tuple[WorkingCurve, list[int]]]:
     """The curves that the pieces belong to, each with the numbers of its pieces."""
     shared: dict[tuple[int, float], list[int]] = {}
     for number, (leg, _) in enumerate(pieces):
@@ -821,11 +824,11 @@ FINER = 0.125
 """Fraction of the aim to try next where the pieces are too coarse for a proof, which limits how far
 they turn, round the tip of a lobe. Arcs become half as long."""
 
-PieceOfLeg = tuple[StretchLeg, Piece]
+PieceOfLeg = tuple[StretchLeg, SmoothPiece]
 
 FitPieces = Callable[[Sequence[PieceOfLeg], float], Sequence[Chain]]
 FitTurn = Callable[[TurnLeg, float], Chain]
-Made = TypeVar("Made")
+Candidate = TypeVar("Candidate")
 
 
 def proved_fit(
@@ -849,23 +852,25 @@ def proved_fit(
         If the contour cannot be compared with the path, or the path has a gap.
     """
     prove = partial(proved_bound, enough=SHARPNESS * tolerance)
-    runs, reached = proved(fitted(path, tolerance, fit_pieces, fit_turn), prove, aim, tolerance)
-    return Fit(contour_of(runs).counter_clockwise(), reached, tolerance)
+    runs, reached = fit_until_proved(
+        path_fit(path, tolerance, fit_pieces, fit_turn), prove, aim, tolerance
+    )
+    return Fit(closed_contour(runs).counter_clockwise(), reached, tolerance)
 
 
-def fitted(
+def path_fit(
     path: Path, tolerance: float, fit_pieces: FitPieces, fit_turn: FitTurn
-) -> Callable[[float], tuple[Run, ...]]:
+) -> Callable[[float], tuple[LegRun, ...]]:
     """What `proved_fit` proves: the fit of `path` for an aim [mm], whose distance has been sampled.
 
     Raises GeometryError if the path has a gap.
     """
-    legs = legs_of(path)
+    legs = path_legs(path)
     stretches = [leg for leg in legs if isinstance(leg, StretchLeg)]
     _require_joined(stretches, tolerance)
     pieces = [(leg, piece) for leg in stretches for piece in leg.pieces]
 
-    def fit(aim: float) -> tuple[Run, ...]:
+    def fit(aim: float) -> tuple[LegRun, ...]:
         chains = iter(fit_pieces(pieces, aim))
         parts: list[tuple[Leg, list[Chain]]] = []
         for leg in legs:
@@ -875,39 +880,42 @@ def fitted(
                 parts.append((leg, [Chain.empty()]))
             else:
                 parts.append((leg, [fit_turn(leg, aim)]))
-        return runs_of(parts)
+        return join_runs(parts)
 
     return fit
 
 
-def proved(
-    fit: Callable[[float], Made], prove: Callable[[Made], float], aim: float, tolerance: float
-) -> tuple[Made, float]:
+def fit_until_proved(
+    fit: Callable[[float], Candidate],
+    prove: Callable[[Candidate], float],
+    aim: float,
+    tolerance: float,
+) -> tuple[Candidate, float]:
     """The result of `fit` for an aim [mm], `aim` or the first lower one whose deviation according
     to `prove` is at most `tolerance`; and that deviation [mm].
 
     Raises what `prove` raised last, ToleranceError if the deviation stays too large, and whatever
     `fit` raises.
     """
-    reached, before, failed = 0.0, math.inf, None
+    reached, previous, failed = 0.0, math.inf, None
     for number in range(ROUNDS):
         try:
-            made = fit(aim)
+            candidate = fit(aim)
         except ToleranceError:
             if number:  # of a lower aim: what matters is what the proof said of the one before
                 break
             raise
         try:
-            reached, failed = prove(made), None
+            reached, failed = prove(candidate), None
         except GeometryError as error:  # too coarse to follow the curve
             failed = error
             aim *= FINER
             continue
         if reached <= tolerance:
-            return made, reached
-        if reached > HELPS * before and before > 2.0 * tolerance:
+            return candidate, reached
+        if reached > HELPS * previous and previous > 2.0 * tolerance:
             break
-        before = reached
+        previous = reached
         aim *= EASE * tolerance / reached
     if failed is not None:
         raise failed
@@ -923,4 +931,4 @@ def _require_joined(legs: Sequence[StretchLeg], tolerance: float) -> None:
         inner = leg.joints
         gaps = np.abs(leg.point(inner) - leg.point(inner, "left"))
         if np.any(gaps > tolerance):
-            raise torn_apart(float(inner[int(np.argmax(gaps))]))
+            raise gap_error(float(inner[int(np.argmax(gaps))]))

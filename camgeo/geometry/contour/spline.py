@@ -72,7 +72,7 @@ def beziers_of_spline(degree: int, knots: FloatArray, controls: ComplexArray) ->
         for level in range(1, degree + 1):
             place = high if level <= upper else low
             rows = [
-                _between(rows[k - 1], rows[k], place, knots, spans - degree + k, degree + 1 - level)
+                _blend(rows[k - 1], rows[k], place, knots, spans - degree + k, degree + 1 - level)
                 for k in range(level, degree + 1)
             ]
             rows = [*([rows[0]] * level), *rows]
@@ -80,16 +80,16 @@ def beziers_of_spline(degree: int, knots: FloatArray, controls: ComplexArray) ->
     return elevated(points)
 
 
-def _between(
-    before: ComplexArray,
-    after: ComplexArray,
+def _blend(
+    left: ComplexArray,
+    right: ComplexArray,
     place: FloatArray,
     knots: FloatArray,
     index: IntArray,
     width: int,
 ) -> ComplexArray:
     share = (place - knots[index]) / (knots[index + width] - knots[index])
-    return before + share * (after - before)
+    return left + share * (right - left)
 
 
 def elevated(points: ComplexArray) -> ComplexArray:
@@ -125,7 +125,7 @@ def cut(pieces: ComplexArray, counts: IntArray) -> ComplexArray:
     return parts
 
 
-def at(pieces: ComplexArray, t: FloatArray) -> ComplexArray:
+def bezier_points(pieces: ComplexArray, t: FloatArray) -> ComplexArray:
     """(n, k) complex [mm] points of the `pieces` (n, 4) at `t` (k,) in [0, 1]."""
     w = 1.0 - t
     powers = np.stack((w**3, 3.0 * w * w * t, 3.0 * w * t * t, t**3))
@@ -174,7 +174,7 @@ class CubicSpline(CheckedFields):
     controls: Complexes
 
     @classmethod
-    def of(cls, degree: int, knots: FloatArray, controls: ComplexArray) -> Self:
+    def from_bspline(cls, degree: int, knots: FloatArray, controls: ComplexArray) -> Self:
         """The same curve as a B-spline of degree 1 to 3, clamped or not.
 
         One that is already clamped and cubic keeps its knots.
@@ -241,7 +241,7 @@ class CubicSpline(CheckedFields):
             type(self)(np.insert(knots[first:], 0, knot), controls[first - 1 :]),
         )
 
-    def between(self, start: complex, end: complex) -> Self:
+    def with_ends(self, start: complex, end: complex) -> Self:
         """The same curve with its ends moved to `start` and `end` [mm]."""
         controls = np.concatenate(([start], self.controls[1:-1], [end]))
         return type(self)(self.knots, controls)
@@ -296,14 +296,14 @@ class Arc:
             return self.end - self.start
         return (point - self.centre) * (1j if self.sweep > 0.0 else -1j)
 
-    def at(self, shares: FloatArray) -> ComplexArray:
+    def points_by_share(self, shares: FloatArray) -> ComplexArray:
         """(n,) complex [mm] points at `shares` (n,) of its length."""
         if not self.sweep:
             return self.start + (self.end - self.start) * shares.astype(np.complex128)
         turned: ComplexArray = np.exp(1j * self.sweep * shares)
         return self.centre + (self.start - self.centre) * turned
 
-    def between(self, start: complex, end: complex) -> Self:
+    def with_ends(self, start: complex, end: complex) -> Self:
         """The same turn between `start` and `end` [mm]; the centre follows."""
         if abs(self.sweep) == 2.0 * math.pi:
             return type(self)(start, end, self.sweep, self.centre)
@@ -349,20 +349,20 @@ class SplineContour:
     @property
     def pieces(self) -> list[Arc | ComplexArray]:
         """Arcs and lines, and (4,) complex [mm] Bezier points of each cubic, in order."""
-        found: list[Arc | ComplexArray] = []
+        all_pieces: list[Arc | ComplexArray] = []
         for strand in self.strands:
-            found += [strand] if isinstance(strand, Arc) else list(strand.beziers)
-        return found
+            all_pieces += [strand] if isinstance(strand, Arc) else list(strand.beziers)
+        return all_pieces
 
     @property
     def splines(self) -> tuple[CubicSpline, ...]:
         """The splines among the strands."""
-        return tuple(each for each in self.strands if isinstance(each, CubicSpline))
+        return tuple(strand for strand in self.strands if isinstance(strand, CubicSpline))
 
     @property
     def arcs(self) -> tuple[Arc, ...]:
         """The arcs and lines among the strands."""
-        return tuple(each for each in self.strands if isinstance(each, Arc))
+        return tuple(strand for strand in self.strands if isinstance(strand, Arc))
 
     @property
     def area(self) -> float:
@@ -403,7 +403,7 @@ class SplineFit:
     tolerance: float
 
 
-def strands_of(contour: Contour) -> SplineContour:
+def as_spline_contour(contour: Contour) -> SplineContour:
     """The lines and arcs of a contour, each a strand."""
     pieces = zip(
         contour.vertices.tolist(),
@@ -433,10 +433,10 @@ def highest(
     # Extremes: slope + 2 square t + 3 cube t^2 = 0, in the form in which nothing cancels.
     radicand = square * square - 3.0 * cube * slope
     half = -(square + np.copysign(np.sqrt(np.maximum(radicand, 0.0)), square))
-    found: FloatArray = np.zeros_like(growth)
+    largest: FloatArray = np.zeros_like(growth)
     with np.errstate(divide="ignore", invalid="ignore"):
         for t in (slope / half, half / (3.0 * cube)):
             value = np.abs(start + t * (slope + t * (square + t * cube)))
             inside = (t > 0.0) & (t < 1.0) & (radicand > 0.0)
-            found = np.where(inside, np.maximum(found, value), found)
-    return found
+            largest = np.where(inside, np.maximum(largest, value), largest)
+    return largest

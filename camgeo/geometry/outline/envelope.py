@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from camgeo.errors import GeometryError
 from camgeo.geometry.outline.path import Element, Pivot, Stretch
-from camgeo.geometry.pieces import centres_at
+from camgeo.geometry.pieces import rigid_centres
 from camgeo.geometry.pitch_curve import WorkingCurve, joints
 from camgeo.numeric.arrays import (
     BoolArray,
@@ -89,25 +89,25 @@ class Envelope:
         angles = met.phi[met.turns > KINK]
         if not len(angles):
             return (Stretch(curve, 0.0, TURN),)
-        before, after = (curve.tangent(angles, side) for side in ("left", "right"))
-        sweeps = np.angle(after * np.conj(before))
+        arriving, leaving = (curve.tangent(angles, side) for side in ("left", "right"))
+        sweeps = np.angle(leaving * np.conj(arriving))
         centres = curve.pitch.point(angles)
-        found: list[Element] = []
+        chain: list[Element] = []
         ends = np.append(angles[1:], angles[0] + TURN)
         for k, (start, end) in enumerate(zip(map(float, angles), map(float, ends), strict=True)):
-            normal = 1j * curve.pitch.rotation * complex(before[k])
-            found.append(
+            normal = 1j * curve.pitch.rotation * complex(arriving[k])
+            chain.append(
                 Pivot(
                     complex(centres[k]),
                     curve.distance,
                     normal,
                     float(sweeps[k]),
-                    before=start if start > 0.0 else TURN,
-                    after=start,
+                    phi_start=start if start > 0.0 else TURN,
+                    phi_end=start,
                 )
             )
-            found.append(Stretch(curve, start, end))
-        return tuple(found)
+            chain.append(Stretch(curve, start, end))
+        return tuple(chain)
 
     @cached_property
     def starts(self) -> FloatArray:
@@ -122,16 +122,16 @@ class Envelope:
     @cached_property
     def is_pivot(self) -> BoolArray:
         """(m,) whether each element is a turn about a corner of the pitch curve."""
-        return frozen([isinstance(each, Pivot) for each in self.elements], np.bool_)
+        return frozen([isinstance(element, Pivot) for element in self.elements], np.bool_)
 
     @cached_property
     def pivots(self) -> Pivots:
         """The turns about corners of the pitch curve."""
         rows = [
-            (each.centre, each.normal, math.copysign(1.0, each.sweep))
-            if isinstance(each, Pivot)
+            (element.centre, element.normal, math.copysign(1.0, element.sweep))
+            if isinstance(element, Pivot)
             else (0j, 0j, 0.0)
-            for each in self.elements
+            for element in self.elements
         ]
         centre, normal, sense = np.array(rows, dtype=np.complex128).T
         return Pivots(centre, normal, sense.real)
@@ -144,8 +144,8 @@ class Envelope:
     @cached_property
     def _spans(self) -> FloatArray:
         spans = [
-            abs(each.sweep) if isinstance(each, Pivot) else each.end - each.start
-            for each in self.elements
+            abs(element.sweep) if isinstance(element, Pivot) else element.end - element.start
+            for element in self.elements
         ]
         return np.array(spans)
 
@@ -163,30 +163,30 @@ class Envelope:
         """Path parameters of the cam angles `angles` in [0, 2 pi) and of all ends of elements."""
         elements, starts = self.elements, self.starts
         angles = np.concatenate((angles, angles + TURN))
-        found = [starts]
-        for start, each in zip(starts, elements, strict=True):
-            if isinstance(each, Stretch):
-                within = angles[(angles > each.start) & (angles < each.end)]
-                found.append(start + (within - each.start))
-        return frozen(ascending(np.concatenate(found)), np.float64)
+        marks = [starts]
+        for start, element in zip(starts, elements, strict=True):
+            if isinstance(element, Stretch):
+                inner = angles[(angles > element.start) & (angles < element.end)]
+                marks.append(start + (inner - element.start))
+        return frozen(ascending(np.concatenate(marks)), np.float64)
 
     @cached_property
-    def undivided(self) -> Cells:
+    def undivided(self) -> FlankCells:
         """The first cells if there are no cusps."""
         return first_cells(self, np.empty(0))
 
-    def element_at(self, places: FloatArray) -> IntArray:
+    def element_indices(self, places: FloatArray) -> IntArray:
         """(n,) index of the element at each of `places` (n,) in [0, total)."""
         return np.asarray(np.searchsorted(self.starts, places, side="right") - 1)
 
-    def within(self, places: FloatArray) -> FloatArray:
+    def wrapped(self, places: FloatArray) -> FloatArray:
         """(n,) `places` reduced to [0, total)."""
         reduced = places - self.total * np.floor(places / self.total)
         return np.asarray(np.where(reduced >= self.total, 0.0, reduced))
 
-    def angles_at(self, places: FloatArray) -> FloatArray:
+    def cam_angles(self, places: FloatArray) -> FloatArray:
         """Cam angles [rad] in [0, 2 pi) at path parameters of any shape in [0, total)."""
-        index = self.element_at(places)
+        index = self.element_indices(places)
         angles = self._angles[index] + np.where(
             self.is_pivot[index], 0.0, places - self.starts[index]
         )
@@ -196,30 +196,33 @@ class Envelope:
     def _angles(self) -> FloatArray:
         """(m,) cam angle [rad] at which each stretch begins, or of a turn."""
         return np.array(
-            [each.after if isinstance(each, Pivot) else each.start for each in self.elements]
+            [
+                element.phi_end if isinstance(element, Pivot) else element.start
+                for element in self.elements
+            ]
         )
 
-    def place_of(self, angle: float, side: Side = "right") -> float:
+    def path_parameter(self, angle: float, side: Side = "right") -> float:
         """Path parameter of a cam angle [rad] in [0, 2 pi), after a turn that is there, or before
         it if it is seen from the left.
         """
         left = side == "left"
-        for start, each in zip(self.starts, self.elements, strict=True):
-            if isinstance(each, Stretch):
-                before = angle < each.start or (left and angle == each.start)
-                beyond = angle + TURN if before else angle
-                if beyond < each.end or (left and beyond == each.end):
-                    return float(start) + (beyond - each.start)
+        for start, element in zip(self.starts, self.elements, strict=True):
+            if isinstance(element, Stretch):
+                wraps = angle < element.start or (left and angle == element.start)
+                beyond = angle + TURN if wraps else angle
+                if beyond < element.end or (left and beyond == element.end):
+                    return float(start) + (beyond - element.start)
         # A turn added to an angle just below the first stretch may round up to the end of the last.
         pairs = zip(self.starts, self.elements, strict=True)
-        return next(float(start) for start, each in pairs if isinstance(each, Stretch))
+        return next(float(start) for start, element in pairs if isinstance(element, Stretch))
 
     def samples(self, places: FloatArray) -> EnvelopeSamples:
         """Points, tangents and pace at the path parameters `places` (n,), any number of turns."""
-        places = self.within(np.asarray(places, dtype=np.float64))
+        places = self.wrapped(np.asarray(places, dtype=np.float64))
         if len(self.elements) == 1:
             return self._along(places)
-        index = self.element_at(places)
+        index = self.element_indices(places)
         points, tangents = np.empty((2, len(places)), dtype=np.complex128)
         pace = np.empty(len(places))
         on_pivot = self.is_pivot[index]
@@ -283,7 +286,7 @@ PLACE = 2.0**-52 * 32.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Cells:
+class FlankCells:
     """n cells.
 
     Attributes
@@ -315,33 +318,33 @@ class Cells:
     def __len__(self) -> int:
         return len(self.low)
 
-    def some(self, which: IntArray | BoolArray) -> Cells:
+    def some(self, which: IntArray | BoolArray) -> FlankCells:
         """The cells at `which`."""
         return taken(self, which)
 
 
-def enclose(envelope: Envelope, low: FloatArray, high: FloatArray, origin: IntArray) -> Cells:
+def enclose(envelope: Envelope, low: FloatArray, high: FloatArray, origin: IntArray) -> FlankCells:
     """Boxes of the cells [low, high] (n,), which must not reach across a border."""
-    index = envelope.element_at(0.5 * (low + high))
+    index = envelope.element_indices(0.5 * (low + high))
     on_pivot = envelope.is_pivot[index]
     places, boxes = [], []
-    for which, boxes_of in ((~on_pivot, _of_stretches), (on_pivot, _of_pivots)):
+    for which, enclose_part in ((~on_pivot, _stretch_boxes), (on_pivot, _pivot_boxes)):
         if np.any(which):
             places.append(np.flatnonzero(which))
-            boxes.append(boxes_of(envelope, low[which], high[which], index[which]))
+            boxes.append(enclose_part(envelope, low[which], high[which], index[which]))
     order = np.argsort(np.concatenate(places))
     columns = (np.concatenate(column)[order] for column in zip(*boxes, strict=True))
     middle, tangent, pace, along, across, turn, bend, sign = columns
     rounding = ROUNDING * (np.abs(middle) + abs(envelope.curve.distance))
     along, across = along + rounding + PLACE * np.abs(pace), across + rounding
-    return Cells(low, high, origin, middle, tangent, pace, along, across, turn, bend, sign)
+    return FlankCells(low, high, origin, middle, tangent, pace, along, across, turn, bend, sign)
 
 
 Boxes = tuple[Any, ...]
-"""The arrays of `Cells` from `middle` to `sign`."""
+"""The arrays of `FlankCells` from `middle` to `sign`."""
 
 
-def _of_stretches(envelope: Envelope, low: FloatArray, high: FloatArray, index: IntArray) -> Boxes:
+def _stretch_boxes(envelope: Envelope, low: FloatArray, high: FloatArray, index: IntArray) -> Boxes:
     curve, pitch = envelope.curve, envelope.curve.pitch
     offset = abs(curve.distance)
     half = 0.5 * (high - low)
@@ -362,8 +365,8 @@ def _of_stretches(envelope: Envelope, low: FloatArray, high: FloatArray, index: 
         turning_slope = np.where(slowest > 0.0, third / slowest, np.inf) + 2.0 * ratio * ratio
         pace_slope = second + offset * turning_slope
         # An arc that is run through evenly.
-        even = ~np.isnan(centres_at(pitch, middle))
-        turning_slope[even], pace_slope[even] = 0.0, 0.0
+        circular = ~np.isnan(rigid_centres(pitch, middle))
+        turning_slope[circular], pace_slope[circular] = 0.0, 0.0
         turning_most = np.minimum(ratio, np.abs(turning) + half * turning_slope)
         along = half * (np.abs(pace) + 0.5 * half * pace_slope)
         across = 0.5 * half * half * (np.abs(pace) + half * pace_slope) * turning_most
@@ -382,7 +385,7 @@ def _of_stretches(envelope: Envelope, low: FloatArray, high: FloatArray, index: 
     )
 
 
-def _of_pivots(envelope: Envelope, low: FloatArray, high: FloatArray, index: IntArray) -> Boxes:
+def _pivot_boxes(envelope: Envelope, low: FloatArray, high: FloatArray, index: IntArray) -> Boxes:
     half = 0.5 * (high - low)
     samples = envelope.pivot_samples(index, 0.5 * (low + high) - envelope.starts[index])
     pace, sign = np.abs(samples.pace), np.sign(samples.pace)
@@ -391,7 +394,7 @@ def _of_pivots(envelope: Envelope, low: FloatArray, high: FloatArray, index: Int
     return samples.points, samples.tangents, samples.pace, *boxes
 
 
-def halved(envelope: Envelope, cells: Cells) -> Cells:
+def halved(envelope: Envelope, cells: FlankCells) -> FlankCells:
     """The cells halved, (2 n,): the lower half of cell k at 2 k, the upper one at 2 k + 1.
 
     GeometryError if there are more than `MOST` and `MORE` allow.
@@ -408,7 +411,7 @@ def halved(envelope: Envelope, cells: Cells) -> Cells:
 
 def unresolved(envelope: Envelope, places: FloatArray) -> GeometryError:
     """The error of a division that does not end, at the first of `places` (n,)."""
-    angle = np.degrees(envelope.angles_at(envelope.within(places[:1])))[0]
+    angle = np.degrees(envelope.cam_angles(envelope.wrapped(places[:1])))[0]
     return GeometryError(
         f"at cam angle {angle:.6f} deg the flank bends more tightly than can be resolved, or keeps"
         " too near to a cusp: it cannot be decided what is left of it"
@@ -419,7 +422,7 @@ MOST_PAIRS = 4_000_000
 """Most pairs examined together; more means a flank that lies on itself."""
 
 
-def overlapping(envelope: Envelope, cells: Cells) -> tuple[IntArray, IntArray]:
+def overlapping(envelope: Envelope, cells: FlankCells) -> tuple[IntArray, IntArray]:
     """(k,), (k,) indices i < j of the `cells` of `envelope` whose upright bounding boxes overlap.
 
     GeometryError if there are more than `MOST_PAIRS`.
@@ -434,20 +437,20 @@ def overlapping(envelope: Envelope, cells: Cells) -> tuple[IntArray, IntArray]:
     counts = last - np.arange(len(order)) - 1
     if np.sum(counts) > MOST_PAIRS:
         worst = order[[int(np.argmax(counts))]]
-        angle = np.degrees(envelope.angles_at(cells.low[worst]))[0]
+        angle = np.degrees(envelope.cam_angles(cells.low[worst]))[0]
         raise GeometryError(
             f"about cam angle {angle:.6f} deg too many stretches of the flank lie too close to be"
             " separated: it cannot be decided what is left of it"
         )
     one, step = grouped(counts)
     first, second = order[one], order[one + 1 + step]
-    apart = np.abs(cells.middle.imag[first] - cells.middle.imag[second])
-    near = apart <= high[first] + high[second]
+    height_gap = np.abs(cells.middle.imag[first] - cells.middle.imag[second])
+    near = height_gap <= high[first] + high[second]
     first, second = first[near], second[near]
     return np.minimum(first, second), np.maximum(first, second)
 
 
-def meet(one: Cells, other: Cells) -> BoolArray:
+def meet(one: FlankCells, other: FlankCells) -> BoolArray:
     """(k,) False where the boxes of the cells k of both provably have no point in common."""
     way = other.middle - one.middle
     turned = np.conj(one.tangent) * other.tangent
@@ -461,12 +464,12 @@ def meet(one: Cells, other: Cells) -> BoolArray:
     )
 
 
-def cross_once(one: Cells, other: Cells) -> BoolArray:
+def cross_once(one: FlankCells, other: FlankCells) -> BoolArray:
     """(k,) True where the tangents of both cells provably differ: they cross at most once."""
     turned = np.conj(one.tangent) * other.tangent
-    between = np.abs(np.angle(turned))
-    between = np.minimum(between, np.pi - between)
-    return np.asarray(between > one.turn + other.turn)
+    angle = np.abs(np.angle(turned))
+    angle = np.minimum(angle, np.pi - angle)
+    return np.asarray(angle > one.turn + other.turn)
 
 
 # -- division -------------------------------------------------------------------------------------
@@ -522,7 +525,7 @@ class Division:
     """
 
     envelope: Envelope
-    cells: Cells
+    cells: FlankCells
     negative: BoolArray
     turned: FloatArray
     flips: IntArray
@@ -580,7 +583,7 @@ def divide(envelope: Envelope, cusps: FloatArray) -> Division:
     )
 
 
-def first_cells(envelope: Envelope, cusps: FloatArray) -> Cells:
+def first_cells(envelope: Envelope, cusps: FloatArray) -> FlankCells:
     """Cells of at most `WIDEST`, none across a border of `envelope` or one of `cusps` (k,)."""
     marks = ascending(np.concatenate((envelope.borders, cusps, [envelope.total])))
     spans = np.diff(marks)
@@ -591,7 +594,7 @@ def first_cells(envelope: Envelope, cusps: FloatArray) -> Cells:
     return enclose(envelope, low, high, np.arange(len(low)))
 
 
-def _touches(cells: Cells, cusps: FloatArray) -> BoolArray:
+def _touches(cells: FlankCells, cusps: FloatArray) -> BoolArray:
     if not len(cusps):
         return np.zeros(len(cells), dtype=np.bool_)
     # The last cell ends where the first one begins.
@@ -646,15 +649,15 @@ class Node:
 def find_nodes(envelope: Envelope, backward: list[tuple[float, float]]) -> tuple[Node, ...]:
     """All crossings and contacts of `envelope`, given the ranges in which it runs backwards."""
     ends = np.array([place for span in backward for place in span])
-    division = divide(envelope, envelope.within(ends) if len(ends) else ends)
+    division = divide(envelope, envelope.wrapped(ends) if len(ends) else ends)
     tails = swallow_tails(division, backward) if backward else []
-    pairs = _apart(division, [run for _, run in tails])
+    pairs = _candidate_pairs(division, [run for _, run in tails])
     nodes = [node for node, _ in tails]
     nodes += _decide(envelope, division.cells, pairs)
     return _distinct(nodes, envelope.total)
 
 
-def _apart(division: Division, runs: list[Run]) -> tuple[IntArray, IntArray]:
+def _candidate_pairs(division: Division, runs: list[CellRun]) -> tuple[IntArray, IntArray]:
     """Pairs of cells that may cross and do not belong to one of the `runs`, already settled."""
     first, second = overlapping(division.envelope, division.cells)
     count = len(division.cells)
@@ -671,48 +674,48 @@ def _apart(division: Division, runs: list[Run]) -> tuple[IntArray, IntArray]:
     return first[both], second[both]
 
 
-def _decide(envelope: Envelope, cells: Cells, pairs: tuple[IntArray, IntArray]) -> list[Node]:
+def _decide(envelope: Envelope, cells: FlankCells, pairs: tuple[IntArray, IntArray]) -> list[Node]:
     """Halve until each pair is apart, crosses once, or is too small to be halved."""
-    found: list[Node] = []
+    all_nodes: list[Node] = []
     first, second = pairs
     for _ in range(HALVINGS):
         if not len(first):
-            return found
+            return all_nodes
         if len(first) > MOST_UNDECIDED:
             break
         one, other = cells.some(first), cells.some(second)
         once = cross_once(one, other)
-        done = np.zeros(len(first), dtype=np.bool_)
+        resolved = np.zeros(len(first), dtype=np.bool_)
         small = ~once & _slim(envelope, one) & _slim(envelope, other)
         if np.any(once):
             known, blurred, nodes = _newton(envelope, one.some(once), other.some(once))
-            done[once], small[once] = known, blurred
-            found += nodes
-        small |= ~done & _tiny(envelope, one) & _tiny(envelope, other)
+            resolved[once], small[once] = known, blurred
+            all_nodes += nodes
+        small |= ~resolved & _tiny(envelope, one) & _tiny(envelope, other)
         for k in np.flatnonzero(small):
             point = complex(one.middle[k])
-            found.append(_node(float(one.low[k]), float(other.low[k]), point, touching=True))
-        done |= small
-        cells, first, second = _refined(envelope, cells, first[~done], second[~done])
+            all_nodes.append(_node(float(one.low[k]), float(other.low[k]), point, touching=True))
+        resolved |= small
+        cells, first, second = _refined(envelope, cells, first[~resolved], second[~resolved])
     if not len(first):
-        return found
+        return all_nodes
     one, other = cells.some(first), cells.some(second)
-    apart = np.abs(one.middle - other.middle)
-    nearest = [int(np.argmin(apart))]
-    angles = [math.degrees(envelope.angles_at(each.low[nearest])[0]) for each in (one, other)]
+    gaps = np.abs(one.middle - other.middle)
+    nearest = [int(np.argmin(gaps))]
+    angles = [math.degrees(envelope.cam_angles(branch.low[nearest])[0]) for branch in (one, other)]
     raise GeometryError(
         f"about cam angles {angles[0]:.6f} and {angles[1]:.6f} deg two stretches of the flank lie"
-        f" on each other, to {apart[nearest[0]]:.2g} mm: it cannot be decided what is left of it"
+        f" on each other, to {gaps[nearest[0]]:.2g} mm: it cannot be decided what is left of it"
     )
 
 
-def _slim(envelope: Envelope, cells: Cells) -> BoolArray:
+def _slim(envelope: Envelope, cells: FlankCells) -> BoolArray:
     """Cells that bend by no more than rounding: their neighbours there touch them."""
     size = np.abs(cells.middle) + abs(envelope.curve.distance)
     return np.asarray(cells.across <= 2.0 * ROUNDING * size)
 
 
-def _tiny(envelope: Envelope, cells: Cells) -> BoolArray:
+def _tiny(envelope: Envelope, cells: FlankCells) -> BoolArray:
     """Cells no longer than rounding, on the curve or in the path parameter."""
     size = np.abs(cells.middle) + abs(envelope.curve.distance)
     tiny: BoolArray = cells.along <= 4.0 * ROUNDING * size
@@ -721,8 +724,8 @@ def _tiny(envelope: Envelope, cells: Cells) -> BoolArray:
 
 
 def _refined(
-    envelope: Envelope, cells: Cells, first: IntArray, second: IntArray
-) -> tuple[Cells, IntArray, IntArray]:
+    envelope: Envelope, cells: FlankCells, first: IntArray, second: IntArray
+) -> tuple[FlankCells, IntArray, IntArray]:
     """The pairs of the halves of each pair whose boxes still meet."""
     if not len(first):
         return cells, first, second
@@ -736,7 +739,7 @@ def _refined(
 
 
 def _newton(
-    envelope: Envelope, one: Cells, other: Cells
+    envelope: Envelope, one: FlankCells, other: FlankCells
 ) -> tuple[BoolArray, BoolArray, list[Node]]:
     """The crossings of pairs of cells that cross at most once.
 
@@ -775,7 +778,7 @@ def _newton(
     inside &= clear
     nodes = []
     for k in np.flatnonzero(inside):
-        places = envelope.within(np.array([x[k], y[k]]))
+        places = envelope.wrapped(np.array([x[k], y[k]]))
         nodes.append(_node(float(places[0]), float(places[1]), complex(points[k])))
     return inside, blurred, nodes
 
@@ -784,14 +787,14 @@ def _node(one: float, other: float, point: complex, *, touching: bool = False) -
     return Node(min(one, other), max(one, other), point, touching)
 
 
-def _near(places: FloatArray, cells: Cells, share: float) -> BoolArray:
+def _near(places: FloatArray, cells: FlankCells, share: float) -> BoolArray:
     room = share * (cells.high - cells.low)
     return np.asarray((places >= cells.low - room) & (places <= cells.high + room))
 
 
 def _distinct(nodes: list[Node], total: float) -> tuple[Node, ...]:
     """Each node once; of a crossing and a contact next to it, the crossing."""
-    kept: list[Node] = []
+    distinct: list[Node] = []
     fields = max(1, int(total / TOUCHING))
     near: dict[int, list[Node]] = {}  # the nodes kept, by the fields about both of their places
     for node in sorted(nodes, key=lambda node: (node.touching, node.first, node.second)):
@@ -799,21 +802,21 @@ def _distinct(nodes: list[Node], total: float) -> tuple[Node, ...]:
         field = int(node.first / TOUCHING)
         if any(_same(node, other, limit, total) for other in near.get(field % fields, ())):
             continue
-        kept.append(node)
-        about = {
+        distinct.append(node)
+        nearby = {
             int(place / TOUCHING) + step
             for place in (node.first, node.second)
             for step in (-1, 0, 1)
         }
-        for each in {field % fields for field in about}:
-            near.setdefault(each, []).append(node)
-    return tuple(sorted(kept, key=lambda node: (node.first, node.second)))
+        for bucket in {field % fields for field in nearby}:
+            near.setdefault(bucket, []).append(node)
+    return tuple(sorted(distinct, key=lambda node: (node.first, node.second)))
 
 
 def _same(one: Node, other: Node, limit: float, total: float) -> bool:
     pairs = [(other.first, other.second), (other.second, other.first)]
-    apart = np.abs(np.array(pairs) - [one.first, one.second])
-    return bool(np.any(np.all(np.minimum(apart, total - apart) < limit, axis=1)))
+    gaps = np.abs(np.array(pairs) - [one.first, one.second])
+    return bool(np.any(np.all(np.minimum(gaps, total - gaps) < limit, axis=1)))
 
 
 # -- swallow tail ---------------------------------------------------------------------------------
@@ -870,7 +873,7 @@ NOISE = 2.0**-52 * 64.0
 
 
 @dataclass(frozen=True, slots=True)
-class Run:
+class CellRun:
     """Consecutive cells in which there is at most one crossing.
 
     Attributes
@@ -886,7 +889,7 @@ class Run:
     high: float
 
 
-class Line:
+class UnrolledCells:
     """The cells of a division over three turns, so that none of them is at an end."""
 
     def __init__(self, division: Division) -> None:
@@ -899,29 +902,29 @@ class Line:
         self.turn = np.tile(2.0 * cells.turn, 3)
         self.bending = {0.0: bend == bend, 1.0: bend == 1.0, -1.0: bend == -1.0}
 
-    def steady_run(self, start: float, end: float) -> Run | None:
+    def steady_run(self, start: float, end: float) -> CellRun | None:
         """The longest run about the range [start, end] in which the tangent turns one way, below
         pi. None if it does not turn one way between the cusps.
         """
-        inner = slice(*self._cells_of(start, end))
+        inner = slice(*self._cell_range(start, end))
         for sense in (1.0, -1.0):
             if np.all(self.bending[sense][inner]):
                 run = self._grown(inner, STRAIGHT, sense)
                 return run if run is not None and run.low < start and end < run.high else None
         return None
 
-    def short_run(self, start: float, end: float) -> Run | None:
+    def short_run(self, start: float, end: float) -> CellRun | None:
         """The run about the range [start, end] that turns by less than a right angle, either way,
         for `small_runs` to look at.
         """
-        run = self._grown(slice(*self._cells_of(start, end)), SQUARE, 0.0)
+        run = self._grown(slice(*self._cell_range(start, end)), SQUARE, 0.0)
         return run if run is not None and run.low < start and end < run.high else None
 
-    def _cells_of(self, start: float, end: float) -> tuple[int, int]:
+    def _cell_range(self, start: float, end: float) -> tuple[int, int]:
         """First cell, and the one after the last, of a range that begins and ends with cells."""
         return int(np.searchsorted(self.low, start)), int(np.searchsorted(self.high, end)) + 1
 
-    def _grown(self, inner: slice, most: float, sense: float) -> Run | None:
+    def _grown(self, inner: slice, most: float, sense: float) -> CellRun | None:
         """The run of the cells `inner`, backward ones, with cells added on both sides in turn.
 
         As long as the pace is positive there, they bend in the `sense`, 0 for any, and all turn by
@@ -945,18 +948,18 @@ class Line:
                     turned += float(self.turn[k])
                     left, right = (left, k) if side else (k, right)
         cells = right - left + 1
-        return Run(left % self.count, cells, float(self.low[left]), float(self.high[right]))
+        return CellRun(left % self.count, cells, float(self.low[left]), float(self.high[right]))
 
 
 def small_runs(
-    envelope: Envelope, runs: Sequence[Run], start: FloatArray, end: FloatArray
-) -> list[Run | None]:
+    envelope: Envelope, runs: Sequence[CellRun], start: FloatArray, end: FloatArray
+) -> list[CellRun | None]:
     """The `runs` about short ranges [start, end] (m,), cut to where a crossing must lie; None for
     those that may hold more than one, see above.
     """
     half, shares = 0.5 * (end - start), (np.arange(SAMPLES) + 0.5) / SAMPLES
-    within = _samples(envelope, start[:, None] + (end - start)[:, None] * shares)
-    length = 2.0 * half * np.max(np.abs(within.pace), axis=1)
+    backward = _samples(envelope, start[:, None] + (end - start)[:, None] * shares)
+    length = 2.0 * half * np.max(np.abs(backward.pace), axis=1)
     sure = np.ones(len(runs), dtype=np.bool_)
     reaches, tangents, rates = [], [], []
     for cusp, limit in ((start, [run.low for run in runs]), (end, [run.high for run in runs])):
@@ -975,12 +978,14 @@ def small_runs(
         reaches.append(reach)
         tangents.append(along.tangents)
         rates.append(fastest)
-    before, after = (np.angle(each * np.conj(tangents[0][:, :1])) for each in tangents)
-    apart = np.max(before, axis=1) < np.min(after, axis=1)
-    apart |= np.max(after, axis=1) < np.min(before, axis=1)
+    start_angles, end_angles = (
+        np.angle(side_tangents * np.conj(tangents[0][:, :1])) for side_tangents in tangents
+    )
+    separated = np.max(start_angles, axis=1) < np.min(end_angles, axis=1)
+    separated |= np.max(end_angles, axis=1) < np.min(start_angles, axis=1)
     first, last = _samples(envelope, np.stack((start, end))).tangents
-    apart |= np.maximum(*rates) * REACH * length < np.abs(np.angle(last * np.conj(first)))
-    sure &= apart & (np.max(np.abs(np.hstack((before, after))), axis=1) < SLIGHT)
+    separated |= np.maximum(*rates) * REACH * length < np.abs(np.angle(last * np.conj(first)))
+    sure &= separated & (np.max(np.abs(np.hstack((start_angles, end_angles))), axis=1) < SLIGHT)
     inside = np.searchsorted(_borders(envelope), reaches)
     sure &= inside[1] - inside[0] <= MOST_BREAKS
     return [
@@ -1001,36 +1006,36 @@ def _samples(envelope: Envelope, places: FloatArray) -> EnvelopeSamples:
 
 def swallow_tails(
     division: Division, backward: list[tuple[float, float]]
-) -> list[tuple[Node, Run]]:
+) -> list[tuple[Node, CellRun]]:
     """The crossings of the ranges `backward` that cross within a short run of cells, each with that
     run, in which there is no other.
     """
-    envelope, line = division.envelope, Line(division)
+    envelope, line = division.envelope, UnrolledCells(division)
     spans = [span for span in backward if span[1] - span[0] < envelope.total]
     runs = [line.steady_run(*span) for span in spans]
     short = {k: line.short_run(*span) for k, span in enumerate(spans) if runs[k] is None}
-    looked_at = {k: run for k, run in short.items() if run is not None}
-    if looked_at:
-        start, end = np.array([spans[k] for k in looked_at]).T
-        small = small_runs(envelope, tuple(looked_at.values()), start, end)
-        for k, run in zip(looked_at, small, strict=True):
+    candidates = {k: run for k, run in short.items() if run is not None}
+    if candidates:
+        start, end = np.array([spans[k] for k in candidates]).T
+        small = small_runs(envelope, tuple(candidates.values()), start, end)
+        for k, run in zip(candidates, small, strict=True):
             runs[k] = run
     known = [(span, run) for span, run in zip(spans, runs, strict=True) if run is not None]
     return _tails(envelope, known) if known else []
 
 
 def _tails(
-    envelope: Envelope, known: list[tuple[tuple[float, float], Run]]
-) -> list[tuple[Node, Run]]:
+    envelope: Envelope, known: list[tuple[tuple[float, float], CellRun]]
+) -> list[tuple[Node, CellRun]]:
     """The crossings of the runs about ranges, all by Newton's method at once."""
     start, end, low, high = np.array([(*span, run.low, run.high) for span, run in known]).T
     middle, half = 0.5 * (start + end), 0.5 * (end - start)
     # Of a pace that is a parabola between the cusps the crossing lies root 3 times as far out.
     x = np.maximum(middle - np.sqrt(3.0) * half, 0.5 * (low + start))
     y = np.minimum(middle + np.sqrt(3.0) * half, 0.5 * (end + high))
-    speed = np.abs(envelope.curve.pitch.jet(envelope.angles_at(start))[1])
+    speed = np.abs(envelope.curve.pitch.jet(envelope.cam_angles(start))[1])
     settled = np.zeros(len(x), dtype=np.bool_)
-    found = settled.copy()
+    converged = settled.copy()
     k = np.arange(len(x))  # those still iterated
     for _ in range(STEPS):
         ends = _samples(envelope, np.stack((x[k], y[k])))
@@ -1048,15 +1053,15 @@ def _tails(
         room = np.minimum(_room(x[k], dx, low[k], start[k]), _room(y[k], dy, end[k], high[k]))
         share = np.minimum(1.0, room)
         x[k], y[k] = x[k] + share * dx, y[k] + share * dy
-        found[k] = settled[k]
+        converged[k] = settled[k]
         # The pace is a difference of speeds; of a tiny tail it has few digits left.
         noise = NOISE * speed[k] / np.minimum(a_x, a_y)
         least = (SETTLED + noise) * (y[k] - x[k]) + 8.0 * np.spacing(y[k])
         settled[k] = np.abs(dx) + np.abs(dy) <= least
-        k = k[~found[k]]
-    found &= (low <= x) & (x < start) & (end < y) & (y <= high)
-    chosen = np.flatnonzero(found)
-    places = envelope.within(np.stack((x[chosen], y[chosen])))
+        k = k[~converged[k]]
+    converged &= (low <= x) & (x < start) & (end < y) & (y <= high)
+    chosen = np.flatnonzero(converged)
+    places = envelope.wrapped(np.stack((x[chosen], y[chosen])))
     points = np.mean(_samples(envelope, places).points, axis=0)
     return [
         (_node(first, second, complex(point)), known[k][1])

@@ -45,7 +45,7 @@ CELL: Final = math.radians(0.25)
 FEW: Final = 64
 """Points whose nearest cells are found without a tree of them."""
 
-AT: Final = 1e-9
+CORNER_DISTANCE: Final = 1e-9
 """Closer to a corner than this [mm] a point has no direction from it."""
 
 
@@ -116,7 +116,7 @@ class ExactFlank:
     @cached_property
     def starts(self) -> FloatArray:
         """(m + 1,) u [rad] at which each element begins, and the last one ends."""
-        spans = [_span(each)[1] - _span(each)[0] for each in self.path.elements]
+        spans = [_span(element)[1] - _span(element)[0] for element in self.path.elements]
         return np.concatenate(([0.0], np.cumsum(spans)))
 
     @property
@@ -124,11 +124,11 @@ class ExactFlank:
         """u [rad] after one turn; 2 pi if nothing of the flank is missing."""
         return float(self.starts[-1])
 
-    def at(self, course: FloatArray) -> Places:
+    def places(self, course: FloatArray) -> Places:
         """The places at the positions `course` (n,) [rad], in any turn."""
-        return self._on(*self.element_at(course))
+        return self._element_places(*self.locate_elements(course))
 
-    def element_at(self, course: FloatArray) -> tuple[IntArray, FloatArray]:
+    def locate_elements(self, course: FloatArray) -> tuple[IntArray, FloatArray]:
         """Number of the element (n,) at the positions `course` (n,) [rad], and how far (n,) [rad]
         they are from its start.
         """
@@ -137,18 +137,18 @@ class ExactFlank:
         element = np.minimum(np.searchsorted(self.starts, wrapped, side="right") - 1, last)
         return element, wrapped - self.starts[element]
 
-    def course_of(self, phi: FloatArray) -> FloatArray:
+    def positions(self, phi: FloatArray) -> FloatArray:
         """(n,) u [rad] at the cam angles `phi` (n,) [rad] in [0, 2 pi); NaN where the disc has
         nothing of the flank there.
         """
-        found = np.full(len(phi), np.nan)
-        for start, each in zip(self.starts, self.path.elements, strict=False):
-            if isinstance(each, Stretch):
-                along = (phi - each.start) % TURN
+        positions = np.full(len(phi), np.nan)
+        for start, element in zip(self.starts, self.path.elements, strict=False):
+            if isinstance(element, Stretch):
+                along = (phi - element.start) % TURN
                 along[TURN - along < SNAP] = 0.0
-                inside = along < each.end - each.start
-                found[inside] = start + along[inside]
-        return found
+                inside = along < element.end - element.start
+                positions[inside] = start + along[inside]
+        return positions
 
     @cached_property
     def nodes(self) -> Places:
@@ -163,9 +163,9 @@ class ExactFlank:
         that at a corner, counter-clockwise positive; 0 there.
         """
         normals = self.nodes.normals
-        within = self._element == np.roll(self._element, -1)
-        within[-1] = False
-        return np.where(within, np.angle(np.roll(normals, -1) * normals.conj()), 0.0)
+        same_element = self._element == np.roll(self._element, -1)
+        same_element[-1] = False
+        return np.where(same_element, np.angle(np.roll(normals, -1) * normals.conj()), 0.0)
 
     @cached_property
     def size(self) -> float:
@@ -175,19 +175,19 @@ class ExactFlank:
     def feet(self, points: ComplexArray) -> Feet:
         """The feet of `points` (n,) [mm], in cam coordinates."""
         nearest = self._nearest_cells(points)
-        found = Feet(taken(self.nodes, nearest), np.empty(len(points)))
-        kinds = np.array([isinstance(each, Stretch) for each in self.path.elements])
+        nearest_feet = Feet(taken(self.nodes, nearest), np.empty(len(points)))
+        kinds = np.array([isinstance(element, Stretch) for element in self.path.elements])
         on_stretch = kinds[self._element[nearest]]
         for which, part in (
             (on_stretch, self._feet_on_stretches),
             (~on_stretch, self._feet_on_arcs),
         ):
             if np.any(which):
-                own = part(points[which], nearest[which])
+                part_feet = part(points[which], nearest[which])
                 for name in ("course", "phi", "points", "normals"):
-                    getattr(found.places, name)[which] = getattr(own.places, name)
-                found.distances[which] = own.distances
-        return found
+                    getattr(nearest_feet.places, name)[which] = getattr(part_feet.places, name)
+                nearest_feet.distances[which] = part_feet.distances
+        return nearest_feet
 
     def _nearest_cells(self, points: ComplexArray) -> IntArray:
         """(n,) the nodes at which those cells begin whose chords are nearest to `points` (n,)."""
@@ -206,64 +206,64 @@ class ExactFlank:
     def _feet_on_stretches(self, points: ComplexArray, node: IntArray) -> Feet:
         """Feet near the cells that begin at `node` (n,)."""
         nodes, element = self.nodes, self._element[node]
-        first, after = (np.searchsorted(self._element, element, side) for side in SIDES)
-        last = after - 1
+        first, stop = (np.searchsorted(self._element, element, side) for side in SIDES)
+        last = stop - 1
         sides, turns = [], []
         for wanted in (node - 1, node + 2):
             # A whole curve has no end: beyond it, it begins again.
-            over = np.where(wanted < first, -1, np.where(wanted > last, 1, 0))
+            wraps = np.where(wanted < first, -1, np.where(wanted > last, 1, 0))
             open_ended = self.path.is_whole
-            shifted = wanted - over * (last - first)
+            shifted = wanted - wraps * (last - first)
             sides.append(shifted if open_ended else np.clip(wanted, first, last))
-            turns.append(over * self.total if open_ended else np.zeros(len(node)))
+            turns.append(wraps * self.total if open_ended else np.zeros(len(node)))
         ahead = np.stack([dot(points - nodes.points[side], nodes.tangents[side]) for side in sides])
         low, high = (nodes.course[side] + turn for side, turn in zip(sides, turns, strict=True))
         crossing = (ahead[0] > 0.0) & (ahead[1] < 0.0)
         offsets = self._shifts[element]
 
-        def ahead_of(course: FloatArray, which: IntArray) -> FloatArray:
+        def distance_ahead(course: FloatArray, which: IntArray) -> FloatArray:
             index = inside[which]
-            at, along = self.curve.points_and_tangents(course + offsets[index])
-            return dot(points[index] - at, along)
+            curve_points, along = self.curve.points_and_tangents(course + offsets[index])
+            return dot(points[index] - curve_points, along)
 
         inside = np.flatnonzero(crossing)
         course = np.where(ahead[0] <= 0.0, low, high)
-        course[inside] = indexed_roots(ahead_of, low[inside], high[inside], ahead[:, inside])
-        places = self._on_curve(course, offsets)
+        course[inside] = indexed_roots(distance_ahead, low[inside], high[inside], ahead[:, inside])
+        places = self._stretch_places(course, offsets)
         at_end = ~crossing
         if np.any(at_end):
             end = np.where(ahead[0] <= 0.0, *sides)[at_end]
             for name in ("course", "phi", "points", "normals"):
                 getattr(places, name)[at_end] = getattr(nodes, name)[end]
-            self._turn_to(points, places, at_end)
+            self._orient_normals(points, places, at_end)
         distances = dot(places.normals, points - places.points)
         np.remainder(places.course, self.total, out=places.course)
         return Feet(places, distances)
 
-    def _turn_to(self, points: ComplexArray, places: Places, which: BoolArray) -> None:
+    def _orient_normals(self, points: ComplexArray, places: Places, which: BoolArray) -> None:
         """Turn the normals at ends of elements, in place, towards or away from `points`."""
-        apart = (points - places.points)[which]
-        size, own = np.abs(apart), places.normals[which]
-        sign = np.where(dot(own, apart) < 0.0, -1.0, 1.0)
-        far = size > AT
-        places.normals[which] = np.where(far, sign * apart / np.where(far, size, 1.0), own)
+        offsets = (points - places.points)[which]
+        size, normals = np.abs(offsets), places.normals[which]
+        sign = np.where(dot(normals, offsets) < 0.0, -1.0, 1.0)
+        far = size > CORNER_DISTANCE
+        places.normals[which] = np.where(far, sign * offsets / np.where(far, size, 1.0), normals)
 
     def _feet_on_arcs(self, points: ComplexArray, node: IntArray) -> Feet:
         """Feet on turns about points, the cells of which begin at `node` (n,)."""
         element = self._element[node]
         pivots = [self.path.elements[k] for k in element.tolist()]
-        assert all(isinstance(each, Pivot) for each in pivots)
+        assert all(isinstance(pivot, Pivot) for pivot in pivots)
         columns = ("centre", "distance", "normal", "sweep")
         centre, distance, normal, sweep = (
-            np.array([getattr(each, name) for each in pivots]) for name in columns
+            np.array([getattr(pivot, name) for pivot in pivots]) for name in columns
         )
         away = (points - centre) * np.sign(distance)
         middle = normal * np.exp(0.5j * sweep)
         half = 0.5 * np.abs(sweep)
         turned = np.angle(away * middle.conj())
         along = half + np.sign(sweep) * np.clip(turned, -half, half)
-        places = self._on(element, np.maximum(along, 0.0))
-        self._turn_to(points, places, np.abs(turned) > half)
+        places = self._element_places(element, np.maximum(along, 0.0))
+        self._orient_normals(points, places, np.abs(turned) > half)
         return Feet(places, dot(places.normals, points - places.points))
 
     # What is prepared once -----------------------------------------------------------------------
@@ -271,12 +271,12 @@ class ExactFlank:
     @cached_property
     def _grids(self) -> list[Places]:
         """Those of `nodes` on each element that has a length."""
-        found = []
-        for start, each in zip(self.starts, self.path.elements, strict=False):
-            low, high = _span(each)
+        grids = []
+        for start, element in zip(self.starts, self.path.elements, strict=False):
+            low, high = _span(element)
             if high == low:
                 continue
-            marks = each.marks if isinstance(each, Stretch) else np.array([low, high])
+            marks = element.marks if isinstance(element, Stretch) else np.array([low, high])
             counts = np.ceil(np.diff(marks) / CELL).astype(np.intp)
             parts = [
                 np.linspace(a, b, count, endpoint=False)
@@ -284,20 +284,20 @@ class ExactFlank:
             ]
             grid = np.concatenate((*parts, [high]))
             course = start + (grid - low)
-            if isinstance(each, Stretch):
-                curve = each.curve
+            if isinstance(element, Stretch):
+                curve = element.curve
                 points, tangents = curve.points_and_tangents(grid)
                 points[-1:] = curve.point(grid[-1:], "left")
                 tangents[-1:] = curve.tangent(grid[-1:], "left")
                 normals = self._outward * 1j * curve.pitch.rotation * tangents
                 phi = grid % TURN
             else:
-                points, normals = _turned(each, grid)
+                points, normals = _turned(element, grid)
                 normals = self._outward * normals
                 tangents = np.zeros_like(points)
-                phi = np.full(len(grid), each.after % TURN)
-            found.append(Places(course, phi, points, normals, tangents))
-        return found
+                phi = np.full(len(grid), element.phi_end % TURN)
+            grids.append(Places(course, phi, points, normals, tangents))
+        return grids
 
     @property
     def _outward(self) -> int:
@@ -307,13 +307,13 @@ class ExactFlank:
     @cached_property
     def _element(self) -> IntArray:
         """(k,) number of the element of each node."""
-        used = [k for k, each in enumerate(self.path.elements) if np.ptp(_span(each)) > 0.0]
-        return np.repeat(used, [len(each) for each in self._grids])
+        used = [k for k, element in enumerate(self.path.elements) if np.ptp(_span(element)) > 0.0]
+        return np.repeat(used, [len(grid) for grid in self._grids])
 
     @cached_property
     def _shifts(self) -> FloatArray:
         """(m,) cam angle less u on each element, if it is a stretch."""
-        lows = np.array([_span(each)[0] for each in self.path.elements])
+        lows = np.array([_span(element)[0] for element in self.path.elements])
         return lows - self.starts[:-1]
 
     @cached_property
@@ -333,7 +333,7 @@ class ExactFlank:
         )
         return shapely.STRtree(chords), cells
 
-    def _on_curve(self, course: FloatArray, offsets: FloatArray) -> Places:
+    def _stretch_places(self, course: FloatArray, offsets: FloatArray) -> Places:
         """Places on stretches at `course` (n,) [rad]."""
         phi = course + offsets
         points, tangents = self.curve.points_and_tangents(phi)
@@ -342,16 +342,16 @@ class ExactFlank:
         turned[(turned < SNAP) | (TURN - turned < SNAP)] = 0.0
         return Places(course, turned, points, normals, tangents)
 
-    def _on(self, element: IntArray, along: FloatArray) -> Places:
+    def _element_places(self, element: IntArray, along: FloatArray) -> Places:
         """Places on the elements of these numbers (n,), `along` (n,) [rad] from their starts."""
-        found = self._on_curve(self.starts[element] + along, self._shifts[element])
-        for number, each in enumerate(self.path.elements):
+        places = self._stretch_places(self.starts[element] + along, self._shifts[element])
+        for number, path_element in enumerate(self.path.elements):
             which = element == number
-            if isinstance(each, Pivot) and np.any(which):
-                points, normals = _turned(each, along[which])
-                found.points[which], found.normals[which] = points, self._outward * normals
-                found.phi[which] = each.after % TURN
-        return found
+            if isinstance(path_element, Pivot) and np.any(which):
+                points, normals = _turned(path_element, along[which])
+                places.points[which], places.normals[which] = points, self._outward * normals
+                places.phi[which] = path_element.phi_end % TURN
+        return places
 
 
 def _span(element: Element) -> tuple[float, float]:

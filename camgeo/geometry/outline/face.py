@@ -25,14 +25,14 @@ from camgeo.errors import GeometryError
 from camgeo.geometry.outline.outline import (
     MOST_PAIRS,
     NONE,
-    Cells,
+    AngleCells,
     Pairs,
     changes,
-    covered,
+    cover_cells,
     outermost,
-    seen,
-    together,
+    pairs_in_cells,
     too_rough,
+    visible_pieces,
 )
 from camgeo.geometry.outline.path import Path
 from camgeo.geometry.outline.roller import AS_DEMANDED, DiscLift
@@ -64,7 +64,7 @@ LAYERS = "vertices and arcs lie"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Circles:
+class TouchableCircles:
     """n circles and points that a face touches.
 
     Attributes
@@ -96,7 +96,7 @@ class Hull:
     touched : (k,) the circle from each of them to the next.
     """
 
-    circles: Circles
+    circles: TouchableCircles
     normals: FloatArray
     touched: IntArray
 
@@ -111,7 +111,7 @@ class Hull:
         return self.circles.distance(self.touched, self.normals)
 
 
-def hull_of(contour: Contour) -> Hull:
+def contour_hull(contour: Contour) -> Hull:
     """The convex hull of `contour`.
 
     Raises
@@ -129,7 +129,7 @@ def hull_of(contour: Contour) -> Hull:
     arcs = np.flatnonzero(contour.sweeps > 0.0)
     first = contour.vertices[arcs] - contour.centres[arcs]
     starts = np.angle(first) % TURN
-    circles = Circles(
+    circles = TouchableCircles(
         np.concatenate((points, contour.centres[arcs])),
         np.concatenate((np.zeros(len(points)), np.abs(first))),
         np.concatenate((-1 - corner, arcs)),
@@ -145,32 +145,34 @@ def _convex_hull(points: ComplexArray) -> IntArray:
     chains = []
     for run in (order.tolist(), order[::-1].tolist()):
         chain: list[int] = []
-        for each in run:
+        for index in run:
             while len(chain) > 1:
-                a, b, c = points[chain[-2]], points[chain[-1]], points[each]
+                a, b, c = points[chain[-2]], points[chain[-1]], points[index]
                 if ((b - a).conjugate() * (c - b)).imag > 0.0:
                     break
                 chain.pop()
-            chain.append(each)
+            chain.append(index)
         chains.append(chain[:-1])
     return np.array(chains[0] + chains[1] or [0], dtype=np.intp)  # a circle has one vertex
 
 
-def _envelope(circles: Circles, lows: FloatArray, spans: FloatArray) -> Hull:
+def _envelope(circles: TouchableCircles, lows: FloatArray, spans: FloatArray) -> Hull:
     """The upper envelope of the distances of `circles` (n,), each over its range of normals."""
     whole = np.arange(0.0, TURN, WIDEST)
     nodes = ascending(np.concatenate((whole, lows % TURN, (lows + spans) % TURN)))
-    cells = Cells.between(nodes)
+    cells = AngleCells.from_nodes(nodes)
     first = np.searchsorted(nodes, lows % TURN)
     number = np.remainder(np.searchsorted(nodes, (lows + spans) % TURN) - first, len(cells))
     number[(number == 0) & (spans > math.pi)] = len(cells)
-    pairs = covered(cells, first, number, LAYERS)
+    pairs = cover_cells(cells, first, number, LAYERS)
     pairs = _without_hidden(circles, cells, *pairs)
     grid, _, held = outermost(cells, pairs, _crossings(circles, cells, *pairs), circles.distance)
     return Hull(circles, *changes(grid[held != NONE], held[held != NONE]))
 
 
-def _without_hidden(circles: Circles, cells: Cells, cell: IntArray, which: IntArray) -> Pairs:
+def _without_hidden(
+    circles: TouchableCircles, cells: AngleCells, cell: IntArray, which: IntArray
+) -> Pairs:
     """The pairs of a cell and a circle without those that lie behind another one throughout."""
     low, high = cells.low[cell], cells.high[cell]
     middle, half = 0.5 * (low + high), 0.5 * (high - low)
@@ -178,15 +180,17 @@ def _without_hidden(circles: Circles, cells: Cells, cell: IntArray, which: IntAr
     size = np.abs(turned)
     here = turned.real + circles.radii[which]
     change = half * np.abs(turned.imag) + 0.5 * half * half * size
-    kept = seen(cell, here - change, here + change)
-    return cell[kept], which[kept]
+    visible = visible_pieces(cell, here - change, here + change)
+    return cell[visible], which[visible]
 
 
-def _crossings(circles: Circles, cells: Cells, cell: IntArray, which: IntArray) -> FloatArray:
+def _crossings(
+    circles: TouchableCircles, cells: AngleCells, cell: IntArray, which: IntArray
+) -> FloatArray:
     """(k,) theta in [0, 2 pi) inside cells at which two of their circles are equally far."""
-    found = [np.empty(0)]
+    crossings = [np.empty(0)]
     examined = 0
-    for index, with_index in together(cell):
+    for index, with_index in pairs_in_cells(cell):
         examined += len(index)
         if examined > MOST_PAIRS:
             raise too_rough(LAYERS, len(cell) / len(cells))
@@ -199,8 +203,8 @@ def _crossings(circles: Circles, cells: Cells, cell: IntArray, which: IntArray) 
         for theta in (np.angle(way) + away, np.angle(way) - away):
             offset = (theta - low) % TURN
             crossed = (offset > 0.0) & (offset < high - low)
-            found.append((low + offset)[crossed] % TURN)
-    return np.concatenate(found)
+            crossings.append((low + offset)[crossed] % TURN)
+    return np.concatenate(crossings)
 
 
 # -- face lift ------------------------------------------------------------------------------------
@@ -230,15 +234,15 @@ class FaceLift(DiscLift):
     """
 
     path: FacePath
-    circles: Circles
+    circles: TouchableCircles
     widths: FloatArray
 
-    def held_by(self, numbers: IntArray) -> tuple[IntArray, FloatArray]:
+    def holding_elements(self, numbers: IntArray) -> tuple[IntArray, FloatArray]:
         """See `DiscLift`."""
         bent = self.circles.radii[numbers] > 0.0
         return self.circles.elements[numbers], np.where(bent, TURN, self.widths[numbers])
 
-    def kept(self, turns: FloatArray, corner: float) -> BoolArray:
+    def retained_borders(self, turns: FloatArray, corner: float) -> BoolArray:
         """See `DiscLift`.
 
         Nothing but corners may lie between two corners; of such a row only what turns by no more
@@ -264,25 +268,25 @@ class FaceLift(DiscLift):
         starts, which = self.borders[held], self.numbers[held]
         ends = starts + widths[held]
         centres, radii = self.circles.centres[which], self.circles.radii[which]
-        phi = np.stack((starts, ends, *_turning_within(self.path, starts, ends, centres)))
+        phi = np.stack((starts, ends, *_contact_extremes(self.path, starts, ends, centres)))
         places = self.path.contact(phi, centres, radii)
-        found = [(places.ravel(), phi.ravel() % TURN)]
+        parts = [(places.ravel(), phi.ravel() % TURN)]
         if len(held) < len(self.numbers):
             extremes = contact_extremes(self.pitch)
             free = self.number(extremes.phi) == AS_DEMANDED
-            found.append((extremes.values[free], extremes.phi[free] % TURN))
-        return np.concatenate([each[0] for each in found]), np.concatenate(
-            [each[1] for each in found]
+            parts.append((extremes.values[free], extremes.phi[free] % TURN))
+        return np.concatenate([part[0] for part in parts]), np.concatenate(
+            [part[1] for part in parts]
         )
 
     def heading(self, phi: FloatArray, jet: FloatArray) -> ComplexArray:
         """See `DiscLift`: of the contact, if it did not wander."""
         del phi  # the jet alone decides
         full = np.vstack((jet, np.zeros_like(jet[:1])))  # with a third derivative
-        at = flat_follower(self.pitch.follower).touch(full, self.path.rotation)
-        return np.asarray(at.distance + 1j * at.contact[0])
+        contact = flat_follower(self.pitch.follower).touch(full, self.path.rotation)
+        return np.asarray(contact.distance + 1j * contact.contact[0])
 
-    def shift_of(self, joint: float, error: FloatArray) -> FloatArray:
+    def joint_shift(self, joint: float, error: FloatArray) -> FloatArray:
         """See `DiscLift`.
 
         The contact is off along the face by its error, in which that of the velocity counts, and
@@ -290,25 +294,26 @@ class FaceLift(DiscLift):
         """
         shifts = []
         for side in SIDES:
-            at = touch(self.pitch, np.array([joint]), side)
-            pace = abs(float(at.pace[0, 0]))
-            shifts.append(float(self.path.wander(at)[0]) / pace if pace > 0.0 else math.inf)
+            contact = touch(self.pitch, np.array([joint]), side)
+            pace = abs(float(contact.pace[0, 0]))
+            shifts.append(float(self.path.wander(contact)[0]) / pace if pace > 0.0 else math.inf)
         return np.asarray(max(shifts) * np.abs(error[1]))
 
     @classmethod
-    def on(cls, contour: Contour, pitch: PitchCurve) -> FaceLift:
+    def from_contour(cls, contour: Contour, pitch: PitchCurve) -> FaceLift:
         """The flat face of `pitch` on `contour`.
 
         Raises
         ------
         GeometryError
-            As `hull_of`; if the contour does not go round the cam axis, or a rocker's face cannot
-            lie on it all round, with its contact on the rocker's own side of the pivot's foot.
+            As `contour_hull`; if the contour does not go round the cam axis, or a rocker's face
+            cannot lie on it all round, with its contact on the rocker's own side of the pivot's
+            foot.
         """
-        path, hull = face_path_of(pitch.follower, pitch.rotation), hull_of(contour)
+        path, hull = face_path_of(pitch.follower, pitch.rotation), contour_hull(contour)
         _require_axis(hull)
-        lift = path.lift_of(hull.ends())
-        angles = path.angle_of(hull.normals, lift)
+        lift = path.lift(hull.ends())
+        angles = path.cam_angles(hull.normals, lift)
         centres, radii = hull.circles.centres[hull.touched], hull.circles.radii[hull.touched]
         _require_side(path, angles, lift, centres, radii)
         ascent = -path.rotation * angles
@@ -330,7 +335,7 @@ class FaceLift(DiscLift):
         return cls(path, pitch, borders, numbers, hull.circles, widths)
 
     @classmethod
-    def between(
+    def from_corners(
         cls, pitch: PitchCurve, corners: ComplexArray, starts: FloatArray, ends: FloatArray
     ) -> FaceLift:
         """The flat face of `pitch` on a trimmed outline: on each of the `corners` (k,) [mm] from
@@ -347,7 +352,7 @@ class FaceLift(DiscLift):
         _require_side(path, at_ends, pitch.motion.jet(at_ends, "right", 1)[0], twice, none)
         _require_lever(path, starts, ends, corners, none[: len(corners)])
         count = np.arange(len(corners))
-        circles = Circles(corners, np.zeros(len(corners)), -1 - count)
+        circles = TouchableCircles(corners, np.zeros(len(corners)), -1 - count)
         borders = np.concatenate((starts, ends)) % TURN
         numbers = np.concatenate((count, np.full(len(corners), AS_DEMANDED)))
         order = np.lexsort((numbers == AS_DEMANDED, borders))
@@ -387,8 +392,8 @@ def _require_side(
     contact on its own side.
     """
     with np.errstate(invalid="ignore", divide="ignore"):
-        apart = np.abs(path.jet(phi, centres, radii)[0] - lift)
-    if not np.all(apart <= SIDE * np.maximum(1.0, np.abs(lift))):
+        errors = np.abs(path.jet(phi, centres, radii)[0] - lift)
+    if not np.all(errors <= SIDE * np.maximum(1.0, np.abs(lift))):
         raise GeometryError(NO_LEVER)
 
 
@@ -396,12 +401,12 @@ def _require_lever(
     path: FacePath, starts: FloatArray, ends: FloatArray, centres: ComplexArray, radii: FloatArray
 ) -> None:
     """Raise GeometryError where a contact comes to the pivot's foot between `starts` and `ends`."""
-    for phi in (starts, ends, *_turning_within(path, starts, ends, centres)):
+    for phi in (starts, ends, *_contact_extremes(path, starts, ends, centres)):
         if not np.all(np.isfinite(path.contact(phi, centres, radii))):
             raise GeometryError(NO_LEVER)
 
 
-def _turning_within(
+def _contact_extremes(
     path: FacePath, starts: FloatArray, ends: FloatArray, centres: ComplexArray
 ) -> FloatArray:
     """(2, k) cam angles [rad] at which the place of the contact is extreme in each range; its start
@@ -417,10 +422,10 @@ def contact_places(curve: PitchCurve, outline: Path) -> tuple[FloatArray, FloatA
     Raises GeometryError if the contact with a corner comes to the pivot's foot.
     """
     pivots = outline.pivots
-    starts = np.array([each.before for each in pivots])
-    widths = np.array([each.after for each in pivots]) - starts
-    corners = np.array([each.centre for each in pivots], dtype=np.complex128)
-    return FaceLift.between(curve, corners, starts, starts + widths % TURN).contacts()
+    starts = np.array([pivot.phi_start for pivot in pivots])
+    widths = np.array([pivot.phi_end for pivot in pivots]) - starts
+    corners = np.array([pivot.centre for pivot in pivots], dtype=np.complex128)
+    return FaceLift.from_corners(curve, corners, starts, starts + widths % TURN).contacts()
 
 
 # -- face path ------------------------------------------------------------------------------------
@@ -477,14 +482,14 @@ class GuidedFace:
         """+1 if a positive lift moves the face outward, else -1."""
         return self.follower.direction
 
-    def lift_of(self, distance: FloatArray) -> FloatArray:
+    def lift(self, distance: FloatArray) -> FloatArray:
         """(n,) lift [mm or rad] of the face at `distance` (n,) [mm] from the cam axis.
 
         Raises GeometryError where it cannot be there.
         """
         return np.asarray(self.outward * (distance - self.follower.base_radius))
 
-    def angle_of(self, theta: FloatArray, _: FloatArray) -> FloatArray:
+    def cam_angles(self, theta: FloatArray, _: FloatArray) -> FloatArray:
         """(n,) cam angles [rad] at which the face of that lift (n,) has the normal at theta (n,)
         [rad] in the cam; as continuous as theta, not reduced to a turn.
         """
@@ -539,7 +544,7 @@ class RockingFace:
         """Angle of the line from the pivot to the cam axis [rad]."""
         return phase(-self.follower.pivot)
 
-    def lift_of(self, distance: FloatArray) -> FloatArray:
+    def lift(self, distance: FloatArray) -> FloatArray:
         """See `GuidedFace`."""
         follower = self.follower
         sine = (distance - follower.face_offset) / follower.centre_distance
@@ -553,7 +558,7 @@ class RockingFace:
         chi = np.arcsin(np.clip(sine, -1.0, 1.0))
         return np.asarray(self.outward * (chi - follower.start_angle))
 
-    def angle_of(self, theta: FloatArray, lift: FloatArray) -> FloatArray:
+    def cam_angles(self, theta: FloatArray, lift: FloatArray) -> FloatArray:
         """See `GuidedFace`."""
         chi = self.follower.face_angle(lift)
         normal = self._axis + self.follower.arm_side * (chi + 0.5 * math.pi)
@@ -570,17 +575,17 @@ class RockingFace:
         With g = V'/V the rates of arg V and ln |V| are its imaginary and its real part.
         """
         follower, side = self.follower, self.follower.arm_side
-        seen = self._seen(phi, centres)
-        over = follower.face_offset - radii
-        turned = seen - follower.centre_distance
-        g = 1j * self.rotation * turned / seen
-        share = turned / seen
+        arm = self._seen(phi, centres)
+        reduced_offset = follower.face_offset - radii
+        turned = arm - follower.centre_distance
+        g = 1j * self.rotation * turned / arm
+        share = turned / arm
         g1 = -share - g * g
         g2 = -g * (1.0 - share + 2.0 * g1)
         place = self.contact(phi, centres, radii)
-        ratio = over / place
-        square = (np.abs(seen) / place) ** 2
-        chi = side * np.angle(seen) - np.arctan(ratio)
+        ratio = reduced_offset / place
+        square = (np.abs(arm) / place) ** 2
+        chi = side * np.angle(arm) - np.arctan(ratio)
         first = side * g.imag + ratio * g.real
         bend = g1.real - square * g.real * g.real
         second = side * g1.imag + ratio * bend
@@ -591,8 +596,11 @@ class RockingFace:
 
     def contact(self, phi: FloatArray, centres: ComplexArray, radii: FloatArray) -> FloatArray:
         """See `GuidedFace`."""
-        away, over = np.abs(self._seen(phi, centres)), np.abs(self.follower.face_offset - radii)
-        square = (away - over) * (away + over)
+        away, reduced_offset = (
+            np.abs(self._seen(phi, centres)),
+            np.abs(self.follower.face_offset - radii),
+        )
+        square = (away - reduced_offset) * (away + reduced_offset)
         return np.sqrt(np.where(square >= 0.0, square, np.nan))
 
     def turning(self, centres: ComplexArray) -> FloatArray:

@@ -20,18 +20,18 @@ from typing import Any, Final, Self
 import numpy as np
 
 from camgeo.errors import GeometryError, UndercutError
-from camgeo.geometry.outline.envelope import Cells as FlankCells
 from camgeo.geometry.outline.envelope import Envelope, Node, divide, find_nodes, halved, unresolved
+from camgeo.geometry.outline.envelope import FlankCells as FlankCells
 from camgeo.geometry.outline.path import Element, Path, Pivot, Stretch, whole
 from camgeo.geometry.pieces import (
     SMALLEST,
     Convexity,
     Extremes,
-    centres_at,
     convexity,
     curvature_extremes,
     halves,
     nearest_to_axis,
+    rigid_centres,
     stays_on_one_side,
     surely_clear_of_axis,
     touch,
@@ -95,7 +95,7 @@ class _Part:
 
 
 @kept_with_owner
-def envelope_of(curve: WorkingCurve) -> Envelope:
+def flank_envelope(curve: WorkingCurve) -> Envelope:
     """The envelope at the distance of `curve`."""
     return Envelope(curve)
 
@@ -116,7 +116,7 @@ def real_outline(flank: WorkingCurve, bends: Extremes | None = None) -> Outline:
     if not flank.pitch.follower.has_pitch_curve:
         return _convex_outline(flank)
     require_room(flank)
-    envelope = envelope_of(flank)
+    envelope = flank_envelope(flank)
     backward = backward_ranges(envelope, bends)
     nodes = tuple(n for n in find_nodes(envelope, backward) if not n.touching)
     if not nodes:
@@ -132,7 +132,7 @@ def real_outline(flank: WorkingCurve, bends: Extremes | None = None) -> Outline:
             )
         return Outline(Path(envelope.elements), (), ())
     parts = _parts(envelope, nodes)
-    loops = _loops(nodes, _kept(envelope, nodes, backward, parts))
+    loops = _loops(nodes, _boundary_parts(envelope, nodes, backward, parts))
     paths = [_path(envelope, nodes, loop) for loop in loops]
     windings = [_winding(envelope, loop) for loop in loops]
     main = [k for k, winding in enumerate(windings) if winding != 0]
@@ -153,7 +153,7 @@ def _unsettled(
     there is none, the first crossing.
     """
     total = envelope.total
-    spans = [(each.first, each.second) for each in nodes]
+    spans = [(node.first, node.second) for node in nodes]
     cut = [(a, b) if b - a < 0.5 * total else (b, a + total) for a, b in spans]
     places = [
         0.5 * (start + end)
@@ -162,8 +162,8 @@ def _unsettled(
             a + k * total <= start and end <= b + k * total for a, b in cut for k in (-1, 0, 1)
         )
     ]
-    place = envelope.within(np.array([*places, *(first for first, _ in spans)][:1]))
-    return f"at cam angle {math.degrees(envelope.angles_at(place)[0]):.6f} deg"
+    place = envelope.wrapped(np.array([*places, *(first for first, _ in spans)][:1]))
+    return f"at cam angle {math.degrees(envelope.cam_angles(place)[0]):.6f} deg"
 
 
 def _convex_outline(flank: WorkingCurve) -> Outline:
@@ -171,11 +171,11 @@ def _convex_outline(flank: WorkingCurve) -> Outline:
 
     `camgeo.geometry.outline.face` shows why the whole one does not cross itself.
     """
-    found = convexity(flank.pitch)
-    if found.is_convex:
+    shape = convexity(flank.pitch)
+    if shape.is_convex:
         return Outline(whole(flank), (), ())
 
-    path = trimmed_path(flank, found)
+    path = trimmed_path(flank, shape)
     return Outline(path, (), _dropped(path))
 
 
@@ -226,7 +226,7 @@ def _parts(envelope: Envelope, nodes: tuple[Node, ...]) -> list[_Part]:
     ]
 
 
-def _kept(
+def _boundary_parts(
     envelope: Envelope,
     nodes: tuple[Node, ...],
     backward: list[tuple[float, float]],
@@ -268,10 +268,12 @@ def _sides(
     first, second = np.array([(node.first, node.second) for node in nodes]).T
     other = np.where(np.abs(places - first) <= np.abs(places - second), second, first)
     behind = low[np.searchsorted(high, other, side="right")] < other
-    own, crossed = (envelope.samples(each).tangents for each in (places, other))
+    branch_tangents, crossed = (
+        envelope.samples(parameters).tangents for parameters in (places, other)
+    )
     sense = -math.copysign(1.0, envelope.curve.distance) * envelope.curve.pitch.rotation
     towards_roller = sense * 1j * crossed
-    return np.where(behind, np.nan, (np.conj(towards_roller) * own).real)
+    return np.where(behind, np.nan, (np.conj(towards_roller) * branch_tangents).real)
 
 
 def _owns(envelope: Envelope, parts: list[_Part], middles: FloatArray) -> FloatArray:
@@ -282,14 +284,14 @@ def _owns(envelope: Envelope, parts: list[_Part], middles: FloatArray) -> FloatA
     turns = np.repeat([0.0, total, 2.0 * total], len(cells))
     low, high = np.tile(cells.low, 3) + turns, np.tile(cells.high, 3) + turns
     turned = np.concatenate(([0.0], np.cumsum(np.tile(2.0 * cells.turn, 3))))
-    shift = envelope.within(middles) + total - middles  # into the second of three turns
-    own = np.searchsorted(low, middles + shift, side="right") - 1
+    shift = envelope.wrapped(middles) + total - middles  # into the second of three turns
+    cell = np.searchsorted(low, middles + shift, side="right") - 1
     # A cell turns by less than that, so that its own is among them.
-    first = np.searchsorted(turned, turned[own + 1] - NEIGHBOURHOOD, side="right")
-    last = np.searchsorted(turned, turned[own] + NEIGHBOURHOOD) - 2
+    first = np.searchsorted(turned, turned[cell + 1] - NEIGHBOURHOOD, side="right")
+    last = np.searchsorted(turned, turned[cell] + NEIGHBOURHOOD) - 2
     starts, ends = np.array([(part.start, part.end) for part in parts]).T
     ranges = np.maximum(low[first] - shift, starts), np.minimum(high[last] - shift, ends)
-    owns = envelope.angles_at(envelope.within(np.column_stack(ranges)))
+    owns = envelope.cam_angles(envelope.wrapped(np.column_stack(ranges)))
     owns[:, 1] += np.where(owns[:, 1] >= owns[:, 0], 0.0, TURN)
     return owns
 
@@ -315,18 +317,18 @@ def are_clear(
     owns : (n, 2) cam angles [rad] for each point, start in [0, 2 pi) and end above it, that are not
         examined: the point is touched there, and its neighbours are known to be regular.
     """
-    covered = (1.0 - CLOSE) * radius
+    cover_radius = (1.0 - CLOSE) * radius
     clear = np.ones(len(points), dtype=np.bool_)
     low, high = turn_cells(pitch)
     wide = high - low
-    centres, reach = pitch.point(0.5 * (low + high)), _Reach.of(pitch, low, high)
+    centres, reach = pitch.point(0.5 * (low + high)), _Reach.from_cells(pitch, low, high)
     owners, lows, highs = [], [], []
     for k, (start, end) in enumerate(owns.tolist()):
         ahead, span = (low - start) % TURN, end - start
         whole = (ahead >= span) & (ahead + wide <= TURN)
         distance = np.abs(centres[whole] - points[k])
-        clear[k] = not np.any(distance < covered)
-        near = distance - reach.seen_from(points[k])[whole] < covered
+        clear[k] = not np.any(distance < cover_radius)
+        near = distance - reach.distance_changes(points[k])[whole] < cover_radius
         nearer = halves(low[whole], high[whole], near)
         # Of the cells in which its own angles begin or end, the part outside of these.
         cut = np.flatnonzero(~whole & (ahead + wide > span))
@@ -344,8 +346,11 @@ def are_clear(
         if not len(owner):
             break
         distance = np.abs(pitch.point(0.5 * (low + high)) - points[owner])
-        clear[owner[distance < covered]] = False
-        near = distance - _Reach.of(pitch, low, high).seen_from(points[owner]) < covered
+        clear[owner[distance < cover_radius]] = False
+        near = (
+            distance - _Reach.from_cells(pitch, low, high).distance_changes(points[owner])
+            < cover_radius
+        )
         owner = np.tile(owner[near], 2)
         low, high = halves(low, high, near)
     return clear  # or touched, to rounding
@@ -364,28 +369,28 @@ class _Reach:
 
     half: FloatArray
     pace: FloatArray
-    about: ComplexArray
+    centres: ComplexArray
 
     @classmethod
-    def of(cls, pitch: PitchCurve, low: FloatArray, high: FloatArray) -> Self:
-        about = centres_at(pitch, 0.5 * (low + high))
-        return cls(0.5 * (high - low), pitch.speed_bounds(low, high)[0], about)
+    def from_cells(cls, pitch: PitchCurve, low: FloatArray, high: FloatArray) -> Self:
+        centres = rigid_centres(pitch, 0.5 * (low + high))
+        return cls(0.5 * (high - low), pitch.speed_bounds(low, high)[0], centres)
 
-    def seen_from(self, points: ComplexArray | complex) -> FloatArray:
+    def distance_changes(self, points: ComplexArray | complex) -> FloatArray:
         """(n,) bound [mm] of the change of its distance from `points` (n,), or from one point.
 
         Where it turns about a point, it is as if `points` turned about that.
         """
-        return np.asarray(self.half * np.fmin(self.pace, np.abs(points - self.about)))
+        return np.asarray(self.half * np.fmin(self.pace, np.abs(points - self.centres)))
 
 
-def _loops(nodes: tuple[Node, ...], kept: list[_Part]) -> list[list[_Part]]:
+def _loops(nodes: tuple[Node, ...], parts: list[_Part]) -> list[list[_Part]]:
     """The kept parts linked at their crossings: each continues along the other branch."""
     following: dict[int, list[_Part]] = {}
-    for part in kept:
+    for part in parts:
         following.setdefault(part.from_node, []).append(part)
     loops: list[list[_Part]] = []
-    for first in kept:
+    for first in parts:
         if first not in following.get(first.from_node, ()):
             continue
         following[first.from_node].remove(first)
@@ -406,42 +411,49 @@ def _path(envelope: Envelope, nodes: tuple[Node, ...], loop: list[_Part]) -> Pat
     elements: list[Element] = []
     rotation = envelope.curve.pitch.rotation
     meeting = zip(loop, [*loop[1:], loop[0]], strict=True)
-    places = envelope.within(np.array([(part.end, other.start) for part, other in meeting]))
+    places = envelope.wrapped(np.array([(part.end, other.start) for part, other in meeting]))
     tangents = envelope.samples(places.ravel()).tangents.reshape(places.shape)
-    angles = envelope.angles_at(places).tolist()
-    for part, (one, other), (before, after) in zip(loop, tangents, angles, strict=True):
+    angles = envelope.cam_angles(places).tolist()
+    for part, (one, other), (phi_start, phi_end) in zip(loop, tangents, angles, strict=True):
         elements += _elements(envelope, part)
         sweep = float(np.angle(other * np.conj(one)))
         normal = 1j * rotation * complex(one)
-        elements.append(Pivot(nodes[part.to_node].point, 0.0, normal, sweep, before, after))
+        elements.append(Pivot(nodes[part.to_node].point, 0.0, normal, sweep, phi_start, phi_end))
     return Path(tuple(elements))
 
 
 def _elements(envelope: Envelope, part: _Part) -> list[Element]:
     """The elements of a part: stretches and turns, cut at its ends."""
-    found: list[Element] = []
+    elements: list[Element] = []
     curve = envelope.curve
     if len(envelope.elements) == 1:
         return [Stretch(curve, part.start, part.end)]
     for turn in (0.0, envelope.total):
-        for start, each in zip(envelope.starts + turn, envelope.elements, strict=True):
-            span = abs(each.sweep) if isinstance(each, Pivot) else each.end - each.start
+        for start, element in zip(envelope.starts + turn, envelope.elements, strict=True):
+            span = abs(element.sweep) if isinstance(element, Pivot) else element.end - element.start
             low, high = max(part.start, start), min(part.end, start + span)
             if high <= low:
                 continue
-            if isinstance(each, Stretch):
-                first = each.start + float(low - start)
-                last = each.end if high == start + span else each.start + float(high - start)
+            if isinstance(element, Stretch):
+                first = element.start + float(low - start)
+                last = element.end if high == start + span else element.start + float(high - start)
                 shift = TURN if first >= TURN else 0.0
-                found.append(Stretch(curve, first - shift, last - shift))
+                elements.append(Stretch(curve, first - shift, last - shift))
             else:
-                sense = math.copysign(1.0, each.sweep)
-                normal = each.normal * complex(np.exp(1j * sense * (low - start)))
+                sense = math.copysign(1.0, element.sweep)
+                normal = element.normal * complex(np.exp(1j * sense * (low - start)))
                 sweep = sense * float(high - low)
-                found.append(
-                    Pivot(each.centre, each.distance, normal, sweep, each.before, each.after)
+                elements.append(
+                    Pivot(
+                        element.centre,
+                        element.distance,
+                        normal,
+                        sweep,
+                        element.phi_start,
+                        element.phi_end,
+                    )
                 )
-    return found
+    return elements
 
 
 def _winding(envelope: Envelope, loop: list[_Part]) -> int:
@@ -461,7 +473,10 @@ def _dropped(path: Path) -> tuple[tuple[float, float], ...]:
     """Ranges of cam angle between the stretches of the disc."""
     corners = [pivot for pivot in path.pivots if pivot.distance == 0.0]
     return tuple(
-        sorted((p.before % TURN, p.before % TURN + (p.after - p.before) % TURN) for p in corners)
+        sorted(
+            (p.phi_start % TURN, p.phi_start % TURN + (p.phi_end - p.phi_start) % TURN)
+            for p in corners
+        )
     )
 
 
@@ -518,8 +533,8 @@ def _crossings(flank: WorkingCurve, low: FloatArray, high: FloatArray) -> FloatA
     low, high = low + INSIDE, high - INSIDE
     at_low, at_high = flank.regularity(low), flank.regularity(high)
     roots = np.where(np.abs(at_low) < np.abs(at_high), low, high)
-    within = np.flatnonzero((at_low < 0.0) != (at_high < 0.0))
-    roots[within] = bracketed_roots(flank.regularity, low[within], high[within])
+    crossing = np.flatnonzero((at_low < 0.0) != (at_high < 0.0))
+    roots[crossing] = bracketed_roots(flank.regularity, low[crossing], high[crossing])
     return roots
 
 
@@ -533,12 +548,15 @@ def backward_ranges(envelope: Envelope, bends: Extremes | None = None) -> list[t
     ranges = deep_ranges(flank, curvature_extremes(flank.pitch) if bends is None else bends)
     if ranges == [(0.0, TURN)]:
         return [(0.0, envelope.total)]
-    found = [(envelope.place_of(start), envelope.place_of(end, "left")) for start, end in ranges]
+    backward = [
+        (envelope.path_parameter(start), envelope.path_parameter(end, "left"))
+        for start, end in ranges
+    ]
     rotation = flank.pitch.rotation
-    for start, each in zip(envelope.starts, envelope.elements, strict=True):
-        if isinstance(each, Pivot) and rotation * each.distance * each.sweep > 0.0:
-            found.append((float(start), float(start) + abs(each.sweep)))
-    return _joined(found, envelope.total)
+    for start, element in zip(envelope.starts, envelope.elements, strict=True):
+        if isinstance(element, Pivot) and rotation * element.distance * element.sweep > 0.0:
+            backward.append((float(start), float(start) + abs(element.sweep)))
+    return _joined(backward, envelope.total)
 
 
 def deep_ranges(flank: WorkingCurve, bends: Extremes) -> list[tuple[float, float]]:
@@ -551,11 +569,11 @@ def deep_ranges(flank: WorkingCurve, bends: Extremes) -> list[tuple[float, float
     ranges = undercut_ranges(flank, bends)
     if ranges == [(0.0, TURN)]:
         return ranges
-    least = _least_within(bends.phi, margins, ranges)
-    return [each for each, value in zip(ranges, least, strict=True) if value < -CUSP]
+    least = _least_margins(bends.phi, margins, ranges)
+    return [span for span, value in zip(ranges, least, strict=True) if value < -CUSP]
 
 
-def _least_within(
+def _least_margins(
     phi: FloatArray, margins: FloatArray, ranges: list[tuple[float, float]]
 ) -> FloatArray:
     """(k,) smallest of the `margins` (n,) at `phi` (n,) [rad] in each range of cam angle."""
@@ -602,10 +620,10 @@ def sure_bends(flank: WorkingCurve, bends: Extremes) -> Extremes:
     GeometryError
         If they are so many that no number of passes finds all.
     """
-    envelope = envelope_of(flank)
+    envelope = flank_envelope(flank)
     cells = envelope.undivided
     # Turns about corners have no curvature of the pitch curve.
-    cells = cells.some(~envelope.is_pivot[envelope.element_at(cells.low)])
+    cells = cells.some(~envelope.is_pivot[envelope.element_indices(cells.low)])
     for _ in range(PASSES):
         missed = _missed_of_cells(envelope, cells, backward_ranges(envelope, bends))
         if not len(missed):
@@ -645,7 +663,7 @@ def _inside(places: FloatArray, ranges: list[tuple[float, float]], total: float)
 
 def _speeds(envelope: Envelope, places: FloatArray) -> FloatArray:
     """|Z'| at path parameters; 1 on the turns about a corner, whose pace is not a difference."""
-    index = envelope.element_at(places)
+    index = envelope.element_indices(places)
     speeds: FloatArray = np.ones(len(places))
     along = ~envelope.is_pivot[index]
     angles = places[along] + envelope.angle_offsets[index[along]]
@@ -655,11 +673,11 @@ def _speeds(envelope: Envelope, places: FloatArray) -> FloatArray:
 
 def _extremes_near(envelope: Envelope, cells: FlankCells) -> FloatArray:
     """Cam angles of the middles of cells and of extremes of the curvature in them."""
-    shift = envelope.angle_offsets[envelope.element_at(cells.low)]
+    shift = envelope.angle_offsets[envelope.element_indices(cells.low)]
     ends = cells.low + shift, cells.high + shift
     grid = np.linspace(*ends, PLACES_NEAR + 2, axis=1)[:, 1:-1]
-    found = roots_on_grid(envelope.curve.pitch.curvature_slope, grid)
-    return np.concatenate((found, 0.5 * (ends[0] + ends[1])))
+    roots = roots_on_grid(envelope.curve.pitch.curvature_slope, grid)
+    return np.concatenate((roots, 0.5 * (ends[0] + ends[1])))
 
 
 def with_places(pitch: PitchCurve, bends: Extremes, angles: FloatArray) -> Extremes:
@@ -684,16 +702,16 @@ def find_crossings(curve: WorkingCurve, bends: Extremes | None = None) -> tuple[
     GeometryError
         If the question cannot be decided, e.g. where the flank lies on itself along a stretch.
     """
-    envelope = envelope_of(curve)
+    envelope = flank_envelope(curve)
     nodes = find_nodes(envelope, backward_ranges(envelope, bends))
     crossing = [node for node in nodes if not node.touching]
     places = np.array([(node.first, node.second) for node in crossing]).reshape(-1, 2)
-    angles = envelope.angles_at(places).tolist()
-    found = [
+    angles = envelope.cam_angles(places).tolist()
+    crossings = [
         Node(first, second, node.point)
         for (first, second), node in zip(angles, crossing, strict=True)
     ]
-    return tuple(sorted(found, key=lambda each: (each.first, each.second)))
+    return tuple(sorted(crossings, key=lambda node: (node.first, node.second)))
 
 
 # -- face outline ---------------------------------------------------------------------------------
@@ -768,8 +786,8 @@ Arc = tuple[float, float]
 """Cam angles [rad] between which p > 0, the end above the start."""
 
 
-def trimmed_path(flank: WorkingCurve, found: Convexity) -> Path:
-    """The boundary of what is left of a flat face's disc, `found` being its `convexity`.
+def trimmed_path(flank: WorkingCurve, shape: Convexity) -> Path:
+    """The boundary of what is left of a flat face's disc, `shape` being its `convexity`.
 
     Raises
     ------
@@ -779,9 +797,9 @@ def trimmed_path(flank: WorkingCurve, found: Convexity) -> Path:
     GeometryError
         If it cannot be decided what is left.
     """
-    if found.turn[0] <= 0.0 or found.jumps or found.clearance[0] <= SMALLEST * found.size:
+    if shape.turn[0] <= 0.0 or shape.jumps or shape.clearance[0] <= SMALLEST * shape.size:
         raise UndercutError("a flat face touches only a convex cam, and this one is not")
-    ranges = backward_angles(flank.pitch, found.turn[0])
+    ranges = backward_angles(flank.pitch, shape.turn[0])
     if not ranges:
         return Path((Stretch(flank, 0.0, TURN),))
     arcs = [
@@ -808,13 +826,13 @@ def backward_angles(pitch: PitchCurve, turn: float) -> list[tuple[float, float]]
     """
     follower: Any = pitch.follower  # a frozen dataclass
     names = [key.removeprefix("follower.") for key in flat_follower(follower).raising_keys]
-    out = _fastest(pitch) / turn + follower.base_radius
-    moved = replace(follower, **{name: getattr(follower, name) + out for name in names})
-    parallel = WorkingCurve(replace(pitch, follower=moved), -out)
+    shift = _fastest(pitch) / turn + follower.base_radius
+    moved = replace(follower, **{name: getattr(follower, name) + shift for name in names})
+    parallel = WorkingCurve(replace(pitch, follower=moved), -shift)
     bends = curvature_extremes(parallel.pitch)
     for _ in range(PASSES):
         ranges = deep_ranges(parallel, bends)
-        missed = _missed(pitch, ranges, out)
+        missed = _missed(pitch, ranges, shift)
         if not len(missed):
             return sorted(ranges)
         bends = with_places(parallel.pitch, bends, missed)
@@ -852,22 +870,22 @@ def _fastest(pitch: PitchCurve) -> float:
     raise _undecided(pitch)
 
 
-def _missed(pitch: PitchCurve, ranges: list[tuple[float, float]], out: float) -> FloatArray:
+def _missed(pitch: PitchCurve, ranges: list[tuple[float, float]], shift: float) -> FloatArray:
     """Cam angles [rad] at which the sign of p contradicts the `ranges` of p < 0 by more than their
-    ends are off for rounding, that of the face moved `out` [mm] among it.
+    ends are off for rounding, that of the face moved `shift` [mm] among it.
     """
     start, end = np.array(ranges).reshape(-1, 2).T
     low, high = turn_cells(pitch)
     missed = []
     for _ in range(HALVINGS):
         middle, half = 0.5 * (low + high), 0.5 * (high - low)
-        at = touch(pitch, middle)
+        contact = touch(pitch, middle)
         inside = np.any((middle[:, None] - start) % TURN < (end - start) % TURN, axis=1)
-        noise = CUSP * np.max(np.abs(at.distance)) + LOST * math.ulp(out) * at.turn[0]
-        wrong = ((at.pace[0] < 0.0) != inside) & (np.abs(at.pace[0]) > noise)
+        noise = CUSP * np.max(np.abs(contact.distance)) + LOST * math.ulp(shift) * contact.turn[0]
+        wrong = ((contact.pace[0] < 0.0) != inside) & (np.abs(contact.pace[0]) > noise)
         missed.append(middle[wrong])
-        unsure = ~wrong & np.isnan(centres_at(pitch, middle))
-        unsure &= np.abs(at.pace[0]) <= half * pitch.speed_bounds(low, high)[1]
+        unsure = ~wrong & np.isnan(rigid_centres(pitch, middle))
+        unsure &= np.abs(contact.pace[0]) <= half * pitch.speed_bounds(low, high)[1]
         if not np.any(unsure):
             break
         low, high = halves(low, high, unsure)
@@ -881,7 +899,7 @@ class _Face:
         self.pitch = pitch
         self.breaks = np.concatenate([pitch.borders + k * TURN for k in (-1, 0, 1, 2)])
 
-    def at(self, phi: FloatArray) -> tuple[ComplexArray, ComplexArray, FloatArray]:
+    def contacts(self, phi: FloatArray) -> tuple[ComplexArray, ComplexArray, FloatArray]:
         """(n,) contacts Z [mm], tangents t and p [mm/rad] at `phi` (n,) [rad]; t = -i sigma n turns
         steadily where Z turns back.
         """
@@ -902,7 +920,7 @@ class _Face:
         inner = self.breaks[(self.breaks > x) & (self.breaks < y)]
         marks = np.concatenate(([x], inner, [y]))
         places, half, weights = gauss(marks[:-1], marks[1:], NODES)
-        _, tangents, pace = self.at(places.ravel())
+        _, tangents, pace = self.contacts(places.ravel())
         parts = (half[:, None] * weights).ravel() * pace * tangents
         return complex(np.sum(parts))
 
@@ -913,9 +931,9 @@ def _scanned(face: _Face, arcs: list[Arc]) -> list[tuple[Arc, _Bridge]]:
     while arcs:
         for k, (arc, bridge) in enumerate(zip(arcs, bridges, strict=True)):
             if bridge is None:
-                after = arcs[(k + 1) % len(arcs)]
+                next_arc = arcs[(k + 1) % len(arcs)]
                 shift = TURN if k + 1 == len(arcs) else 0.0
-                bridges[k] = _bridge(face, arc, (after[0] + shift, after[1] + shift))
+                bridges[k] = _bridge(face, arc, (next_arc[0] + shift, next_arc[1] + shift))
         known = [bridge for bridge in bridges if bridge is not None]
         lefts = [known[-1].y - TURN, *(bridge.y for bridge in known[:-1])]
         hidden = [k for k, bridge in enumerate(known) if lefts[k] >= bridge.x]
@@ -936,20 +954,20 @@ def _bridge(face: _Face, first: Arc, second: Arc) -> _Bridge:
     # Of a p that is a parabola between the cusps the crossing lies root 3 times as far out.
     x = max(middle - math.sqrt(3.0) * half, 0.5 * (first[0] + first[1]))
     y = min(middle + math.sqrt(3.0) * half, 0.5 * (second[0] + second[1]))
-    found = _newton(face, first, second, x, y)
-    if found is not None:
-        return found
-    guess = _sought(face, first, second)
+    bridge = _newton(face, first, second, x, y)
+    if bridge is not None:
+        return bridge
+    guess = _bisect_bridge(face, first, second)
     if guess.exact:
-        found = _newton(face, first, second, guess.x, guess.y)
-    return found or guess
+        bridge = _newton(face, first, second, guess.x, guess.y)
+    return bridge or guess
 
 
 def _newton(face: _Face, first: Arc, second: Arc, x: float, y: float) -> _Bridge | None:
     """The bridge by Newton's method from a guess; None if it does not converge inside the arcs."""
     settled = False
     for _ in range(STEPS):
-        points, (t_x, t_y), (p_x, p_y) = face.at(np.array([x, y]))
+        points, (t_x, t_y), (p_x, p_y) = face.contacts(np.array([x, y]))
         sine = float((np.conj(t_x) * t_y).imag)
         if not (p_x > 0.0 and p_y > 0.0 and sine != 0.0):
             return None
@@ -972,10 +990,10 @@ def _room(place: float, step: float, arc: Arc) -> float:
     return room / abs(step) if abs(step) > room else 1.0
 
 
-def _sought(face: _Face, first: Arc, second: Arc) -> _Bridge:
+def _bisect_bridge(face: _Face, first: Arc, second: Arc) -> _Bridge:
     """The bridge by bisection, or the ends of arcs where it would lie beyond them."""
     places = np.linspace(*second, SAMPLES)
-    points, tangents, _ = face.at(places)
+    points, tangents, _ = face.contacts(places)
     normals = 1j * face.pitch.rotation * tangents
     ahead = face.turning(places)
 
@@ -983,14 +1001,14 @@ def _sought(face: _Face, first: Arc, second: Arc) -> _Bridge:
         """Smallest h - S [mm] over the second arc for the sine that touches the first one at `x`,
         and where; half a turn ahead at most.
         """
-        start = face.at(np.array([x]))[0]
-        seen = ahead < float(face.turning(np.array([x]))[0]) + math.pi
-        above = np.where(seen, (np.conj(normals) * (points - start)).real, np.inf)
+        start = face.contacts(np.array([x]))[0]
+        visible = ahead < float(face.turning(np.array([x]))[0]) + math.pi
+        above = np.where(visible, (np.conj(normals) * (points - start)).real, np.inf)
         k = int(np.argmin(above))
         low, high = float(places[max(k - 1, 0)]), float(places[min(k + 1, SAMPLES - 1)])
         for _ in range(ROUNDS):
             near = np.linspace(low, high, SAMPLES)
-            there, along, _ = face.at(near)
+            there, along, _ = face.contacts(near)
             falls = (np.conj(along) * (there - start)).real < 0.0  # h - S does
             k = int(np.count_nonzero(falls))
             low, high = float(near[max(k - 1, 0)]), float(near[min(k, SAMPLES - 1)])
@@ -1019,18 +1037,18 @@ def _face_path(flank: WorkingCurve, parts: list[tuple[Arc, _Bridge]]) -> Path:
     face = _Face(flank.pitch)
     elements: list[tuple[float, list[Element]]] = []
     for k, (_, bridge) in enumerate(parts):
-        before = parts[k - 1][1].y - (TURN if k == 0 else 0.0)
+        previous_end = parts[k - 1][1].y - (TURN if k == 0 else 0.0)
         ends = np.array([bridge.x, bridge.y])
-        points, tangents, _ = face.at(ends)
+        points, tangents, _ = face.contacts(ends)
         normals = 1j * rotation * tangents
         sweep = float(np.angle(normals[1] * np.conj(normals[0])))
         corner = Pivot(
             complex(np.mean(points)), 0.0, complex(normals[0]), sweep, *(ends % TURN).tolist()
         )
-        start = before % TURN
-        stretch = Stretch(flank, start, start + (bridge.x - before))
+        start = previous_end % TURN
+        stretch = Stretch(flank, start, start + (bridge.x - previous_end))
         elements.append((start, [stretch, corner]))
-    ordered = sorted(elements, key=lambda each: each[0])
+    ordered = sorted(elements, key=lambda element: element[0])
     return Path(tuple(element for _, pair in ordered for element in pair))
 
 
@@ -1055,14 +1073,14 @@ Pairs = tuple[IntArray, IntArray]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Cells:
+class AngleCells:
     """Ranges (m,) of an angle [rad] between neighbouring ends of ranges; the last crosses 0."""
 
     low: FloatArray
     high: FloatArray
 
     @classmethod
-    def between(cls, nodes: FloatArray) -> Cells:
+    def from_nodes(cls, nodes: FloatArray) -> AngleCells:
         """Those between `nodes` (m,) in [0, 2 pi), ascending."""
         return cls(nodes, np.append(nodes[1:], nodes[0] + TURN))
 
@@ -1070,7 +1088,7 @@ class Cells:
         return len(self.low)
 
 
-def covered(cells: Cells, first: IntArray, count: IntArray, what: str) -> Pairs:
+def cover_cells(cells: AngleCells, first: IntArray, count: IntArray, what: str) -> Pairs:
     """The pieces k (n,) that cover `count` (n,) cells from `first` (n,) on, cell by cell.
 
     Raises GeometryError if there are too many pairs; `what` are the pieces, in a message.
@@ -1091,7 +1109,7 @@ def too_rough(what: str, layers: float) -> GeometryError:
     )
 
 
-def seen(cell: IntArray, low: FloatArray, high: FloatArray) -> BoolArray:
+def visible_pieces(cell: IntArray, low: FloatArray, high: FloatArray) -> BoolArray:
     """(p,) False for pieces that lie behind another one throughout their `cell` (p,), where their
     heights are between `low` and `high` (p,).
     """
@@ -1100,7 +1118,7 @@ def seen(cell: IntArray, low: FloatArray, high: FloatArray) -> BoolArray:
     return np.asarray(high >= least[cell])
 
 
-def together(cell: IntArray) -> Iterator[Pairs]:
+def pairs_in_cells(cell: IntArray) -> Iterator[Pairs]:
     """All pairs of places in `cell` (p,), ascending, that have the same one, in batches."""
     step = 1
     while np.any(same := cell[step:] == cell[:-step]):
@@ -1110,7 +1128,7 @@ def together(cell: IntArray) -> Iterator[Pairs]:
 
 
 def outermost(
-    cells: Cells,
+    cells: AngleCells,
     pairs: Pairs,
     crossings: FloatArray,
     height: Callable[[IntArray, FloatArray], FloatArray],

@@ -81,8 +81,8 @@ class Pivot:
     distance: float
     normal: complex
     sweep: float
-    before: float
-    after: float
+    phi_start: float
+    phi_end: float
 
     @property
     def start(self) -> complex:
@@ -112,35 +112,35 @@ class Path(Brief):
     @property
     def stretches(self) -> tuple[Stretch, ...]:
         """The stretches, in order."""
-        return tuple(each for each in self.elements if isinstance(each, Stretch))
+        return tuple(element for element in self.elements if isinstance(element, Stretch))
 
     @property
     def pivots(self) -> tuple[Pivot, ...]:
         """The corners and arcs between them, in order."""
-        return tuple(each for each in self.elements if isinstance(each, Pivot))
+        return tuple(element for element in self.elements if isinstance(element, Pivot))
 
     @property
     def is_whole(self) -> bool:
         """True if the path is one parallel all round, with nothing cut off."""
         return len(self.elements) == 1
 
-    def offset(self, by: float) -> Path:
-        """The parallel at `by` [mm] farther outward; corners become arcs.
+    def offset(self, shift: float) -> Path:
+        """The parallel at `shift` [mm] farther outward; corners become arcs.
 
         Nothing is trimmed: the caller must ensure that stretches stay regular and the path free of
         crossings.
         """
-        return Path(tuple(_offset(each, by) for each in self.elements))
+        return Path(tuple(_offset(element, shift) for element in self.elements))
 
     @property
     def encloses_axis(self) -> bool:
         """Whether the path, which must not pass through the cam axis, goes round it."""
         turned = math.fsum(
             one.real
-            for each in self.stretches
-            for one, *_ in stretch_integrals(each, (_turning, _turning), NEAR_A_TURN)
+            for stretch in self.stretches
+            for one, *_ in stretch_integrals(stretch, (_turning, _turning), NEAR_A_TURN)
         )
-        turned += math.fsum(_turn_of_arc(each) for each in self.pivots if each.distance != 0.0)
+        turned += math.fsum(_turn_of_arc(pivot) for pivot in self.pivots if pivot.distance != 0.0)
         return round(turned / TURN) != 0
 
     def moments(self, tolerance: float) -> Moments:
@@ -156,7 +156,7 @@ class Path(Brief):
 
         Arcs about a pivot are in closed form.
         """
-        parts = [Moments.of_pieces(*_arcs_of(self))]
+        parts = [Moments.of_pieces(*_arc_columns(self))]
         for stretch in self.stretches:
             sums = stretch_integrals(stretch, LOW_ORDER, tolerance)
             parts.append(
@@ -166,17 +166,17 @@ class Path(Brief):
 
     def second_moments(self, tolerance: float) -> SecondMoments:
         """Second moments of the region inside; parameters as for `moments`."""
-        arcs = SecondMoments.of_pieces(*_arcs_of(self))
+        arcs = SecondMoments.of_pieces(*_arc_columns(self))
         sums = [
-            each
+            row
             for stretch in self.stretches
-            for each in stretch_integrals(stretch, SECOND_ORDER, tolerance)
+            for row in stretch_integrals(stretch, SECOND_ORDER, tolerance)
         ]
         return SecondMoments(
             math.fsum([arcs.polar, *(one.real for one, *_ in sums)]),
             arcs.square + _sum(np.array([other for _, other, *_ in sums])),
-            math.fsum([arcs.polar_error, *(each[2] for each in sums)]),
-            math.fsum([arcs.square_error, *(each[3] for each in sums)]),
+            math.fsum([arcs.polar_error, *(row[2] for row in sums)]),
+            math.fsum([arcs.square_error, *(row[3] for row in sums)]),
         )
 
 
@@ -185,11 +185,11 @@ def whole(curve: WorkingCurve) -> Path:
     return Path((Stretch(curve, 0.0, TURN),))
 
 
-def _offset(element: Element, by: float) -> Element:
+def _offset(element: Element, shift: float) -> Element:
     if isinstance(element, Stretch):
-        curve = WorkingCurve(element.curve.pitch, element.curve.distance + by)
+        curve = WorkingCurve(element.curve.pitch, element.curve.distance + shift)
         return replace(element, curve=curve)
-    return replace(element, distance=element.distance + by)
+    return replace(element, distance=element.distance + shift)
 
 
 # -- radii ----------------------------------------------------------------------------------------
@@ -213,11 +213,13 @@ def radii(path: Path) -> Extremes:
     They are exact but for rounding where they are at an end of a stretch, a corner, a border or a
     turning point of the motion; those of any other kind are found as by `piecewise_extremes`.
     """
-    found = [_radii_of_stretch(each) if isinstance(each, Stretch) else _of_pivot(each)
-             for each in path.elements]  # fmt: skip
-    both = [extreme for each in found for extreme in (each.lowest, each.highest)]
-    places = np.array([each.place % TURN for each in both])
-    return sampled_extremes(places, np.array([each.value for each in both]))
+    element_radii = [
+        _stretch_radii(element) if isinstance(element, Stretch) else _pivot_radii(element)
+        for element in path.elements
+    ]
+    both = [extreme for pair in element_radii for extreme in (pair.lowest, pair.highest)]
+    places = np.array([extreme.place % TURN for extreme in both])
+    return sampled_extremes(places, np.array([extreme.value for extreme in both]))
 
 
 def _turning(point: ComplexArray, way: ComplexArray) -> FloatArray:
@@ -238,7 +240,7 @@ def _turn_of_arc(pivot: Pivot) -> float:
     return pivot.sweep + float(ahead[1] - ahead[0])
 
 
-def _radii_of_stretch(stretch: Stretch) -> Extremes:
+def _stretch_radii(stretch: Stretch) -> Extremes:
     turning = turning_angles(stretch.curve.pitch.motion)
     turning = np.concatenate((turning, turning + TURN))
     inside = turning[(turning > stretch.start) & (turning < stretch.end)]
@@ -249,7 +251,7 @@ def _radii_of_stretch(stretch: Stretch) -> Extremes:
     return piecewise_extremes(distance, merged(np.concatenate((stretch.marks, inside))))
 
 
-def _of_pivot(pivot: Pivot) -> Extremes:
+def _pivot_radii(pivot: Pivot) -> Extremes:
     """Of an arc the ends, and its points in front of its centre and behind it."""
     values = [abs(pivot.start), abs(pivot.end)]
     if pivot.distance != 0.0 and pivot.centre != 0.0:
@@ -257,7 +259,7 @@ def _of_pivot(pivot: Pivot) -> Extremes:
         for normal in (outward, -outward):
             if 0.0 <= phase(normal / pivot.normal) / pivot.sweep <= 1.0:
                 values.append(abs(pivot.centre + pivot.distance * normal))
-    return Extremes(Extreme(min(values), pivot.after), Extreme(max(values), pivot.after))
+    return Extremes(Extreme(min(values), pivot.phi_end), Extreme(max(values), pivot.phi_end))
 
 
 # -- moments --------------------------------------------------------------------------------------
@@ -330,15 +332,15 @@ class Moments:
     @classmethod
     def total(cls, parts: Iterable[Moments]) -> Moments:
         """The sum of `parts`; their errors add up."""
-        each = tuple(parts)
+        all_parts = tuple(parts)
         return cls(
-            math.fsum(part.area for part in each),
+            math.fsum(part.area for part in all_parts),
             complex(
-                math.fsum(part.first.real for part in each),
-                math.fsum(part.first.imag for part in each),
+                math.fsum(part.first.real for part in all_parts),
+                math.fsum(part.first.imag for part in all_parts),
             ),
-            math.fsum(part.area_error for part in each),
-            math.fsum(part.first_error for part in each),
+            math.fsum(part.area_error for part in all_parts),
+            math.fsum(part.first_error for part in all_parts),
         )
 
     @classmethod
@@ -392,14 +394,14 @@ def area(path: Path) -> float:
     return path.moments(SHARE).area
 
 
-def _arcs_of(path: Path) -> tuple[ComplexArray, ComplexArray, FloatArray, ComplexArray]:
+def _arc_columns(path: Path) -> tuple[ComplexArray, ComplexArray, FloatArray, ComplexArray]:
     """Starts and ends (n,) [mm], sweeps (n,) [rad] and centres (n,) [mm] of its arcs."""
-    pivots = [each for each in path.pivots if each.distance != 0.0]
+    pivots = [pivot for pivot in path.pivots if pivot.distance != 0.0]
     return (
-        np.array([each.start for each in pivots], dtype=np.complex128),
-        np.array([each.end for each in pivots], dtype=np.complex128),
-        np.array([each.sweep for each in pivots], dtype=np.float64),
-        np.array([each.centre for each in pivots], dtype=np.complex128),
+        np.array([pivot.start for pivot in pivots], dtype=np.complex128),
+        np.array([pivot.end for pivot in pivots], dtype=np.complex128),
+        np.array([pivot.sweep for pivot in pivots], dtype=np.float64),
+        np.array([pivot.centre for pivot in pivots], dtype=np.complex128),
     )
 
 
@@ -455,7 +457,7 @@ def stretch_integrals(
     one, other, one_sizes, other_sizes = _gauss(stretch, integrands, low, high)
     one_scale, other_scale = float(np.sum(one_sizes)), float(np.sum(other_sizes))
     span = stretch.end - stretch.start
-    found: list[Sums] = [(0j, 0j, ROUNDING * one_scale, ROUNDING * other_scale)]
+    sums: list[Sums] = [(0j, 0j, ROUNDING * one_scale, ROUNDING * other_scale)]
     for halving in range(HALVINGS):
         if not len(low):
             break
@@ -467,19 +469,19 @@ def stretch_integrals(
         finer_other = others[:count] + others[count:]
         one_change, other_change = np.abs(finer_one - one), np.abs(finer_other - other)
         allowed = max(tolerance, ROUNDING) * (high - low) / span
-        done = (one_change <= allowed * one_scale) & (other_change <= allowed * other_scale)
-        done |= 2 * np.count_nonzero(~done) > MOST_PARTS or halving == HALVINGS - 1
-        found.append(
+        converged = (one_change <= allowed * one_scale) & (other_change <= allowed * other_scale)
+        converged |= 2 * np.count_nonzero(~converged) > MOST_PARTS or halving == HALVINGS - 1
+        sums.append(
             (
-                _sum(finer_one[done]),
-                _sum(finer_other[done]),
-                math.fsum(one_change[done]),
-                math.fsum(other_change[done]),
+                _sum(finer_one[converged]),
+                _sum(finer_other[converged]),
+                math.fsum(one_change[converged]),
+                math.fsum(other_change[converged]),
             )
         )
-        left = np.concatenate((~done, ~done))
+        left = np.concatenate((~converged, ~converged))
         low, high, one, other = lows[left], highs[left], ones[left], others[left]
-    return found
+    return sums
 
 
 def _sum(values: FloatArray | ComplexArray) -> complex:
@@ -492,7 +494,7 @@ def _gauss(
     """Two integrals over [low, high] (m,), and those of their magnitudes."""
     phi, half, weights = gauss(low, high, NODES)
     point, tangent, pace = stretch.curve.traced(phi.ravel())
-    one, other = (each(point, tangent * pace).reshape(phi.shape) for each in integrands)
+    one, other = (integrand(point, tangent * pace).reshape(phi.shape) for integrand in integrands)
     return (
         half * (one @ weights),
         half * (other @ weights),
@@ -543,11 +545,11 @@ class SecondMoments:
         counts = np.maximum(1, np.ceil(np.abs(sweep) / WIDEST)).astype(np.intp)
         piece, number = grouped(counts)
         share, half, weights = gauss(number / counts[piece], (number + 1) / counts[piece], NODES)
-        own = piece[:, np.newaxis]
-        arc, chord = sweep[own] != 0.0, (end - start)[own]
-        arm = (start - centre)[own] * np.exp(1j * sweep[own] * share)
-        point = np.where(arc, centre[own] + arm, start[own] + chord * share)
-        way = np.where(arc, 1j * sweep[own] * arm, chord)
+        index = piece[:, np.newaxis]
+        arc, chord = sweep[index] != 0.0, (end - start)[index]
+        arm = (start - centre)[index] * np.exp(1j * sweep[index] * share)
+        point = np.where(arc, centre[index] + arm, start[index] + chord * share)
+        way = np.where(arc, 1j * sweep[index] * arm, chord)
         polar, square = _polar(point, way), _square(point, way)
         return cls(
             math.fsum(half * (polar @ weights)),
@@ -574,10 +576,10 @@ def _along_quadratics(
     start, middle, end = (pieces[:, k, np.newaxis] for k in range(3))
     point = (1.0 - t) ** 2 * start + 2.0 * t * (1.0 - t) * middle + t * t * end
     way = 2.0 * ((1.0 - t) * (middle - start) + t * (end - middle))
-    found = []
+    integrals = []
     for integrand in integrands:
         values = integrand(point, way)
-        found.append(
+        integrals.append(
             (_sum(half * (values @ weights)), math.fsum(half * (np.abs(values) @ weights)))
         )
-    return found
+    return integrals

@@ -83,48 +83,50 @@ class AccelerationJoints:
     reaches: FloatArray
 
     @classmethod
-    def between(
+    def from_motions(
         cls,
-        shift_of: Callable[[float, FloatArray], FloatArray],
-        made: Callable[[FloatArray], FloatArray],
+        joint_shift: Callable[[float, FloatArray], FloatArray],
+        actual: Callable[[FloatArray], FloatArray],
         exact: Motion,
         edges: FloatArray,
     ) -> Self:
-        """Those of `exact` on a disc; `shift_of` as of `camgeo.geometry.outline.roller.DiscLift`.
+        """The joints of `exact` on a disc; `joint_shift` is that of its `DiscLift`.
 
-        `made` gives the lift with two derivatives (3 or more, n), smooth between the `edges` (m,)
+        `actual` gives the lift with two derivatives (3 or more, n), smooth between the `edges` (m,)
         [rad] over a turn, as `exact` is.
         """
         left, right = (exact.jet(exact.breaks, side, 2)[2] for side in SIDES)
         joints = exact.breaks[left != right]
         phi = (edges[:-1, np.newaxis] + np.diff(edges)[:, np.newaxis] * PLACES).ravel()
-        errors = made(phi)[:3] - exact.jet(phi, "right", 2)[:3] if len(joints) else np.empty((3, 0))
+        errors = (
+            actual(phi)[:3] - exact.jet(phi, "right", 2)[:3] if len(joints) else np.empty((3, 0))
+        )
         shifts = []
         for joint in joints.tolist():
-            shift = shift_of(joint, errors[:, _away(phi, joint) < AROUND])
+            shift = joint_shift(joint, errors[:, _away(phi, joint) < AROUND])
             shifts.append(float(np.max(shift, initial=0.0)))
         return cls(frozen(joints, np.float64), frozen(SEAM + SHIFT * np.array(shifts), np.float64))
 
     @property
     def ends(self) -> FloatArray:
         """(3 k,) cam angles [rad] in [0, 2 pi) of the joints and of the ends of what is near."""
-        apart = self.reaches * np.array([[-1.0], [0.0], [1.0]])
-        return np.asarray(np.remainder(self.places + apart, TURN).ravel())
+        shifts = self.reaches * np.array([[-1.0], [0.0], [1.0]])
+        return np.asarray(np.remainder(self.places + shifts, TURN).ravel())
 
     def deviation(self, quantity: Quantity, exact: Quantity) -> Quantity:
         """How far a quantity is off the exact one, which jumps at the joints."""
         sides = np.sort([exact(self.places, side) for side in SIDES], axis=0)
         joints = list(zip(self.places.tolist(), self.reaches.tolist(), *sides, strict=True))
 
-        def off(phi: FloatArray, side: Side) -> FloatArray:
+        def error(phi: FloatArray, side: Side) -> FloatArray:
             values = quantity(phi, side)
-            found = values - exact(phi, side)
+            errors = values - exact(phi, side)
             for joint, reach, low, high in joints:
                 near = _away(phi, joint) <= reach
-                found[near] = values[near] - np.clip(values[near], low, high)
-            return found
+                errors[near] = values[near] - np.clip(values[near], low, high)
+            return errors
 
-        return off
+        return error
 
 
 def _away(phi: FloatArray, joint: float) -> FloatArray:
@@ -171,10 +173,10 @@ def replay_contour(
     """
     press = Flank(flank).sign
     if pitch.follower.has_pitch_curve:
-        lift: DiscLift = ActualLift.on(pitch, contour, press)
+        lift: DiscLift = ActualLift.from_contour(pitch, contour, press)
     else:
         _require_inner(press)
-        lift = FaceLift.on(contour, pitch)
+        lift = FaceLift.from_contour(contour, pitch)
     return compared(pitch, lift.without_corners(corner), press, step, corner)
 
 
@@ -188,10 +190,10 @@ def replay_spline(
 ) -> Replay:
     """The roller of `pitch` on a closed contour of cubics, arcs and lines, counter-clockwise.
 
-    Otherwise as `replay_contour`; raises as `ActualLift.on_splines`.
+    Otherwise as `replay_contour`; raises as `ActualLift.from_splines`.
     """
     press = Flank(flank).sign
-    return compared(pitch, ActualLift.on_splines(pitch, contour, press), press, step, corner)
+    return compared(pitch, ActualLift.from_splines(pitch, contour, press), press, step, corner)
 
 
 def replay_outline(
@@ -223,16 +225,16 @@ def replay_outline(
     press = -1 if math.copysign(1.0, distance) < 0.0 else 1  # -0 on the inside of a knife edge
     if not pitch.follower.has_pitch_curve:
         _require_inner(press)
-        corners = np.array([each.centre for each in outline.pivots], dtype=np.complex128)
+        corners = np.array([pivot.centre for pivot in outline.pivots], dtype=np.complex128)
         starts, ends = _gaps(stretches)
         if len(corners) != len(starts):
             raise GeometryError("a stretch is missing where the outline has no corner for the face")
-        face = FaceLift.between(pitch, corners, starts, ends)
+        face = FaceLift.from_corners(pitch, corners, starts, ends)
         return compared(pitch, face, press, step)
     radius = abs(distance)
     # A pivot at no distance from the roller centre is the roller's turn about its own centre.
-    pivots = [each for each in outline.offset(-distance).pivots if each.distance != 0.0]
-    if any(abs(abs(each.distance) - radius) > DROP * radius for each in pivots):
+    pivots = [pivot for pivot in outline.offset(-distance).pivots if pivot.distance != 0.0]
+    if any(abs(abs(pivot.distance) - radius) > DROP * radius for pivot in pivots):
         raise GeometryError("the outline has an arc where the roller must find a corner")
     played = None
     if clearance > 0.0:
@@ -243,9 +245,9 @@ def replay_outline(
             )
         path = path_of(pitch.follower, pitch.rotation)
         played = PlayedLift(path, WorkingCurve(pitch, 0.5 * press * clearance))
-    centres = np.array([each.centre for each in pivots], dtype=np.complex128)
+    centres = np.array([pivot.centre for pivot in pivots], dtype=np.complex128)
     # A knife edge has no such pivots.
-    lift = ActualLift.over(pitch, centres, press, radius or 1.0, _gaps(stretches), played)
+    lift = ActualLift.from_corners(pitch, centres, press, radius or 1.0, _gaps(stretches), played)
     return compared(pitch, lift, press, step)
 
 
@@ -256,8 +258,8 @@ def _require_inner(press: int) -> None:
 
 def _gaps(stretches: tuple[Stretch, ...]) -> tuple[FloatArray, FloatArray]:
     """Starts and ends (k,), (k,) [rad] of the ranges between neighbouring stretches."""
-    starts = np.array([each.end % TURN for each in stretches])
-    ends = np.roll([each.start for each in stretches], -1)
+    starts = np.array([stretch.end % TURN for stretch in stretches])
+    ends = np.roll([stretch.start for stretch in stretches], -1)
     widths = np.remainder(ends - starts, TURN)
     # Where a stretch follows at once, across a turn of the roller, rounding may add a full turn.
     widths[np.minimum(widths, TURN - widths) <= SNAP] = 0.0
@@ -279,20 +281,20 @@ def compared(
     grid = np.arange(count, dtype=np.float64) * (TURN / count)
     grid = ascending(np.concatenate((grid, [peak.place for peak in peaks])))
     special = ascending(np.concatenate((lift.borders, lift.breaks)))
-    lifts = [lift.at(special, side) for side in SIDES]
+    lifts = [lift.displacement(special, side) for side in SIDES]
     dropped = np.abs(lifts[1] - lifts[0]) > DROP * pitch.follower.lift_scale
     drops = Jumps(special[dropped], lifts[0][dropped], lifts[1][dropped])
     special = special[~dropped]
     grid = grid[~np.isin(grid, np.concatenate((special, drops.phi)))]
-    left, right = (_Samples.of(lift, special, side) for side in SIDES)
+    left, right = (_Samples.sample(lift, special, side) for side in SIDES)
     shocks = _shocks(lift, left, right, corner)
     # The left side of cam angle 0 is the end of the turn.
     left = replace(left, phi=np.where(left.phi == 0.0, TURN, left.phi))
-    parts = (left, _Samples.of(lift, grid, "right"), right)
+    parts = (left, _Samples.sample(lift, grid, "right"), right)
     phi = np.concatenate([part.phi for part in parts])
     order = np.argsort(phi, kind="stable")
     numbers = np.concatenate([part.numbers for part in parts])[order]
-    element, smooth = held_at(lift, numbers, corner)
+    element, smooth = contact_elements(lift, numbers, corner)
     return Replay(
         lift=lift,
         press=press,
@@ -319,7 +321,7 @@ class _Samples:
     actual: FloatArray
 
     @classmethod
-    def of(cls, lift: DiscLift, phi: FloatArray, side: Side) -> _Samples:
+    def sample(cls, lift: DiscLift, phi: FloatArray, side: Side) -> _Samples:
         return cls(
             phi,
             lift.number(phi, side),
@@ -330,20 +332,20 @@ class _Samples:
 
 def _shocks(lift: DiscLift, left: _Samples, right: _Samples, corner: float) -> Jumps:
     """Where the direction in which the roller centre runs turns by more than `corner`."""
-    before, after = (lift.heading(side.phi, side.actual) for side in (left, right))
-    turned = np.abs(np.angle(after * before.conj()))
-    found = turned > corner
-    return Jumps(right.phi[found], left.actual[1][found], right.actual[1][found])
+    arriving, leaving = (lift.heading(side.phi, side.actual) for side in (left, right))
+    turned = np.abs(np.angle(leaving * arriving.conj()))
+    is_shock = turned > corner
+    return Jumps(right.phi[is_shock], left.actual[1][is_shock], right.actual[1][is_shock])
 
 
 def _peak(motion: Motion, order: int) -> Extreme:
     """Largest magnitude of a derivative of the demanded lift, exactly."""
-    found = extremes(
+    peaks = extremes(
         motion,
         lambda phi, side: motion.jet(phi, side)[order],
         lambda phi, side: motion.jet(phi, side)[order + 1],
     )
-    sides = (found.smallest(), found.largest())
+    sides = (peaks.smallest(), peaks.largest())
     value, place = max(sides, key=lambda side: abs(side[0]))
     return Extreme(abs(value), place)
 
@@ -378,23 +380,23 @@ class Jumps:
     """
 
     phi: FloatArray
-    before: FloatArray
-    after: FloatArray
+    left: FloatArray
+    right: FloatArray
 
     def __len__(self) -> int:
         return len(self.phi)
 
     def scaled(self, factor: float) -> Jumps:
         """The same jumps in another unit."""
-        return Jumps(self.phi, factor * self.before, factor * self.after)
+        return Jumps(self.phi, factor * self.left, factor * self.right)
 
     @property
     def largest(self) -> Extreme | None:
         """The largest jump (after - before) with its cam angle; None if there is none."""
         if not len(self):
             return None
-        index = int(np.argmax(np.abs(self.after - self.before)))
-        return Extreme(float((self.after - self.before)[index]), float(self.phi[index]))
+        index = int(np.argmax(np.abs(self.right - self.left)))
+        return Extreme(float((self.right - self.left)[index]), float(self.phi[index]))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -449,26 +451,26 @@ class Replay(CheckedFields):
         Between the ends of smooth pieces it lies where both velocities are equal.
         """
         sense = self.press * self.lift.outward
-        edges = self._edges_apart()
-        found = piecewise_highest(lambda phi, side: sense * self._error(phi, side), edges)
-        if found.value <= 0.0:
-            return Extreme(0.0, found.place % TURN)
-        beside = np.searchsorted(edges, found.place) + np.array([-1, 0])
-        low = max(found.place - POLISHED, float(edges[max(beside[0], 0)]))
-        high = min(found.place + POLISHED, float(edges[beside[1]]))
+        edges = self._deviating_edges()
+        highest = piecewise_highest(lambda phi, side: sense * self._error(phi, side), edges)
+        if highest.value <= 0.0:
+            return Extreme(0.0, highest.place % TURN)
+        neighbours = np.searchsorted(edges, highest.place) + np.array([-1, 0])
+        low = max(highest.place - POLISHED, float(edges[max(neighbours[0], 0)]))
+        high = min(highest.place + POLISHED, float(edges[neighbours[1]]))
         ends = np.array([low, high])
-        slopes = self._error(ends, "right", 1) if low < found.place < high else np.zeros(2)
+        slopes = self._error(ends, "right", 1) if low < highest.place < high else np.zeros(2)
         if slopes[0] * slopes[1] < 0.0:
             phi = bracketed_roots(
                 lambda phi: self._error(phi, "right", 1), ends[:1], ends[1:], ends=slopes[:, None]
             )
             return Extreme(sense * float(self._error(phi, "right")[0]), float(phi[0]) % TURN)
-        return Extreme(found.value, found.place % TURN)
+        return Extreme(highest.value, highest.place % TURN)
 
     @property
     def largest_error(self) -> Extreme:
         """Difference actual - demanded lift of the largest magnitude, with its cam angle."""
-        return _farthest(piecewise_extremes(self._error, self._edges_apart()))
+        return _farthest(piecewise_extremes(self._error, self._deviating_edges()))
 
     @property
     def velocity(self) -> Extreme | None:
@@ -497,15 +499,17 @@ class Replay(CheckedFields):
         """
         if len(self.drops):
             return None
-        motion, edges = self.lift.motion, edges_between(self.lift)
-        joints = AccelerationJoints.between(self.lift.shift_of, self.lift.jet, motion, edges)
-        off = joints.deviation(
+        motion, edges = self.lift.motion, smooth_edges(self.lift)
+        joints = AccelerationJoints.from_motions(
+            self.lift.joint_shift, self.lift.jet, motion, edges
+        )
+        error = joints.deviation(
             lambda phi, side: self.lift.jet(phi, side)[2],
             lambda phi, side: motion.jet(phi, side, 2)[2],
         )
 
         def counted(phi: FloatArray, side: Side) -> FloatArray:
-            return np.where(self._is_smooth(phi, side), off(phi, side), 0.0)
+            return np.where(self._is_smooth(phi, side), error(phi, side), 0.0)
 
         return self._peak(counted, joints.ends)
 
@@ -514,8 +518,8 @@ class Replay(CheckedFields):
         """Largest error of the acceleration over its demanded peak; None if that is 0, or the error
         unbounded.
         """
-        off = self.largest_acceleration_error if self.demanded_acceleration else None
-        return None if off is None else abs(off.value) / self.demanded_acceleration
+        error = self.largest_acceleration_error if self.demanded_acceleration else None
+        return None if error is None else abs(error.value) / self.demanded_acceleration
 
     @property
     def largest_shock(self) -> float | None:
@@ -527,33 +531,33 @@ class Replay(CheckedFields):
 
     def _error(self, phi: FloatArray, side: Side, order: Literal[0, 1] = 0) -> FloatArray:
         """(n,) actual - demanded lift at `phi` (n,) [rad], or its first derivative."""
-        actual = self.lift.jet(phi, side)[1] if order else self.lift.at(phi, side)
+        actual = self.lift.jet(phi, side)[1] if order else self.lift.displacement(phi, side)
         return np.asarray(actual - self.lift.motion.jet(phi, side, 2 * order or 1)[order])
 
     def _is_smooth(self, phi: FloatArray, side: Side) -> BoolArray:
         """(n,) False at ignored corners."""
-        return held_at(self.lift, self.lift.number(phi, side), self.corner)[1]
+        return contact_elements(self.lift, self.lift.number(phi, side), self.corner)[1]
 
-    def _edges_apart(self) -> FloatArray:
-        """`edges_between` without those inside ranges in which the lift is the demanded one."""
-        edges = edges_between(self.lift)
+    def _deviating_edges(self) -> FloatArray:
+        """`smooth_edges` without those inside ranges in which the lift is the demanded one."""
+        edges = smooth_edges(self.lift)
         if not self.lift.as_demanded:
             return edges
-        apart = self.lift.number(0.5 * (edges[:-1] + edges[1:])) != AS_DEMANDED
-        return np.asarray(edges[np.append(True, apart) | np.append(apart, True)])
+        deviating = self.lift.number(0.5 * (edges[:-1] + edges[1:])) != AS_DEMANDED
+        return np.asarray(edges[np.append(True, deviating) | np.append(deviating, True)])
 
     def _peak(self, quantity: Quantity, more: FloatArray | None = None) -> Extreme | None:
-        """Of the largest magnitude; it is smooth between `edges_between` and what there is `more`
+        """Of the largest magnitude; it is smooth between `smooth_edges` and what there is `more`
         (k,) [rad].
         """
         if len(self.drops):
             return None
-        edges = edges_between(self.lift)
+        edges = smooth_edges(self.lift)
         edges = edges if more is None else ascending(np.concatenate((edges, more)))
         return _farthest(piecewise_extremes(quantity, edges))
 
 
-def edges_between(*lifts: DiscLift) -> FloatArray:
+def smooth_edges(*lifts: DiscLift) -> FloatArray:
     """(k,) cam angles [rad] from 0 to 2 pi between which the lifts and what is demanded are
     smooth.
     """
@@ -561,24 +565,26 @@ def edges_between(*lifts: DiscLift) -> FloatArray:
     return ascending(np.clip(np.concatenate((np.array([0.0, TURN]), *parts)), 0.0, TURN))
 
 
-def held_at(lift: DiscLift, numbers: IntArray, corner: float) -> tuple[IntArray, BoolArray]:
+def contact_elements(
+    lift: DiscLift, numbers: IntArray, corner: float
+) -> tuple[IntArray, BoolArray]:
     """(n,) the `element` and (n,) whether it is `smooth`, see `Replay`, where `numbers` (n,) hold
     the follower and corners up to `corner` [rad] are ignored.
     """
     element = np.full(len(numbers), AS_DEMANDED_ELEMENT)
     smooth = np.ones(len(numbers), dtype=np.bool_)
     held = numbers != AS_DEMANDED
-    element[held], turns = lift.held_by(numbers[held])
+    element[held], turns = lift.holding_elements(numbers[held])
     smooth[held] = turns > corner
     return element, smooth
 
 
-def _farthest(found: Extremes) -> Extreme:
+def _farthest(pair: Extremes) -> Extreme:
     """That of the larger magnitude, in the first turn; the highest one if they are equal but for
     rounding.
     """
-    higher = found.highest.value >= -found.lowest.value * (1.0 - EQUAL)
-    one = found.highest if higher else found.lowest
+    higher = pair.highest.value >= -pair.lowest.value * (1.0 - EQUAL)
+    one = pair.highest if higher else pair.lowest
     return Extreme(one.value, one.place % TURN)
 
 
@@ -589,12 +595,12 @@ def play(main: Replay, other: Replay, phi: FloatArray, side: Side = "right") -> 
     takes the main roller away from the cam axis.
     """
     outward = main.lift.outward
-    return outward * (other.lift.at(phi, side) - main.lift.at(phi, side))
+    return outward * (other.lift.displacement(phi, side) - main.lift.displacement(phi, side))
 
 
 def extreme_play(main: Replay, other: Replay) -> Extremes:
     """Smallest and largest `play` over the turn, between two discs, or between two flanks if `main`
     is on the inner one.
     """
-    edges = edges_between(main.lift, other.lift)
+    edges = smooth_edges(main.lift, other.lift)
     return piecewise_extremes(lambda phi, side: play(main, other, phi, side), edges)

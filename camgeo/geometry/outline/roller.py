@@ -23,13 +23,13 @@ import numpy as np
 from camgeo.errors import GeometryError
 from camgeo.geometry.outline.outline import (
     NONE,
-    Cells,
+    AngleCells,
     Pairs,
     changes,
-    covered,
+    cover_cells,
     outermost,
-    seen,
-    together,
+    pairs_in_cells,
+    visible_pieces,
 )
 from camgeo.geometry.pitch_curve import PitchCurve, WorkingCurve
 from camgeo.kinematics.mechanism.follower_path import Bows, FollowerPath, path_of
@@ -60,7 +60,7 @@ SETTLED = 64.0 * 2.0**-52
 LONGEST = 0.2
 """Longest Newton step [rad]."""
 
-AT = 1e-9
+BREAK_DISTANCE = 1e-9
 """Within this distance of a break [rad] theta counts as the break, seen from the requested side."""
 
 
@@ -95,7 +95,7 @@ class PlayedLift:
 
     def leverage(self, phi: FloatArray, side: Side = "right") -> FloatArray:
         """(n,) dn/dq of this lift, see `camgeo.geometry.pitch_curve.PitchCurve.leverage`."""
-        points, tangents, _ = self.parallel.traced(self._at_breaks(self.touching(phi)), side)
+        points, tangents, _ = self.parallel.traced(self._snap_to_breaks(self.touching(phi)), side)
         angles, q = self.path.cam_coordinates(points)
         normals = 1j * self.parallel.pitch.rotation * tangents
         along, _ = self.path.along(angles, q)
@@ -114,11 +114,11 @@ class PlayedLift:
             If the path does not meet the parallel nearby, or is tangent to it.
         """
         theta = self.touching(phi)
-        at = self._at_breaks(theta)
-        points, tangents, _ = self.parallel.traced(at, side)
+        snapped = self._snap_to_breaks(theta)
+        points, tangents, _ = self.parallel.traced(snapped, side)
         normals = 1j * self.parallel.pitch.rotation * tangents
         _, q = self.path.cam_coordinates(points)
-        bows = Bows(points, normals, self.parallel.curvature(at, side))
+        bows = Bows(points, normals, self.parallel.curvature(snapped, side))
         return bows.lift_jet(self.path, phi, q)[:3]
 
     def touching(self, phi: FloatArray) -> FloatArray:
@@ -142,13 +142,13 @@ class PlayedLift:
             " the roller centre on that flank near by"
         )
 
-    def _at_breaks(self, theta: FloatArray) -> FloatArray:
+    def _snap_to_breaks(self, theta: FloatArray) -> FloatArray:
         """`theta` in one turn, on the breaks themselves where it is there to rounding."""
         breaks = np.append(self.parallel.breaks, self.parallel.breaks[:1] + TURN)
         turned = np.remainder(theta, TURN)
         above = np.searchsorted(breaks, turned)
         for index in (above - 1, np.minimum(above, len(breaks) - 1)) if len(breaks) else ():
-            near = np.abs(turned - breaks[index]) <= AT
+            near = np.abs(turned - breaks[index]) <= BREAK_DISTANCE
             turned = np.where(near, breaks[index], turned)
         return np.where(turned >= TURN, turned - TURN, turned)
 
@@ -168,7 +168,7 @@ HALF_ARC = 0.52
 """Half an arc of at most an eighth of a turn over its chord, at most: pi/16 / sin(pi/8)."""
 
 
-def piece_at(borders: FloatArray, held: IntArray, angle: FloatArray, side: Side) -> IntArray:
+def piece_numbers(borders: FloatArray, held: IntArray, angle: FloatArray, side: Side) -> IntArray:
     """(n,) the piece at `angle` (n,) [rad] of any turn, seen from that side; see `changes`."""
     return np.asarray(held[np.searchsorted(borders, np.remainder(angle, TURN), side) - 1])
 
@@ -221,7 +221,7 @@ class DiscLift(ABC):
         return ascending(np.concatenate((self.motion.borders, self.free.borders)))
 
     @abstractmethod
-    def held_by(self, numbers: IntArray) -> tuple[IntArray, FloatArray]:
+    def holding_elements(self, numbers: IntArray) -> tuple[IntArray, FloatArray]:
         """(n,) the contour's elements, as of `camgeo.geometry.outline.replay.Replay`, and (n,) the
         turns of the contour [rad] at vertices, a full turn elsewhere, for `numbers` (n,) other than
         AS_DEMANDED.
@@ -234,7 +234,7 @@ class DiscLift(ABC):
         """
 
     @abstractmethod
-    def shift_of(self, joint: float, error: FloatArray) -> FloatArray:
+    def joint_shift(self, joint: float, error: FloatArray) -> FloatArray:
         """(n,) [rad] how far from a joint of the demanded motion its place on the disc may lie, by
         the `error` (3, n) of the lift and its derivatives around it.
         """
@@ -247,18 +247,18 @@ class DiscLift(ABC):
         """The same lift where the follower does not turn about corners of up to `corner` [rad]:
         what held it before one goes on, off by less than the square of the turn.
         """
-        kept = self.kept(self.held_by(self.numbers)[1], corner)
-        return replace(self, borders=self.borders[kept], numbers=self.numbers[kept])
+        retained = self.retained_borders(self.holding_elements(self.numbers)[1], corner)
+        return replace(self, borders=self.borders[retained], numbers=self.numbers[retained])
 
-    def kept(self, turns: FloatArray, corner: float) -> BoolArray:
+    def retained_borders(self, turns: FloatArray, corner: float) -> BoolArray:
         """(k,) which `borders`, with `turns` (k,) [rad] behind them, `without_corners` keeps."""
         return turns > corner
 
     def number(self, phi: FloatArray, side: Side = "right") -> IntArray:
         """(n,) what holds it at `phi` (n,) [rad]."""
-        return piece_at(self.borders, self.numbers, phi, side)
+        return piece_numbers(self.borders, self.numbers, phi, side)
 
-    def at(self, phi: FloatArray, side: Side = "right") -> FloatArray:
+    def displacement(self, phi: FloatArray, side: Side = "right") -> FloatArray:
         """(n,) lift [mm or rad] at `phi` (n,) [rad]."""
         return np.asarray(self._rows(phi, side, 0)[0])
 
@@ -277,12 +277,12 @@ class DiscLift(ABC):
     def _rows(self, phi: FloatArray, side: Side, order: Literal[0, 2, 3]) -> FloatArray:
         number = self.number(phi, side)
         held = number != AS_DEMANDED
-        out = np.empty((order + 1, len(phi)))
+        jet = np.empty((order + 1, len(phi)))
         if not np.all(held):
-            out[:, ~held] = self.free.jet(phi[~held], side, max(order, 1))[: order + 1]
+            jet[:, ~held] = self.free.jet(phi[~held], side, max(order, 1))[: order + 1]
         if np.any(held):
-            out[:, held] = self.held(phi[held], number[held], order)
-        return out
+            jet[:, held] = self.held(phi[held], number[held], order)
+        return jet
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -304,7 +304,7 @@ class ActualLift(DiscLift):
         """See `DiscLift`."""
         return self.played or self.motion
 
-    def held_by(self, numbers: IntArray) -> tuple[IntArray, FloatArray]:
+    def holding_elements(self, numbers: IntArray) -> tuple[IntArray, FloatArray]:
         """See `DiscLift`."""
         return self.branches.elements[numbers], self.branches.corners[numbers]
 
@@ -319,26 +319,26 @@ class ActualLift(DiscLift):
         along, _ = self.path.along(phi, q)
         return np.asarray(turn + along * self.outward * jet[1])
 
-    def shift_of(self, _: float, error: FloatArray) -> FloatArray:
+    def joint_shift(self, _: float, error: FloatArray) -> FloatArray:
         """See `DiscLift`: as far as the roller centre is off."""
         at_start = np.zeros(1), np.full(1, self.path.start)
         along, point = self.path.along(*at_start)[0], self.path.point(*at_start)
         return np.asarray(abs(complex(along[0]) / complex(point[0])) * np.abs(error[0]))
 
     @classmethod
-    def on(cls, pitch: PitchCurve, contour: Contour, press: int) -> ActualLift:
+    def from_contour(cls, pitch: PitchCurve, contour: Contour, press: int) -> ActualLift:
         """The lift of the roller of `pitch` on a closed contour of lines and arcs,
         counter-clockwise.
 
         `press` is as for `pressed`. Raises GeometryError as `parallel` and `pressed`.
         """
         path = path_of(pitch.follower, pitch.rotation)
-        found = branches(parallel(contour, -press * pitch.follower.roller_radius), path)
+        roller_branches = branches(parallel(contour, -press * pitch.follower.roller_radius), path)
         whole = (np.zeros(1), np.full(1, TURN))
-        return cls(path, pitch, *pressed(found, path, press, whole), found)
+        return cls(path, pitch, *pressed(roller_branches, path, press, whole), roller_branches)
 
     @classmethod
-    def on_splines(cls, pitch: PitchCurve, contour: SplineContour, press: int) -> ActualLift:
+    def from_splines(cls, pitch: PitchCurve, contour: SplineContour, press: int) -> ActualLift:
         """The lift of the roller of `pitch` on a closed contour of cubics, arcs and lines,
         counter-clockwise; `press` is as for `pressed`.
 
@@ -353,15 +353,15 @@ class ActualLift(DiscLift):
         order = np.argsort(lows, kind="stable")
         spans = np.remainder(highs - lows, TURN)
         order = order[spans[order] > GAP]
-        apart = np.abs(_signed(np.roll(lows[order], -1) - highs[order]))
-        if not np.all(apart <= GAP) or not abs(float(np.sum(spans[order])) - TURN) <= GAP * len(
+        gaps = np.abs(_signed(np.roll(lows[order], -1) - highs[order]))
+        if not np.all(gaps <= GAP) or not abs(float(np.sum(spans[order])) - TURN) <= GAP * len(
             order
         ):
             raise GeometryError("the spline does not lead the roller once round the cam axis")
         return cls(path, pitch, lows[order], order, chain)
 
     @classmethod
-    def over(
+    def from_corners(
         cls,
         pitch: PitchCurve,
         corners: ComplexArray,
@@ -375,13 +375,13 @@ class ActualLift(DiscLift):
         """
         path = path_of(pitch.follower, pitch.rotation)
         none, normals = np.zeros(len(corners)), np.ones(len(corners), dtype=np.complex128)
-        at, number = corners + radius, -1 - np.arange(len(corners))
-        circles = cut(at, at, normals, none + 1.0 / radius, none + TURN, none, number)
-        found = branches(circles, path)
+        points, number = corners + radius, -1 - np.arange(len(corners))
+        circles = cut(points, points, normals, none + 1.0 / radius, none + TURN, none, number)
+        roller_branches = branches(circles, path)
         borders, numbers = np.zeros(1), np.full(1, AS_DEMANDED)
         if len(ranges[0]):
-            borders, numbers = pressed(found, path, press, ranges)
-        return cls(path, pitch, borders, numbers, found, played)
+            borders, numbers = pressed(roller_branches, path, press, ranges)
+        return cls(path, pitch, borders, numbers, roller_branches, played)
 
 
 def pressed(
@@ -403,10 +403,10 @@ def pressed(
     starts, ends = ranges
     nodes = ascending(np.concatenate((branches.lows, branches.highs, starts, ends % TURN)))
     wanted = _wanted(nodes, starts, ends)
-    cells = Cells.between(nodes)
+    cells = AngleCells.from_nodes(nodes)
     first = np.searchsorted(nodes, branches.lows)
     count = np.remainder(np.searchsorted(nodes, branches.highs) - first, len(nodes))
-    cell, branch = covered(cells, first, count, "parallel at the roller radius lies")
+    cell, branch = cover_cells(cells, first, count, "parallel at the roller radius lies")
     used = wanted[cell]
     cell, branch = cell[used], branch[used]
     _require_cover(cells, wanted, cell)
@@ -435,7 +435,7 @@ def _wanted(nodes: FloatArray, starts: FloatArray, ends: FloatArray) -> BoolArra
 
 
 def _without_hidden(
-    cells: Cells,
+    cells: AngleCells,
     cell: IntArray,
     branch: IntArray,
     branches: Branches,
@@ -455,12 +455,12 @@ def _without_hidden(
     half = HALF_ARC * np.abs(ends[1] - ends[0])
     near, far = path.coordinate(np.maximum(middle - half, 0.0)), path.coordinate(middle + half)
     low, high = (near, far) if press < 0 else (-far, -near)
-    kept = np.ones(len(cell), dtype=np.bool_)
-    kept[several] = seen(inner, low, high)
-    return cell[kept], branch[kept]
+    visible = np.ones(len(cell), dtype=np.bool_)
+    visible[several] = visible_pieces(inner, low, high)
+    return cell[visible], branch[visible]
 
 
-def _require_cover(cells: Cells, wanted: BoolArray, cell: IntArray) -> None:
+def _require_cover(cells: AngleCells, wanted: BoolArray, cell: IntArray) -> None:
     bare = wanted & (np.bincount(cell, minlength=len(wanted)) == 0)
     bare &= cells.high - cells.low > SEAM
     if np.any(bare):
@@ -472,13 +472,15 @@ def _require_cover(cells: Cells, wanted: BoolArray, cell: IntArray) -> None:
 
 
 def _crossings(
-    cells: Cells, cell: IntArray, branch: IntArray, branches: Branches, path: FollowerPath
+    cells: AngleCells, cell: IntArray, branch: IntArray, branches: Branches, path: FollowerPath
 ) -> FloatArray:
     """Cam angles (k,) [rad] inside cells at which two branches that cover them cross."""
     low, high = path.reach
-    found = [np.empty(0)]
-    for index, with_index in together(cell):
-        one, other = (branches.bows.take(branch[each]) for each in (index, with_index))
+    crossings = [np.empty(0)]
+    for index, with_index in pairs_in_cells(cell):
+        one, other = (
+            branches.bows.take(branch[pair_places]) for pair_places in (index, with_index)
+        )
         for places in one.crossings(other):
             real = np.flatnonzero(np.isfinite(places))
             points = one.take(real).evaluate(places[real])
@@ -487,8 +489,8 @@ def _crossings(
             inside = cell[index[real[reached]]]
             wide = cells.high[inside] - cells.low[inside]
             offset = np.remainder(phi - cells.low[inside], TURN)
-            found.append(phi[(offset > 0.0) & (offset < wide)])
-    return np.concatenate(found)
+            crossings.append(phi[(offset > 0.0) & (offset < wide)])
+    return np.concatenate(crossings)
 
 
 # -- roller path ----------------------------------------------------------------------------------
@@ -593,15 +595,15 @@ def parallel(contour: Contour, distance: float) -> Parallel:
     last = np.where(arc, _unit(np.where(arc, sense * (ends - centres), 1.0)), first)
     curvatures = np.where(arc, sense / np.where(arc, np.abs(starts - centres), 1.0), 0.0)
     share = 1.0 + curvatures * distance
-    kept = np.flatnonzero(np.abs(share) > POINT)
+    extended = np.flatnonzero(np.abs(share) > POINT)
     pieces = cut(
-        starts[kept] + distance * first[kept],
-        ends[kept] + distance * last[kept],
-        first[kept],
-        curvatures[kept] / share[kept],
-        sweeps[kept],
-        np.where(arc, 0.0, np.abs(chords))[kept],
-        used[kept],
+        starts[extended] + distance * first[extended],
+        ends[extended] + distance * last[extended],
+        first[extended],
+        curvatures[extended] / share[extended],
+        sweeps[extended],
+        np.where(arc, 0.0, np.abs(chords))[extended],
+        used[extended],
     )
     if distance == 0.0:
         return pieces
@@ -654,8 +656,8 @@ def branches(pieces: Parallel, path: FollowerPath) -> Branches:
     facing = np.where((normal.conj() * along).real < 0.0, -1.0, 1.0)
     starts = np.where(begin == 0.0, bows.points, bows.evaluate(begin * lengths))
     ends = np.where(end == 1.0, pieces.ends[index], bows.evaluate(end * lengths))
-    first, _ = path.cam_coordinates(_within(starts, path.reach))
-    last, _ = path.cam_coordinates(_within(ends, path.reach))
+    first, _ = path.cam_coordinates(_clip_to_reach(starts, path.reach))
+    last, _ = path.cam_coordinates(_clip_to_reach(ends, path.reach))
     # dphi along the curve has the sign of -sigma * facing, with its normal on the right.
     forward = path.rotation * facing * np.sign(lengths) < 0.0
     lows, highs = np.where(forward, first, last), np.where(forward, last, first)
@@ -705,7 +707,7 @@ def _unit(vectors: ComplexArray) -> ComplexArray:
     return np.asarray(np.divide(vectors, size, out=np.zeros_like(vectors), where=size > 0.0))
 
 
-def _within(points: ComplexArray, reach: tuple[float, float]) -> ComplexArray:
+def _clip_to_reach(points: ComplexArray, reach: tuple[float, float]) -> ComplexArray:
     """(n,) `points` with those just beyond the reach moved to its border."""
     distance = np.abs(points)
     wanted = np.clip(distance, *reach)
@@ -808,23 +810,23 @@ class Chain:
         self, path: FollowerPath, phi: FloatArray, index: IntArray, order: Literal[0, 2, 3]
     ) -> FloatArray:
         """See `Branches.jet`."""
-        out = np.empty((order + 1, len(phi)))
+        rows = np.empty((order + 1, len(phi)))
         first = len(self.arcs.elements)
         plain = index < first
-        out[:, plain] = self.arcs.jet(path, phi[plain], index[plain], order)
+        rows[:, plain] = self.arcs.jet(path, phi[plain], index[plain], order)
         curved = ~plain
         if np.any(curved):
-            out[:, curved] = self._on_cubics(path, phi[curved], index[curved] - first, order)
-        return out
+            rows[:, curved] = self._cubics_jet(path, phi[curved], index[curved] - first, order)
+        return rows
 
-    def _on_cubics(
+    def _cubics_jet(
         self, path: FollowerPath, phi: FloatArray, index: IntArray, order: int
     ) -> FloatArray:
         t = self.touching(path, phi, index)
         point, normal, _, kappa, slope = self.cubics.traced(index, t)
         _, q = path.cam_coordinates(point)
-        found = Bows(point, normal, kappa).lift_jet(path, phi, q, slope)
-        return found[: order + 1]
+        jet = Bows(point, normal, kappa).lift_jet(path, phi, q, slope)
+        return jet[: order + 1]
 
     def touching(self, path: FollowerPath, phi: FloatArray, index: IntArray) -> FloatArray:
         """(n,) parameters of the cubics `index` (n,) that the roller touches at `phi` (n,) [rad].
@@ -857,13 +859,13 @@ def _chain(
 ) -> tuple[Chain, FloatArray, FloatArray]:
     """The chain, and where each of its branches begins and ends over the cam angle [rad]."""
     pieces = contour.pieces
-    cubic = np.array([isinstance(each, np.ndarray) for each in pieces])
-    beziers = np.array([each for each in pieces if isinstance(each, np.ndarray)]).reshape(-1, 4)
-    arcs = [each for each in pieces if not isinstance(each, np.ndarray)]
+    cubic = np.array([isinstance(piece, np.ndarray) for piece in pieces])
+    beziers = np.array([piece for piece in pieces if isinstance(piece, np.ndarray)]).reshape(-1, 4)
+    arcs = [piece for piece in pieces if not isinstance(piece, np.ndarray)]
     numbers = np.arange(len(pieces))
     plain = _arcs(arcs, numbers[~cubic], distance)
     cubics = Cubics(beziers, distance)
-    ends = [_headings(each) for each in pieces]
+    ends = [_headings(piece) for piece in pieces]
     corners = _corners(pieces, ends, distance)
     straight = branches(joined([plain, corners]), path)
     if np.any(straight.facing < 0.0):
@@ -881,8 +883,8 @@ def _chain(
     )
     return (
         whole,
-        np.concatenate((straight.lows, _in_turn(lows))),
-        np.concatenate((straight.highs, _in_turn(highs))),
+        np.concatenate((straight.lows, _wrap_angles(lows))),
+        np.concatenate((straight.highs, _wrap_angles(highs))),
     )
 
 
@@ -903,12 +905,12 @@ def _ranges(cubics: Cubics, path: FollowerPath) -> tuple[FloatArray, FloatArray]
 def _arcs(arcs: list[Arc], numbers: IntArray, distance: float) -> Parallel:
     """The parallels of lines and arcs."""
     starts, ends = (
-        np.array([getattr(each, of) for each in arcs], complex) for of in ("start", "end")
+        np.array([getattr(arc, end_name) for arc in arcs], complex) for end_name in ("start", "end")
     )
-    sweeps = np.array([each.sweep for each in arcs])
-    radii = np.array([each.radius for each in arcs])
-    headings = [_headings(each) for each in arcs]
-    first, last = (-1j * np.array([each[k] for each in headings], complex) for k in (0, 1))
+    sweeps = np.array([arc.sweep for arc in arcs])
+    radii = np.array([arc.radius for arc in arcs])
+    headings = [_headings(arc) for arc in arcs]
+    first, last = (-1j * np.array([heading[k] for heading in headings], complex) for k in (0, 1))
     curved = sweeps != 0.0
     kappa = np.where(curved, np.sign(sweeps) / np.where(curved, radii, 1.0), 0.0)
     share = 1.0 + kappa * distance
@@ -925,22 +927,26 @@ def _corners(
     pieces: list[Arc | ComplexArray], headings: list[tuple[complex, complex]], distance: float
 ) -> Parallel:
     """The arcs about the vertices at which the contour turns."""
-    first = np.array([each[0] for each in headings])
-    last = np.roll([each[1] for each in headings], 1)
+    first = np.array([heading[0] for heading in headings])
+    last = np.roll([heading[1] for heading in headings], 1)
     turns = np.angle(first * last.conj())
-    found = np.flatnonzero(np.abs(turns) > CORNER)
-    if np.any(turns[found] * distance <= 0.0):
+    corner_places = np.flatnonzero(np.abs(turns) > CORNER)
+    if np.any(turns[corner_places] * distance <= 0.0):
         raise GeometryError("the spline has a corner that turns towards the roller")
-    starts = [each[0] if isinstance(each, np.ndarray) else each.start for each in pieces]
-    vertices, before, after = np.array(starts)[found], -1j * last[found], -1j * first[found]
+    starts = [piece[0] if isinstance(piece, np.ndarray) else piece.start for piece in pieces]
+    vertices, arriving_normals, leaving_normals = (
+        np.array(starts)[corner_places],
+        -1j * last[corner_places],
+        -1j * first[corner_places],
+    )
     return cut(
-        vertices + distance * before,
-        vertices + distance * after,
-        before,
-        np.full(len(found), 1.0 / distance if distance else 0.0),
-        turns[found],
-        np.zeros(len(found)),
-        -1 - found,
+        vertices + distance * arriving_normals,
+        vertices + distance * leaving_normals,
+        arriving_normals,
+        np.full(len(corner_places), 1.0 / distance if distance else 0.0),
+        turns[corner_places],
+        np.zeros(len(corner_places)),
+        -1 - corner_places,
     )
 
 
@@ -964,7 +970,7 @@ def _signed(angles: FloatArray) -> FloatArray:
     return np.asarray(np.remainder(angles + 0.5 * TURN, TURN) - 0.5 * TURN)
 
 
-def _in_turn(angles: FloatArray) -> FloatArray:
+def _wrap_angles(angles: FloatArray) -> FloatArray:
     """(n,) the same angles [rad] in [0, 2 pi)."""
-    found = np.remainder(angles, TURN)
-    return np.where(found < TURN, found, 0.0)
+    turned = np.remainder(angles, TURN)
+    return np.where(turned < TURN, turned, 0.0)

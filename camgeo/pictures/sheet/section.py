@@ -14,7 +14,7 @@ from typing import Final
 import numpy as np
 
 from camgeo.geometry.contour.contour import Contour, Effort
-from camgeo.geometry.contour.parallel import corners, parallel, steps_to
+from camgeo.geometry.contour.parallel import corners, count_steps, parallel
 from camgeo.numeric.arrays import ComplexArray, FloatArray, phase
 from camgeo.part.part import WRITTEN_SHARE, Bevel, Boundary, Part, written_contour
 from camgeo.part.part import Layer as PartLayer
@@ -525,7 +525,7 @@ def _mitres(bevel: Bevel, tolerance: float) -> Iterator[Chain]:
         return
     contour = bevel.boundary.arcs(tolerance).contour
     offset = bevel.width if bevel.boundary.hole else -bevel.width
-    shares = np.linspace(0.0, 1.0, steps_to(contour, offset, tolerance) + 1).tolist()
+    shares = np.linspace(0.0, 1.0, count_steps(contour, offset, tolerance) + 1).tolist()
     ways = np.array([parallel(contour, share * offset).vertices for share in shares])
     for k in np.flatnonzero(corners(contour)):
         yield Chain(ways[:, k], np.zeros(len(shares)), "EDGES")

@@ -342,8 +342,8 @@ class _MotionPair:
         state, exact = self.written.subject.state, self.exact.subject.state
         assert isinstance(state, Written)
         edges = merged(np.concatenate((state.smooth_angles, exact.smooth_angles)))
-        return AccelerationJoints.between(
-            state.replay.lift.shift_of, state.motion.jet, exact.motion, edges
+        return AccelerationJoints.from_motions(
+            state.replay.lift.joint_shift, state.motion.jet, exact.motion, edges
         )
 
     def _deviation(self, quantity: Quantity, exact: Quantity, edges: FloatArray) -> float:

@@ -22,11 +22,11 @@ from camgeo.design.writing import Written, file_products, find_writer
 from camgeo.errors import EffectError, FileError, GeometryError, SceneError, ToleranceError
 from camgeo.geometry.contour.arcs import ARC
 from camgeo.geometry.contour.contour import Contour, Effort, Fit, Form
-from camgeo.geometry.contour.legs import StretchLeg, TurnLeg, legs_of
+from camgeo.geometry.contour.legs import StretchLeg, TurnLeg, path_legs
 from camgeo.geometry.contour.spline import SplineFit
 from camgeo.geometry.outline.path import Flank, Path
 from camgeo.geometry.outline.replay import replay_contour
-from camgeo.geometry.pieces import Piece
+from camgeo.geometry.pieces import SmoothPiece
 from camgeo.geometry.pitch_curve import WorkingCurve
 from camgeo.milling.cut import ContourCut
 from camgeo.milling.machine import Machine, load
@@ -345,7 +345,7 @@ the error falls with the power 5/4: some 3e-5 of a piece."""
 def least_chords(path: Path, tolerance: float) -> float:
     """Chords that a polyline within `tolerance` [mm] of `path` needs, dwells and turns included."""
     total = 0.0
-    for leg in legs_of(path):
+    for leg in path_legs(path):
         if isinstance(leg, TurnLeg):
             total += math.sqrt(leg.radius) * leg.end
         else:
@@ -369,7 +369,7 @@ def forced_pieces(path: Path, widest: float = TURN) -> int:
     """Dwells and turns of `path`: each is one arc, or several of at most `widest` [rad], whatever
     the tolerance.
     """
-    legs = legs_of(path)
+    legs = path_legs(path)
     sweeps = [leg.end for leg in legs if isinstance(leg, TurnLeg)]
     stretches = [leg.pieces for leg in legs if isinstance(leg, StretchLeg)]
     sweeps += [piece.end - piece.start for pieces in stretches for piece in pieces if piece.is_arc]
@@ -377,13 +377,13 @@ def forced_pieces(path: Path, widest: float = TURN) -> int:
     return sum(max(1, math.ceil(sweep / widest - 1e-12)) for sweep in sweeps)
 
 
-def _curved(path: Path) -> list[tuple[WorkingCurve, Piece]]:
+def _curved(path: Path) -> list[tuple[WorkingCurve, SmoothPiece]]:
     """The smooth pieces that are no dwells."""
-    stretches = [leg for leg in legs_of(path) if isinstance(leg, StretchLeg)]
+    stretches = [leg for leg in path_legs(path) if isinstance(leg, StretchLeg)]
     return [(leg.curve, piece) for leg in stretches for piece in leg.pieces if not piece.is_arc]
 
 
-def _middles(piece: Piece) -> tuple[FloatArray, float]:
+def _middles(piece: SmoothPiece) -> tuple[FloatArray, float]:
     borders = np.linspace(piece.start, piece.end, CELLS + 1)
     return 0.5 * (borders[:-1] + borders[1:]), (piece.end - piece.start) / CELLS
 
@@ -392,7 +392,7 @@ def _speed(curve: WorkingCurve, phi: FloatArray) -> FloatArray:
     return curve.pitch.speed(curve.pitch.relative_jet(phi, order=1))
 
 
-def _chords(curve: WorkingCurve, piece: Piece) -> float:
+def _chords(curve: WorkingCurve, piece: SmoothPiece) -> float:
     """Integral of sqrt(|kappa_d|) ds = sqrt(|kappa| (1 + d kappa)) |Z'| dphi, finite at a cusp."""
     phi, width = _middles(piece)
     kappa = curve.pitch.curvature(phi)
@@ -400,14 +400,14 @@ def _chords(curve: WorkingCurve, piece: Piece) -> float:
     return width * float(np.sum(np.sqrt(np.abs(kappa) * regular) * _speed(curve, phi)))
 
 
-def _arcs(curve: WorkingCurve, piece: Piece) -> float:
+def _arcs(curve: WorkingCurve, piece: SmoothPiece) -> float:
     """Integral of |dkappa/ds|^(1/3) ds, which is the same for all parallels."""
     phi, width = _middles(piece)
     speed = _speed(curve, phi)
     return width * float(np.sum(np.cbrt(np.abs(curve.pitch.curvature_slope(phi)) * speed * speed)))
 
 
-def _cubics(curve: WorkingCurve, piece: Piece) -> float:
+def _cubics(curve: WorkingCurve, piece: SmoothPiece) -> float:
     """Integral of |kappa'' - kappa^3|^(1/4) ds of the parallel itself.
 
     The mean of kappa'' over a cell is the growth of kappa' over it, divided by its length.

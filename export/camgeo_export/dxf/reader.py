@@ -24,8 +24,8 @@ from numpy.typing import ArrayLike
 
 from camgeo.errors import FileError, GeometryError
 from camgeo.geometry.contour.contour import Contour
-from camgeo.geometry.contour.foreign import Outlines, middle_of
-from camgeo.geometry.contour.spline import CUBIC, Arc, CubicSpline, SplineContour, at
+from camgeo.geometry.contour.foreign import Outlines, contour_centre
+from camgeo.geometry.contour.spline import CUBIC, Arc, CubicSpline, SplineContour, bezier_points
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from camgeo.reading import CONTOURS, COORDINATE, DRAWING, beyond, check_text, parse_number
 from camgeo.units import MM_PER, TURN, LengthUnit, counted, place_text
@@ -480,7 +480,7 @@ def _spline(item: Item, place: Placement) -> tuple[CubicSpline, bool]:
     rational = len(weights) and np.ptp(weights) > RATIONAL * np.max(weights)
     try:
         if degree <= CUBIC and not rational:
-            return CubicSpline.of(int(degree), knots, controls), True
+            return CubicSpline.from_bspline(int(degree), knots, controls), True
         if not len(controls) + degree + 1 == len(knots) > 2 * degree + 1 or np.any(
             np.diff(knots) < 0
         ):
@@ -514,7 +514,7 @@ def _through(item: Item, points: ComplexArray, ways: Sequence[complex]) -> Cubic
     both = [(way.real, way.imag) for way in ways] if len(ways) == 2 and all(ways) else None
     spline = fit_points_to_cad_cv([(z.real, z.imag) for z in distinct], both)
     controls = np.array([complex(control.x, control.y) for control in spline.control_points])
-    return CubicSpline.of(spline.degree, np.array(spline.knots()), controls)
+    return CubicSpline.from_bspline(spline.degree, np.array(spline.knots()), controls)
 
 
 def _followed(
@@ -541,7 +541,7 @@ def _followed(
         )  # fmt: skip
         looks = (t[:-1, np.newaxis] + width[:, np.newaxis] * LOOKS).tolist()
         there = np.array([[jet(parameter)[0] for parameter in row] for row in looks])
-        far = np.max(np.abs(at(pieces, LOOKS) - there), axis=1) > 0.8 * near
+        far = np.max(np.abs(bezier_points(pieces, LOOKS) - there), axis=1) > 0.8 * near
         t = np.sort(np.concatenate((t, (t[:-1] + 0.5 * width)[far])))
         if len(t) > MOST_SPANS:
             raise GeometryError(f"it turns too sharply to be followed within {NEAR:g} mm")
@@ -566,7 +566,7 @@ def closed(strands: Sequence[Strand]) -> AnyContour:
     ends = [*starts[1:], starts[0]]
     return SplineContour(
         tuple(
-            strand.between(start, end)
+            strand.with_ends(start, end)
             for strand, start, end in zip(strands, starts, ends, strict=True)
         )
     )
@@ -891,7 +891,7 @@ def _contours(loops: Sequence[Loop], *, doubles: bool) -> tuple[list[AnyContour]
             outlines.append((contour.counter_clockwise(), (pieces, runs)))
     distinct: list[tuple[AnyContour, complex]] = []
     for contour, (pieces, runs) in sorted(outlines, key=lambda outline: -outline[0].area):
-        middle = middle_of(contour)
+        middle = contour_centre(contour)
         if not doubles and any(_same(contour, middle, *other) for other in distinct):
             left += [Leftover(run, pieces[0].start, DOUBLE) for run in runs]
         else:
@@ -1116,9 +1116,9 @@ def _path(runs: Sequence[EntityRun], way: Way, spots: ComplexArray) -> ComplexAr
     parts = [spots[way[:1]]]
     for piece in (piece for end in way for piece in _pieces(runs, end)):
         if isinstance(piece, CubicSpline):
-            parts.append(at(piece.beziers, SAMPLES).ravel())
+            parts.append(bezier_points(piece.beziers, SAMPLES).ravel())
         elif piece.sweep:
-            parts.append(piece.at(SAMPLES))
+            parts.append(piece.points_by_share(SAMPLES))
         parts.append(np.array([piece.end]))
     parts[-1] = spots[[way[-1] ^ 1]]
     points: ComplexArray = np.concatenate(parts)

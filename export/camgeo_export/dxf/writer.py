@@ -26,7 +26,7 @@ from camgeo.design.product import Product, display_title
 from camgeo.design.writing import Written
 from camgeo.errors import FileError
 from camgeo.geometry.contour.contour import Contour
-from camgeo.geometry.contour.spline import CubicSpline, SplineContour, strands_of
+from camgeo.geometry.contour.spline import CubicSpline, SplineContour, as_spline_contour
 from camgeo.numeric.arrays import ComplexArray, FloatArray, phase
 from camgeo.part.part import WRITTEN_SHARE, Boundary, written_contour
 from camgeo.reading import DRAWING_LINES
@@ -120,7 +120,11 @@ def _cut(boundary: Boundary, product: Product, tolerance: float) -> AnyContour:
     """
     drawing = product.options[FORMAT]
     curve = written_contour(boundary, drawing.form, product.drawn.effort, tolerance).contour
-    return strands_of(curve) if drawing.entity == SINGLE and isinstance(curve, Contour) else curve
+    return (
+        as_spline_contour(curve)
+        if drawing.entity == SINGLE and isinstance(curve, Contour)
+        else curve
+    )
 
 
 def _facts(product: Product, cut: list[AnyContour]) -> dict[str, int | float | str]:

@@ -20,7 +20,7 @@ import shapely
 
 from camgeo.errors import FileError, GeometryError, ToleranceError
 from camgeo.geometry.contour.contour import Contour, Pieces, least_distance
-from camgeo.geometry.contour.parallel import steps_to
+from camgeo.geometry.contour.parallel import count_steps
 from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from camgeo.part.boundaries import matching_chords
 from camgeo.part.part import Band, Bevel, Boundary, Level, Part
@@ -162,7 +162,7 @@ def _mitred(boundary: Boundary, edges: Mapping[str, Bevel], share: float) -> Pol
     bounds = {boundary.name: boundary}
     for name, bevel in edges.items():
         shift = bevel.width if boundary.hole else -bevel.width
-        steps = steps_to(boundary.arcs(share).contour, shift, BENT * share)
+        steps = count_steps(boundary.arcs(share).contour, shift, BENT * share)
         for k in range(1, steps):
             step = _step(name, k)
             bounds[step] = boundary.inset(k / steps * bevel.width, step)

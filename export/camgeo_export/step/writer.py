@@ -22,7 +22,13 @@ from camgeo.errors import FileError, GeometryError, ToleranceError
 from camgeo.geometry.contour.contour import Contour, winding_number
 from camgeo.geometry.contour.cubic_proof import approximating_arcs
 from camgeo.geometry.contour.parallel import parallel as mitred
-from camgeo.geometry.contour.spline import DEGREE, Arc, CubicSpline, SplineContour, strands_of
+from camgeo.geometry.contour.spline import (
+    DEGREE,
+    Arc,
+    CubicSpline,
+    SplineContour,
+    as_spline_contour,
+)
 from camgeo.numeric.quadrature import gauss, nodes_for_singularity
 from camgeo.part.part import Band, Bevel, Boundary, Level, Part, written_contour
 from camgeo.reading import INSTANCES
@@ -152,7 +158,7 @@ def boundary_ring(boundary: Boundary, product: Product, tolerance: float) -> Rin
     curve = written_contour(boundary, form, effort, tolerance).contour
     if isinstance(curve, Contour):
         contour = _without_flattest(curve, tolerance)
-        strands = strands_of(contour).strands
+        strands = as_spline_contour(contour).strands
     else:
         contour = approximating_arcs(curve, TOPOLOGY_TOLERANCE).contour
         strands = _open(curve)

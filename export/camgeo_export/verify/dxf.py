@@ -11,7 +11,7 @@ from camgeo.design.product import Product
 from camgeo.design.verify import Check, Origin, Reading, at_most, failed, parse_tolerance, reported
 from camgeo.errors import CamgeoError, FileError, GeometryError
 from camgeo.geometry.contour.contour import Contour
-from camgeo.geometry.contour.exact import distance_between
+from camgeo.geometry.contour.exact import deviation_bound
 from camgeo.geometry.contour.spline import SplineContour
 from camgeo.reading import DRAWING, check_text
 from camgeo.scene.formats.drawing import FORMAT as SHEET
@@ -84,7 +84,7 @@ class DxfVerifier:
             )
         try:
             gaps = gap_steps(tolerance)
-            outlines = drawing.outlines(reading.layer, reading.unit, gaps).about(reading.origin)
+            outlines = drawing.outlines(reading.layer, reading.unit, gaps).with_origin(reading.origin)
         except CamgeoError as error:
             return (*checks, failed("closure", str(error)))
         checks += [
@@ -100,7 +100,7 @@ class DxfVerifier:
         if outlines.loose and len(outlines.contours) < len(shapes):
             checks.append(failed("closure", outlines.loose))
         outline = outlines.contours[0]
-        axis = "" if isinstance(outline, SplineContour) else outlines.off_axis(outline)
+        axis = "" if isinstance(outline, SplineContour) else outlines.misplaced_bore(outline)
         if axis:
             checks.append(reported("axis", "elsewhere", note=axis))
         checks += all_checks(outlines.contours, shapes, tolerance, outlines.gap + outlines.followed)
@@ -142,7 +142,7 @@ def _auxiliary(product: Product, drawing: Drawing, tolerance: float) -> list[Che
     try:
         (circle,) = drawing.contours("BASE_CIRCLE")
         assert isinstance(circle, Contour)  # it is drawn as a circle
-        value = distance_between(Contour.circle(product.drawn.base_radius), circle)
+        value = deviation_bound(Contour.circle(product.drawn.base_radius), circle)
         checks.append(at_most("deviation", value, tolerance, "mm", "base circle"))
     except (CamgeoError, ValueError) as error:
         checks.append(failed("deviation", str(error), "base circle"))

@@ -544,7 +544,7 @@ def _line(flaw: Flaw, trace: Trace) -> int:
     rapid = np.array([isinstance(move, Rapid) for move in run.moves])
     wanted = rapid[course.moves] == (flaw.name == "rapid")
     x, y, z = flaw.place
-    away = course.apart(np.full(len(course), complex(x, y)))
+    away = course.distances(np.full(len(course), complex(x, y)))
     away = np.where(wanted & (course.lowest <= z + DEEPER), away, np.inf)
     if not np.any(np.isfinite(away)):
         return 0
@@ -665,7 +665,7 @@ def _piece_depths(
     numbers = np.repeat(pieces, len(SHARES))
     shares = np.tile(SHARES, len(pieces))
     some = taken(whole, numbers)
-    places, tips = some.at(shares), some.from_z + shares * (some.to_z - some.from_z)
+    places, tips = some.points_by_share(shares), some.from_z + shares * (some.to_z - some.from_z)
     rims = radii[numbers] * some.tangents(places)
     looked = (places[:, None] + rims[:, None] * SIDES).ravel()
     order = np.repeat(numbers, len(SIDES))
@@ -697,7 +697,7 @@ def _cleared(
     """(k,) lowest Z [mm] of a tip that passed over each place before; infinite if none did."""
     picked = np.flatnonzero(near)
     some = taken(whole, picked)
-    passed = some.apart(places[:, None]) < (1.0 - 2.0 * RIM) * radii[picked]
+    passed = some.distances(places[:, None]) < (1.0 - 2.0 * RIM) * radii[picked]
     passed &= picked[None, :] < order[:, None]
     return np.asarray(
         np.min(np.where(passed, some.lowest[None, :], np.inf), axis=1, initial=np.inf)

@@ -12,7 +12,7 @@ from camgeo.design.drawn import TOPOLOGY_TOLERANCE
 from camgeo.design.verify import Check, at_most, failed, near
 from camgeo.errors import FileError, GeometryError, ToleranceError, UndercutError
 from camgeo.geometry.contour.contour import Contour
-from camgeo.geometry.contour.spline import Arc, CubicSpline, SplineContour, at
+from camgeo.geometry.contour.spline import Arc, CubicSpline, SplineContour, bezier_points
 from camgeo.geometry.outline.path import Path
 from camgeo.geometry.outline.path import area as area_of_path
 from camgeo.numeric.arrays import ComplexArray, FloatArray
@@ -457,9 +457,9 @@ def sample_points(contour: AnyContour, sagitta: float) -> ComplexArray:
     parts: list[ComplexArray] = []
     for strand in contour.strands:
         if isinstance(strand, CubicSpline):
-            parts.append(at(strand.beziers, share).ravel())
+            parts.append(bezier_points(strand.beziers, share).ravel())
         else:
-            parts.append(strand.at(share))
+            parts.append(strand.points_by_share(share))
     return np.concatenate(parts)
 
 
