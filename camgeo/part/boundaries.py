@@ -826,7 +826,9 @@ class LetterBoundary(Pickled):
     def _arcs(self, tolerance: float) -> Fit:
         if (ARCS, tolerance) not in self.known:
             approximation = approximating_arcs(self.curve, min(tolerance, self.coarsest))
-            self.known[ARCS, tolerance] = Fit(approximation.contour, approximation.distance, tolerance)
+            self.known[ARCS, tolerance] = Fit(
+                approximation.contour, approximation.distance, tolerance
+            )
         known: Fit = self.known[ARCS, tolerance]
         return known
 

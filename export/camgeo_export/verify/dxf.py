@@ -84,7 +84,9 @@ class DxfVerifier:
             )
         try:
             gaps = gap_steps(tolerance)
-            outlines = drawing.outlines(reading.layer, reading.unit, gaps).with_origin(reading.origin)
+            outlines = drawing.outlines(reading.layer, reading.unit, gaps).with_origin(
+                reading.origin
+            )
         except CamgeoError as error:
             return (*checks, failed("closure", str(error)))
         checks += [
