@@ -243,8 +243,8 @@ OUTLINE: Final[Keys] = {
         "Corners of the outline.",
         {
             "point_mm": Key("x, y.", of="centre"),
-            "from_deg": Key("Cam angle at which the outline before ends.", of="before"),
-            "to_deg": Key("Cam angle at which it continues.", of="after"),
+            "from_deg": Key("Cam angle at which the outline before ends.", of="phi_start"),
+            "to_deg": Key("Cam angle at which it continues.", of="phi_end"),
             "turn_deg": Key(
                 "Angle by which the normal turns, counter-clockwise positive.", of="sweep"
             ),

@@ -74,7 +74,7 @@ class Pivot:
         `WorkingCurve`.
     normal : n at the start, unit, outward.
     sweep : angle by which n turns [rad], counter-clockwise positive, in (-pi, pi).
-    before, after : cam angles [rad] in [0, 2 pi] of the ends of the neighbouring stretches.
+    phi_start, phi_end : cam angles [rad] in [0, 2 pi] of the ends of the neighbouring stretches.
     """
 
     centre: complex
