@@ -14,6 +14,8 @@ from tests.copies import check_page, check_refused, commands, copied, replaced
 
 ROOT = Path(__file__).resolve().parents[1]
 
+MILLED = ROOT / "fixtures" / "milling"
+
 FORMAT = '''"""XYZ: points of the pitch curve."""
 
 from dataclasses import dataclass
@@ -148,6 +150,32 @@ def run(arguments):
     return show(stroke(opened(arguments)), arguments)
 '''
 
+STRATEGY = '''def stepped(builder, tolerance, effort):
+    """As a slot; a strategy of its own would make other moves."""
+    slot(builder, tolerance, effort)
+
+
+'''
+
+CUT = """        if self.spec.strategy == Roughing.STEPPED:
+            made = rough_around(bench, wall, tool, self._top(wall), self.spec.allowance)
+            return replace(made, strategy="stepped")
+"""
+
+LINES = {
+    "scene/formats/format.py": [('    "gcode": "gcode:FORMAT",\n', '    "xyz": "xyz:FORMAT",\n')],
+    "pictures/plots.py": [("    EFFECTS: ", '    "bare-lift": "bare_lift:figure",\n')],
+    "app/cli/main.py": [('    "new": ', '    "stroke": "say how far the follower moves",\n')],
+    "milling/strategies.py": [
+        ("Strategy = Callable", STRATEGY),
+        ('    "profile": profile,\n', '    "stepped": stepped,\n'),
+    ],
+    "milling/milling.py": [('    SPIRAL = "spiral"\n', '    STEPPED = "stepped"\n')],
+    "milling/milling.json": [('"trochoidal",\n', '"stepped",\n')],
+    "milling/stated.py": [("        if self.spec.strategy == Roughing.TROCHOIDAL:\n", CUT)],
+}
+"""What stands in a module of the copy before a line of it."""
+
 SCENE = """camgeo = 1
 name = "toy"
 [cam]
@@ -189,24 +217,33 @@ def tree(tmp_path_factory: pytest.TempPathFactory) -> Path:
         "toy.toml": SCENE,
     }.items():
         (tree / path).write_text(text, encoding="utf-8")
-    for path, line, new in (
-        ("scene/formats/format.py", '    "gcode": "gcode:FORMAT",\n', '    "xyz": "xyz:FORMAT",\n'),
-        ("pictures/plots.py", "    EFFECTS: ", '    "bare-lift": "bare_lift:figure",\n'),
-        ("app/cli/main.py", '    "new": ', '    "stroke": "say how far the follower moves",\n'),
-    ):
-        replaced(camgeo / path, (line, f"{new}{line}"))
+    for path, changes in LINES.items():
+        replaced(camgeo / path, *((line, f"{new}{line}") for line, new in changes))
     return tree
 
 
 def test_a_writer_is_a_format_an_object_and_an_entry_point(tree: Path) -> None:
     (built,) = commands(tree, ["build", "toy.toml", "-o", "out"])
     assert built[0] == 0, built[2]
-    certificate = json.loads((tree / "out" / "certificate.json").read_text("utf-8"))
-    (file,) = certificate["files"]
+    (file,) = json.loads((tree / "out" / "certificate.json").read_text("utf-8"))["files"]
     assert file["points"] == 360
     assert 1e-4 < file["deviation_mm"] <= 0.5e-3
     message = "output.xyz.decimals = 12: must be a whole number from 1 to 9"
     check_refused(tree, SCENE, [("decimals = 3", "decimals = 12", message)])
+
+
+def test_a_milling_strategy_is_named_by_an_operation(tree: Path) -> None:
+    shutil.copytree(MILLED / "tools", tree / "tools")
+    scene = (MILLED / "steel_plate_cam.toml").read_text("utf-8")
+    scene = scene.replace('kind = "rough"\n', 'kind = "rough"\nstrategy = "stepped"\n')
+    (tree / "stepped.toml").write_text(scene, encoding="utf-8")
+    built, sheet = commands(
+        tree,
+        ["build", "stepped.toml", "--only", "gcode", "-o", "milled"],
+        ["setup", "stepped.toml"],
+    )
+    assert built[0] == 0, built[2]
+    assert "rough outline" in sheet[1]
 
 
 def test_a_plot_is_a_function_and_a_line(tree: Path) -> None:

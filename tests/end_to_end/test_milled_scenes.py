@@ -40,8 +40,7 @@ COARSE: Final = 0.05
 
 @pytest.fixture(scope="module", params=SCENES, ids=lambda path: path.stem)
 def scene(request: pytest.FixtureRequest) -> Path:
-    path: Path = request.param
-    return path
+    return Path(request.param)
 
 
 @pytest.fixture(scope="module")
