@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import re
+import shutil
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -113,17 +114,23 @@ def test_effects_that_a_pair_cannot_have_are_listed_from_the_rules() -> None:
     assert {"friction", "contact-force", "lift-off", "contact-pressure"} <= scene.effects.keys()
 
 
-def test_the_python_lines_of_the_readme_run(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(
+    "page",
+    [
+        "README.md",
+        *(f"docs/{name}.md" for name in ("answers", "notebook", "optimise", "sweep", "tolerance")),
+    ],
+)
+def test_the_python_of_a_page_runs(
+    page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    readme = (ROOT / "README.md").read_text(encoding="utf-8")
-    code = readme.split("```python\n")[1].split("```")[0]
-    code = code.replace('"out"', repr(str(tmp_path / "out")))
-    monkeypatch.chdir(ROOT)
-    names: dict[str, object] = {}
-    exec(compile(code, "README.md", "exec"), names)
-    assert (tmp_path / "out" / "setzhub.dxf").is_file()
-    assert (tmp_path / "out" / "setzhub.3mf").is_file()
+    (tmp_path / "fixtures").symlink_to(ROOT / "fixtures")
+    shutil.copy(ROOT / "fixtures" / "scenes" / "setzhub.toml", tmp_path / "my-cam.toml")
+    monkeypatch.chdir(tmp_path)
+    code = (ROOT / page).read_text(encoding="utf-8").split("```python\n")[1].split("```")[0]
+    exec(compile(code, page, "exec"), {})
+    made = {path.name for path in (tmp_path / "out").glob("*")}
+    assert page != "README.md" or {"setzhub.dxf", "setzhub.3mf"} <= made
 
 
 def test_the_scene_lines_of_the_readme_are_a_valid_scene() -> None:

@@ -112,7 +112,7 @@ class Machines:
     quantile : that of `QUANTILES` with the largest magnitude.
     three_sigma : three times the largest standard deviation over the cam angle.
     largest : of the errors of all machines at all cam angles, the quantile of 99 % of machines.
-    conforming, conforming_error : share of machines that keep the limit all round, and its standard
+    kept, conforming_error : share of machines that keep the limit all round, and its standard
         error; None if there is no limit.
     acceleration : largest magnitude [unit/rad^2].
     largest_force, smallest_force : of the contact [N]; None if they are not known.
@@ -125,7 +125,7 @@ class Machines:
     quantile: Extreme
     three_sigma: Extreme
     largest: float
-    conforming: float | None
+    kept: float | None
     conforming_error: float | None
     acceleration: Spread
     largest_force: Spread | None
@@ -242,7 +242,7 @@ class ToleranceAnalysis(Answer):
             quantile=scaled(sample.worst, factor),
             three_sigma=scaled(scaled(sample.sigma, factor), SIGMAS),
             largest=float(np.quantile(sample.largest, QUANTILES[-1])) * factor,
-            conforming=sample.share_in_limit,
+            kept=sample.share_in_limit,
             conforming_error=sample.share_error,
             acceleration=_spread(sample.acceleration * factor, sample.accelerations * factor),
             largest_force=forces[1],
@@ -421,7 +421,6 @@ DOCUMENT: Final = Key(
                 "kept": Key(
                     "Share of machines that keep the limit at all cam angles, 0 to 1; null if"
                     " there is no limit.",
-                    of="conforming",
                 ),
                 "kept_error": Key("Standard error of that share.", of="conforming_error"),
                 "acceleration": Key(
@@ -517,9 +516,9 @@ def _machines(found: Machines, unit: str, room: Room | None) -> list[str]:
         f"  3 sigma {small_extreme(found.three_sigma, unit)}",
         f"  99 % of machines err nowhere by more than {small(found.largest, unit)}",
     ]
-    if found.conforming is not None:
+    if found.kept is not None:
         lines.append(
-            f"  {found.conforming:.2%} keep the limit all round, +- {found.conforming_error:.1%}"
+            f"  {found.kept:.2%} keep the limit all round, +- {found.conforming_error:.1%}"
         )
     lines += ["", f"what deviations cost: {COST}"]
     lines += _cost("largest acceleration", f"{unit}/rad^2", found.acceleration)
