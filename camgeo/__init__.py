@@ -61,8 +61,8 @@ LAZY_NAMES: Final = {
     "TranslatingRoller": "camgeo.kinematics.mechanism.rollers",
     "WorkingCurve": "camgeo.geometry.pitch_curve",
 }
-"""Public names by module, imported on first use: a run needs only a few, and the command line must
-be ready for Ctrl-C before it imports anything large."""
+"""Modules of the public names, which are imported on first use: a run needs only a few, and the
+command line must be ready for Ctrl-C before it imports anything large."""
 
 
 def __getattr__(name: str) -> Any:
@@ -130,9 +130,9 @@ __all__ = [
 ]
 
 # -- earlier names --------------------------------------------------------------------------------
-# The documentation names modules that others import: writers, effects, answers, families. Their
-# earlier names are rooms and modules that have moved; each stands for what begins with it, and
-# still imports what it named, with a warning.
+# The documentation names modules that others import: writers, effects, answers, families. Some
+# rooms and modules have moved since; their earlier names, and names that begin with them, still
+# import them, with a warning.
 
 
 NOW: Final = {
@@ -164,31 +164,31 @@ NOW: Final = {
 
 
 class EarlierNames:
-    """Finds the modules of `NOW` and what begins with them, where no module has that name."""
+    """Finder and loader of the modules in `NOW` and of those whose names begin with them."""
 
     def find_spec(
         self, name: str, path: Sequence[str] | None = None, target: ModuleType | None = None
     ) -> ModuleSpec | None:
-        """The specification of an earlier name; None for all others."""
+        """The specification of a module with an earlier name; None for all others."""
         if not present_name(name):
             return None
         # importlib.abc, which has the base class, takes 10 ms.
         return ModuleSpec(name, self, is_package=True)  # type: ignore[arg-type]  # a loader by its methods
 
     def create_module(self, spec: ModuleSpec) -> None:
-        """Nothing: the module is there under its present name."""
+        """Return None: the import system makes a module, which `exec_module` replaces."""
 
     def exec_module(self, module: ModuleType) -> None:
-        """Puts the module of the present name in place."""
+        """Replace the module by that of the present name."""
         earlier, now = module.__name__, present_name(module.__name__)
         sys.modules[earlier] = import_module(now)
         if earlier.count(".") > 1:
-            # Where the caller is, Python does not say: frames of its own import lie between.
+            # The frames of the import system lie between, so the caller cannot be named.
             warnings.warn(f"{earlier} is {now} now", DeprecationWarning, stacklevel=2)
 
 
 def present_name(earlier: str) -> str:
-    """The present name of a module of camgeo; empty if it has had no other."""
+    """The present name of a module of camgeo from an earlier one; empty if that is none."""
     words = earlier.split(".")[1:] if earlier.startswith("camgeo.") else []
     for count in range(len(words), 0, -1):
         if now := NOW.get(".".join(words[:count])):
@@ -197,7 +197,7 @@ def present_name(earlier: str) -> str:
 
 
 def keep_earlier_names() -> None:
-    """Has Python ask for earlier names first: it would find copies in the rooms they stand for."""
+    """Put the finder of earlier names first: a later one would import copies of these modules."""
     if not any(isinstance(finder, EarlierNames) for finder in sys.meta_path):
         sys.meta_path.insert(0, EarlierNames())
 

@@ -1,4 +1,4 @@
-"""The error tree: wrong input raises, a poor design is a `Finding` (see `camgeo.check.finding`).
+"""Errors of camgeo: wrong input raises; a poor design has findings, see `camgeo.check.finding`.
 
 Every class also derives from the built-in error that it specialises, so that callers that do not
 know camgeo can catch it.
@@ -14,10 +14,10 @@ from camgeo.units import LengthUnit, counted, in_unit
 
 
 class CamgeoError(Exception):
-    """Root of all errors that camgeo raises on purpose; each can be pickled, as pools require."""
+    """Base of all errors that camgeo raises on purpose; they can be pickled, as pools require."""
 
     def restate(self, unit: LengthUnit) -> None:
-        """Put the lengths in its texts into the unit of a scene; other attributes stay in mm."""
+        """Convert the lengths in the texts to the unit of a scene; other attributes stay in mm."""
         self.args = tuple(
             in_unit(argument, unit) if isinstance(argument, str) else argument
             for argument in self.args
@@ -31,7 +31,7 @@ class CamgeoError(Exception):
 
 
 def _again(kind: type[CamgeoError], arguments: tuple[Any, ...]) -> CamgeoError:
-    """An error created without its class's `__init__`, whose results are in its state."""
+    """An unpickled error: `__init__` is not called again, as its results are in the state."""
     return kind.__new__(kind, *arguments)
 
 
@@ -42,7 +42,7 @@ class Fault:
     Attributes
     ----------
     key : path of the key, e.g. ``motion[2].span``; empty for the file as a whole.
-    value : what was given, as written; empty if nothing was given.
+    value : the stated value as written; empty if none was stated.
     message : what is wrong and what is allowed, one sentence without the key.
     hint : a suggestion ("did you mean ..."), or empty.
     line : line in the file, counted from 1, or None if it is not known.
@@ -74,7 +74,7 @@ class SceneError(CamgeoError, ValueError):
 
 
 class GeometryError(CamgeoError, ValueError):
-    """The mechanism or the curve does not exist as asked, e.g. a linkage that cannot close.
+    """The requested mechanism or curve does not exist, e.g. because a linkage cannot close.
 
     Raised by the stages below the scene, with the key names of the scene in the message; the scene
     loader turns it into a `SceneError`.
@@ -91,11 +91,11 @@ class GeometryError(CamgeoError, ValueError):
 
 
 class UndercutError(GeometryError):
-    """A contour was requested of a flank with a cusp or undercut, which is no outline of a disc."""
+    """A contour was requested of a flank with a cusp or undercut, which cannot bound a disc."""
 
 
 class UnsafeError(GeometryError):
-    """A milling program would damage part, tool or machine, or drop what it cuts free."""
+    """A milling program would damage part, tool or machine, or let a cut-off piece drop."""
 
 
 class ToleranceError(CamgeoError, ArithmeticError):
@@ -103,8 +103,8 @@ class ToleranceError(CamgeoError, ArithmeticError):
 
     Attributes
     ----------
-    reason : what cannot follow which curve.
-    asked : tolerance requested [mm].
+    reason : which contour cannot follow which curve.
+    asked : requested tolerance [mm].
     reached : smallest deviation reached [mm].
     """
 
@@ -117,8 +117,8 @@ class ToleranceError(CamgeoError, ArithmeticError):
 
 
 class FileError(CamgeoError, ValueError):
-    """A file cannot be used: damaged, not what its writer makes, or beyond what is allowed of a
-    file that is read (`camgeo.reading`).
+    """A file cannot be used: it is damaged, of another kind, or exceeds the limits for files that
+    are read (`camgeo.reading`).
     """
 
 
@@ -131,7 +131,7 @@ class CycleError(CamgeoError, RecursionError):
 
     Attributes
     ----------
-    way : from a quantity through what it depends on back to itself.
+    way : names of the quantities from the first through its dependencies back to itself.
     """
 
     def __init__(self, way: tuple[str, ...]) -> None:
@@ -144,17 +144,17 @@ class VersionError(CamgeoError, ValueError):
 
 
 class Cancelled(CamgeoError, RuntimeError):
-    """A computation was cancelled before it was done."""
+    """A computation was cancelled before it had finished."""
 
 
 class UnknownNameError(CamgeoError, KeyError):
-    """There is no effect, format, plot, ... of the name asked for.
+    """There is no effect, format, plot, ... of the requested name.
 
     Attributes
     ----------
-    message : the name, the names that there are, and the nearest one if it is near.
-    name : that was asked for.
-    names : that there are.
+    message : states the name, the most similar one if any, and all that exist.
+    name : the requested name.
+    names : all names that exist.
     """
 
     def __init__(self, what: str, name: str, names: Iterable[str]) -> None:
@@ -171,13 +171,13 @@ class UnknownNameError(CamgeoError, KeyError):
 
 @dataclass(eq=False, repr=False)
 class EffectError(CamgeoError, ArithmeticError):
-    """An effect has no answer for this design, e.g. a follower that jams has no contact force.
+    """An effect has no result for this design, e.g. no contact force for a follower that jams.
 
     Attributes
     ----------
     message : one sentence, with value, limit and place.
-    finding : name of the finding that reports it; empty for the effect's own.
-    value, limit, unit, cam_angle, cam_range : as of `camgeo.check.finding.Finding`.
+    finding : name of the finding that reports the error; empty for the one named like the effect.
+    value, limit, unit, cam_angle, cam_range : as in `camgeo.check.finding.Finding`.
     """
 
     message: str
@@ -194,18 +194,21 @@ class EffectError(CamgeoError, ArithmeticError):
 
 
 def distinct_texts(one: float, other: float) -> tuple[str, str]:
-    """Two numbers with as many digits as it takes to see which is larger, six at least."""
+    """Two numbers as texts, with at least six digits and as many as show which one is larger."""
+    # 17 digits distinguish any two doubles.
     pairs = [(f"{one:.{digits}g}", f"{other:.{digits}g}") for digits in range(6, 18)]
     return next((pair for pair in pairs if pair[0] != pair[1]), pairs[0])
 
 
 def unreadable(error: Exception) -> str:
-    """Why a file cannot be read or written; a path that no file can have is a ValueError."""
+    """Why a file cannot be read or written, from an OSError, or a ValueError for an impossible
+    path.
+    """
     return getattr(error, "strerror", None) or str(error)
 
 
 def nearest(word: str, words: Iterable[str]) -> str:
-    """Return the word that was probably meant, or nothing."""
+    """The word that was probably meant; empty if none is similar."""
     import difflib  # only errors need it
 
     by_lower = {item.lower(): item for item in words}
@@ -214,6 +217,6 @@ def nearest(word: str, words: Iterable[str]) -> str:
 
 
 def meant(word: str, words: Iterable[str], mark: str = "") -> str:
-    """The hint that one of `words` was probably meant, enclosed in `mark`; or nothing."""
+    """The hint that one of `words` was probably meant, between two `mark`s; empty if none was."""
     near = nearest(word, words)
     return f"did you mean {mark}{near}{mark}?" if near else ""

@@ -1,4 +1,4 @@
-"""Quantities that are computed on first use, and a ledger of what was computed."""
+"""Quantities that are computed on first use, and a ledger of these computations."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from typing import Any, Final, Generic, Protocol, Self, TypeVar, overload
 from camgeo.errors import Cancelled, CycleError, EffectError, GeometryError, ToleranceError
 
 NO_ANSWER: Final = (GeometryError, ToleranceError, EffectError)
-"""Errors that depend on the data of a quantity alone, as its value does."""
+"""Errors that are determined by the data of a quantity, as its value is: they are kept like one."""
 
 Value = TypeVar("Value", covariant=True)
 
@@ -25,8 +25,8 @@ class Computation:
     ----------
     name : of the quantity.
     requester : the quantity for which it was computed; empty if requested from outside.
-    seconds : it took, including all that it needed.
-    net_seconds : of these, without what it needed.
+    seconds : time taken, including the quantities that it needed.
+    net_seconds : time taken, without the quantities that it needed.
     failed : whether it ended in an error.
     """
 
@@ -45,16 +45,16 @@ class Ledger:
 
     Parameters
     ----------
-    progress : is called with the name of each quantity that starts.
-    cancelled : is called when a quantity starts; True ends the computation.
-    shared_with : ledger of an owner whose quantities use those of this one, and vice versa: one
-        thread at a time computes for both.
+    progress : called with the name of each quantity whose computation starts.
+    cancelled : called when a computation starts; True ends it.
+    shared_with : ledger of an owner whose quantities depend on those of this one, and vice versa:
+        both have one lock, so that only one thread at a time computes for them.
 
     Attributes
     ----------
-    runs : one for each computation that has ended.
+    runs : the computations that have ended.
     lock : held by the thread that computes.
-    clock : seconds now; those that pass unless it is replaced.
+    clock : returns the time [s]; it may be replaced, e.g. by one of CPU time.
     """
 
     def __init__(
@@ -73,7 +73,7 @@ class Ledger:
         self.clock = time.perf_counter
 
     def named(self, what: str) -> Ledger:
-        """The same record for another owner, whose quantities have `what` behind their names."""
+        """A ledger with the same record for another owner; `what` is appended to its names."""
         ledger = Ledger(self._progress, self._cancelled, shared_with=self)
         ledger.runs, ledger._open, ledger._inner = self.runs, self._open, self._inner
         ledger._what, ledger.clock = what, self.clock
@@ -84,9 +84,9 @@ class Ledger:
         return Ledger, ()
 
     def entry(self, name: str, known: MutableMapping[str, Any] | None = None) -> Entry:
-        """Within it the quantity `name` is computed, by this thread alone, and recorded.
+        """A context in which the quantity `name` is computed by this thread alone, and recorded.
 
-        With `known`, a quantity without an answer is not computed twice: its error, one of
+        With `known`, a quantity without a result is not computed twice: its error, one of
         `NO_ANSWER`, is kept there and raised again.
 
         Raises
@@ -99,7 +99,7 @@ class Ledger:
         return Entry(self, name, known)
 
     def begin(self, name: str) -> str:
-        """Notes that `name` is being computed, and returns its name in the record."""
+        """Record that the computation of `name` begins; return its name in the record."""
         name = f"{name}{self._what}"
         if name in self._open:
             raise CycleError((*self._open[self._open.index(name) :], name))
@@ -112,25 +112,27 @@ class Ledger:
         return name
 
     def end(self, name: str, seconds: float, *, failed: bool) -> None:
-        """Records what has been begun last."""
+        """Record that the computation begun last has ended."""
         self._open.pop()
         inner = self._inner.pop()
         if self._inner:
+            # The time of an inner computation does not count for the one that needed it.
             self._inner[-1] += seconds
         requester = self._open[-1] if self._open else ""
         self.runs.append(Computation(name, requester, seconds, seconds - inner, failed))
 
 
 class Entry:
-    """What is computed within it is recorded in a ledger, whose lock it holds.
+    """A context that records a computation in a ledger, and holds the lock of that meanwhile.
 
-    It is no function that calls another, so that computing takes no frame of its own on the stack.
+    It is a context, not a function that calls the computation, so that deep chains of quantities
+    need no further frames on the stack.
 
     Parameters
     ----------
-    ledger : that records.
+    ledger : records the computation.
     name : of the quantity.
-    known : where an error is kept, one of `NO_ANSWER`, and raised when it is asked for again.
+    known : keeps its error, one of `NO_ANSWER`, which is raised again on the next request.
     """
 
     __slots__ = ("failed", "known", "ledger", "name", "start")
@@ -145,6 +147,7 @@ class Entry:
         self.ledger.lock.acquire()
         try:
             if self.known is not None and self.failed in self.known:
+                # Without its traceback, which would grow each time and keep frames alive.
                 raise self.known[self.failed].with_traceback(None)
             self.name = self.ledger.begin(self.name)
             self.start = self.ledger.clock()
@@ -172,10 +175,10 @@ class HasLedger(Protocol):
 class lazy(Generic[Value]):
     """A property that is computed at most once, and recorded in the ledger of its owner.
 
-    As with `functools.cached_property` the value is then stored in the owner's ``__dict__``, so
-    that further access costs nothing. The ledger must exist as soon as the owner does: two threads
-    that created one each would compute twice. Pickles and copies of an owner that is
-    `camgeo.record.Pickled` contain neither.
+    As with `functools.cached_property` the value is then stored in the ``__dict__`` of the owner,
+    so that further access costs nothing. The ledger must exist as soon as the owner does: two
+    threads that each created one would compute twice. Pickles and copies of a
+    `camgeo.record.Pickled` owner contain neither values nor ledger.
     """
 
     def __init__(self, make: Callable[[Any], Value]) -> None:
@@ -204,7 +207,7 @@ class lazy(Generic[Value]):
             return value
 
     def entry(self, instance: HasLedger) -> AbstractContextManager[None]:
-        """Within which the value is computed."""
+        """The context in which the value is computed."""
         return Entry(instance.ledger, self.name, instance.__dict__)
 
 

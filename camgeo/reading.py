@@ -1,9 +1,9 @@
-"""Limits of the files that are read, whoever made them, checked before anything is parsed.
+"""Limits for files that are read, of any origin, which are checked before anything is parsed.
 
 A file may be damaged, come from another program, or be made to do harm. Each limit is far above the
 needs of a cam, and low enough that a file within it can neither exhaust the memory nor occupy the
-machine. Here are those that several modules share; what one reader alone limits stands there.
-docs/robustness.md lists them all; `tests/hostile` holds the readers to them.
+machine. This module has the limits that several readers share; others are in the module of their
+reader. docs/robustness.md lists all of them; `tests/hostile` checks that the readers keep them.
 """
 
 from __future__ import annotations
@@ -22,13 +22,13 @@ from camgeo.units import counted
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """The most that a file of one kind may hold.
+    """The largest allowed size of a file of one kind.
 
     Attributes
     ----------
-    kind : its name in messages.
+    kind : name of the kind in messages.
     size : in bytes.
-    lines : of a text that is read line by line; None if its lines do not matter.
+    lines : number of lines of a text that is read line by line; None if that does not matter.
     """
 
     kind: str
@@ -40,7 +40,7 @@ SCENE: Final = Limits("scene", 2_000_000)
 """10,000 segments with generous comments."""
 
 TABLE: Final = Limits("table", 16_000_000, lines=400_000)
-"""Of lifts, speeds, loads, points or a contour: 200,000 rows, and as many comments."""
+"""A table of lifts, speeds, loads, points or a contour: 200,000 rows, and as many comments."""
 
 DRAWING_LINES: Final = 40_000_000
 DRAWING: Final = Limits("DXF drawing", 256_000_000, DRAWING_LINES)
@@ -51,31 +51,31 @@ PROGRAM_LINES: Final = 200_000
 PROGRAM: Final = Limits("milling program", 16_000_000, PROGRAM_LINES)
 
 INSTANCES: Final = 100_000
-"""Entities of a STEP file, of which a piece of a wall takes twenty."""
+"""Most entities of a STEP file; a piece of a wall takes twenty."""
 
 VERIFIED: Final = Limits("file to be verified", DRAWING.size)
-"""Of any format; the limit of the format itself may be lower."""
+"""A file of any format; the limit of the format itself may be lower."""
 
 FACETS: Final = 150_000
-"""Of a mesh, all copies of its objects counted."""
+"""Most facets of a mesh, counting all copies of its objects."""
 
 CONTOURS: Final = 1_000
-"""Closed contours of a drawing."""
+"""Most closed contours of a drawing."""
 
 COORDINATE: Final = 1e9
-"""Magnitude of a number of drawings, meshes and programs, in any unit."""
+"""Largest magnitude of a number in drawings, meshes and programs, in any unit."""
 
 DIGITS: Final = 60
-"""Characters of such a number; exact ones have no more than 24."""
+"""Most characters of such a number; exact doubles have no more than 24."""
 
 KEY_PARTS: Final = 16
-"""Parts of a dotted key of TOML; scenes need four."""
+"""Most parts of a dotted key of TOML; scenes need four."""
 
 MARKS: Final = 300_000
-"""Signs that begin a value or a part of a key in TOML: = , [ { and points."""
+"""Most characters that begin a value or a part of a key in TOML: = , [ { and points."""
 
 TABLES: Final = 40_000
-"""Tables of TOML: headers, tables in braces, and dotted keys."""
+"""Most tables of TOML: headers, inline tables, and dotted keys."""
 
 QUOTED: Final = re.compile(
     r'"""(?:[^"\\]++|\\.?|"(?!""))*+(?:"{3,5})?'
@@ -85,14 +85,15 @@ QUOTED: Final = re.compile(
     r"|#[^\n]*+",
     re.DOTALL,
 )
-"""Strings and comments of TOML; an unterminated one extends to the end of the line or the text, so
-that no text is searched twice."""
+"""Strings and comments of TOML. An unterminated one extends to the end of the line or the text, and
+repetitions are possessive, so that no text is searched twice."""
 
 DEEP: Final = re.compile(rf"(?<![\w-])(?:[\w-]++[ \t]*+\.[ \t]*+){{{KEY_PARTS}}}")
 """A dotted key of too many parts, in a text whose strings are replaced by a letter."""
 
 DOTTED: Final = re.compile(r"(?<![\w-])(?:[\w-]++[ \t]*+\.[ \t]*+)++[\w-]++[ \t]*+[=\]]")
-"""A dotted key, or a number at the end of an array; there are few of these."""
+"""A dotted key, or the last number of an array, which is counted as well: there are few of these.
+"""
 
 HEADER: Final = re.compile(r"^[ \t]*+\[", re.MULTILINE)
 
@@ -109,6 +110,7 @@ def read_limited(path: Path, limits: Limits) -> bytes:
     """
     with path.open("rb") as stream:
         size = os.fstat(stream.fileno()).st_size
+        # One byte more than allowed shows a file without a size, such as a pipe, that is too large.
         data = stream.read(limits.size + 1) if size <= limits.size else b""
     check_size(max(size, len(data)), limits, path.name)
     return data
@@ -123,14 +125,15 @@ def check_size(size: int, limits: Limits, name: str) -> None:
 def check_text(data: bytes, limits: Limits, name: str) -> None:
     """Raise FileError if a file is too large, or has too many lines."""
     check_size(len(data), limits, name)
+    # Lines end with LF, CR, or both.
     lines = data.count(b"\n") + data.count(b"\r") - data.count(b"\r\n")
     if limits.lines is not None and lines > limits.lines:
         raise beyond(name, counted(lines, "line"), limits.lines, limits)
 
 
-def beyond(name: str, found: str, allowed: float, limits: Limits) -> FileError:
-    """The error for a file in which more was `found` than is `allowed`."""
-    return FileError(f"{name}: has {found}; at most {allowed:,} are allowed in a {limits.kind}")
+def beyond(name: str, size_text: str, allowed: float, limits: Limits) -> FileError:
+    """The error for a file that has `size_text`, a number in words, where less is `allowed`."""
+    return FileError(f"{name}: has {size_text}; at most {allowed:,} are allowed in a {limits.kind}")
 
 
 def text_lines(data: bytes, encoding: str = "utf-8", newline: str | None = None) -> Iterator[str]:
@@ -146,19 +149,21 @@ def text_lines(data: bytes, encoding: str = "utf-8", newline: str | None = None)
 
 def parse_number(text: str) -> float | None:
     """The number in `text`; None if there is none, or it is beyond the limits of a coordinate."""
+    # float() also accepts underscores and the digits of other scripts.
     if len(text) > DIGITS or not text.isascii() or "_" in text:
         return None
     try:
         number = float(text)
     except ValueError:
         return None
+    # NaN and infinite numbers fail this comparison as well.
     return number if abs(number) <= COORDINATE else None
 
 
 def check_toml(text: str) -> None:
     """Raise FileError if the TOML `text` has too many values, or keys of too many parts.
 
-    A parser makes a table of each part of a dotted key, and looks each up from the top.
+    A parser makes a table of each part of a dotted key, and looks each one up from the root.
     """
     plain = QUOTED.sub(_blank, text)
     marks = sum(map(plain.count, "=,[{."))
@@ -182,6 +187,6 @@ def check_toml(text: str) -> None:
 
 
 def _blank(quoted: re.Match[str]) -> str:
-    """The replacement of a string or a comment, with the same number of lines."""
+    """The replacement of a string or a comment, which keeps the numbers of the lines."""
     text = quoted[0]
     return "" if text[0] == "#" else "s" + "\n" * text.count("\n")

@@ -1,7 +1,7 @@
-"""How objects are shown, pickled and copied, and the schemas beside their modules.
+"""How objects are displayed, pickled and copied, and the schemas stored with their modules.
 
-The engine draws nothing. A notebook asks an object for its picture or HTML through the methods that
-IPython has defined; only then is the renderer looked up among the entry points.
+The engine draws nothing. A notebook requests the picture or the HTML of an object through the
+methods that IPython defines; only then is the renderer looked up among the entry points.
 """
 
 from __future__ import annotations
@@ -19,19 +19,18 @@ from camgeo.errors import VersionError
 from camgeo.units import counted
 
 GROUP: Final = "camgeo.notebook"
-"""Entry points of what a notebook needs: `display`, a callable that returns the renderings of an
-object by media type; `plot` and `viewer`, see `plot` and `view` of
-`camgeo.design.design.Design`."""
+"""Entry points for notebooks: `display`, a callable that returns the renderings of an object by
+media type; `plot` and `viewer`, see `plot` and `view` of `camgeo.design.design.Design`."""
 
 LONGEST: Final = 300
-"""Characters of a line that describes an object: three lines of a terminal."""
+"""Most characters of the description of an object: three lines of a terminal."""
 
 WORDS: Final = 60
-"""Characters of a text in it."""
+"""Most characters of a text in such a description."""
 
 
 def notebook(name: str) -> Callable[..., Any]:
-    """The entry point for notebooks of that name."""
+    """The entry point of that name for notebooks, loaded."""
     from importlib.metadata import entry_points  # slow, and few objects are displayed
 
     (entry,) = entry_points(group=GROUP, name=name)
@@ -40,12 +39,13 @@ def notebook(name: str) -> Callable[..., Any]:
 
 
 def clipped(line: str) -> str:
-    """A line that describes an object, cut to `LONGEST` characters."""
+    """The description of an object, cut to `LONGEST` characters."""
     return line if len(line) <= LONGEST else f"{line[: LONGEST - 2]}…)"
 
 
 def brief(value: object) -> str:
-    """A value in a few words, an object by its class, an array by its shape, findings by severity.
+    """A short description of a value: an object by its class, an array by its shape, a collection
+    by its length.
 
     Control characters of texts are escaped, so that none reaches a terminal.
     """
@@ -68,16 +68,16 @@ def brief(value: object) -> str:
 
 
 class Brief:
-    """Base of a dataclass that describes itself in one line, however much it holds.
+    """Base of a dataclass whose `repr` is one short line, however much data it has.
 
-    A class that has a description of its own keeps it.
+    A class that defines its own `__repr__` keeps that.
     """
 
     __slots__ = ()
 
-    def __init_subclass__(cls, **given: Any) -> None:
-        super().__init_subclass__(**given)
-        # `dataclass` leaves alone what is defined in the class itself.
+    def __init_subclass__(cls, **options: Any) -> None:
+        super().__init_subclass__(**options)
+        # `dataclass` replaces an inherited `__repr__`, but not one in the namespace of the class.
         cls.__repr__ = cls.__repr__  # type: ignore[method-assign]  # an inherited one is pinned
 
     def __repr__(self) -> str:
@@ -87,9 +87,9 @@ class Brief:
 
 
 class Displayed(Brief):
-    """Base of what a notebook shows in more than words.
+    """Base of objects that a notebook displays as HTML or as a picture.
 
-    If an error of camgeo prevents that, the error is shown; nothing is raised.
+    If an error of camgeo prevents that, the error is displayed; nothing is raised.
     """
 
     __slots__ = ()
@@ -102,7 +102,7 @@ class Displayed(Brief):
         return renderings
 
     def _repr_html_(self) -> str | None:
-        """The rendering for front ends that show HTML; every text in it is escaped."""
+        """The rendering for front ends that display HTML; every text in it is escaped."""
         return cast("str | None", self._repr_mimebundle_().get("text/html"))
 
     def _repr_png_(self) -> bytes | None:
@@ -111,9 +111,9 @@ class Displayed(Brief):
 
 
 # -- pickled --------------------------------------------------------------------------------------
-# Data that are pickled and copied as the values they were created from, and nothing else.
+# Data that are pickled and copied as the values from which they were created, and nothing else.
 #
-# Computed results, ledgers and caches are left out; the objects are created again through their own
+# Computed results, ledgers and caches are left out; the objects are created again with all their
 # checks, and have read-only arrays as before.
 
 
@@ -133,28 +133,28 @@ class Pickled(Brief):
         return pickled(type(self), **{name: _plain(getattr(self, name)) for name in names})
 
 
-def pickled(make: Callable[..., Any], **given: Any) -> tuple[Any, ...]:
-    """The result of `__reduce__` for objects that `make` creates from `given`."""
-    return _again, (make, __version__, given)
+def pickled(make: Callable[..., Any], **values: Any) -> tuple[Any, ...]:
+    """The result of `__reduce__` for objects that `make` creates from `values`."""
+    return _again, (make, __version__, values)
 
 
 def _plain(value: Any) -> Any:
-    """A read-only mapping as one that can be pickled; its owner makes it read-only again."""
+    """A value as it can be pickled: a read-only mapping as a dict, which its owner wraps again."""
     return dict(value) if isinstance(value, MappingProxyType) else value
 
 
-def _again(make: Callable[..., Instance], version: str, given: dict[str, Any]) -> Instance:
+def _again(make: Callable[..., Instance], version: str, values: dict[str, Any]) -> Instance:
     if version != __version__:
         name = getattr(make, "__name__", "object")
         raise VersionError(
             f"a {name} pickled by camgeo {version} cannot be read by camgeo {__version__};"
             " create it again from its scene"
         )
-    return make(**given)
+    return make(**values)
 
 
 # -- declared -------------------------------------------------------------------------------------
-# The JSON Schema of a declaration, stored next to its module, and what it allows in words.
+# The JSON Schema of a declaration, stored next to its module, and the values it allows, in words.
 
 
 TYPES: Final = {
@@ -175,7 +175,7 @@ def stored_schema(file: str, name: str = "") -> dict[str, Any]:
 
 
 def allowed(node: Mapping[str, Any]) -> str:
-    """What a node of a schema allows, in words: "must be ..."."""
+    """The values that a node of a schema allows, in words: "must be ..."."""
     if "x-allowed" in node:
         return str(node["x-allowed"])
     if "enum" in node:

@@ -71,11 +71,11 @@ def test_a_round_cam_is_told() -> None:
         return inspect_points(design.disc, Flank.INNER, points, "p.csv", align=Align.ROTATION)
 
     found = turned({"dwell": 360})
-    assert "too round" in text(found)
+    assert "too nearly circular" in text(found)
     assert "turn                  +0 deg ± unknown; the motion comes 0 deg early" in text(found)
     assert document(found)["turn_uncertainty_deg"] is None
     small = ({"law": "polynomial-345", "span": 180, "to": to} for to in (0.05, 0))
-    assert "hardly shows the turn" in text(turned(*small))
+    assert "shows the rotation of the part only to within" in text(turned(*small))
 
 
 def test_errors_of_form_are_told_to_sway_a_fit() -> None:
@@ -86,7 +86,7 @@ def test_errors_of_form_are_told_to_sway_a_fit() -> None:
     assert "--robust" in told.sentence
     robust = found_on("plate_translating", away=bump(places.phi), align=Align.FREE, robust=True)
     assert "form" not in {each.name for each in robust.findings}
-    assert "shifted and turned to fit, but for local errors" in text(robust)
+    assert "shifted and turned to fit, disregarding local errors" in text(robust)
     assert document(robust)["robust"] is True
     assert document(found)["robust"] is False
     assert "form" not in {each.name for each in found_on("plate_translating").findings}

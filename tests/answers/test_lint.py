@@ -30,7 +30,7 @@ def test_nothing_is_found_in_a_good_program(machine: str, tmp_path: Path) -> Non
     found = of(tmp_path, GOOD[machine], machine=machine)
     assert found.exit_code == FINE
     assert document(found)["clean"] is True
-    assert "nothing found" in text(found)
+    assert "no findings" in text(found)
 
 
 def test_text_and_document_are_of_one_result(tmp_path: Path) -> None:
@@ -45,7 +45,7 @@ def test_text_and_document_are_of_one_result(tmp_path: Path) -> None:
     assert "line" not in document(other)["programs"][0]["findings"][0]
     assert "the program\n            no-end: the moon" in text(other)
     assert text(other).count("the program\n") == 1 == text(other).count("no-end: the sun")
-    assert "not read further" in text(other)
+    assert "rest of the program was not read" in text(other)
 
 
 def test_a_file_that_cannot_be_read_takes_nothing_from_the_others(tmp_path: Path) -> None:

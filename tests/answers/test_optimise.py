@@ -18,7 +18,7 @@ def test_a_front_and_what_lies_beyond_limits() -> None:
     assert (reported["evaluations"], reported["kept"], answer.exit_code) == (4, 2, 0)
     assert [each["values"]["follower.base_radius"] for each in reported["front"]] == [51, 53]
     assert reported["written"] == reported["best"]
-    assert "2 designs that no other beats:" in words
+    assert "2 non-dominated designs:" in words
     assert "follower.base_radius one of -1, 48, 51, 53" in words
     assert b"follower.base_radius = -1: must be" in comma_separated(answer)
     (panel,) = figure(answer).panels

@@ -132,7 +132,7 @@ def test_splines_where_the_roller_does_not_fit_are_followed_by_arcs(tmp_path: Pa
     space.add_open_spline([(x, y), (x - 11.0, y), (x - 11.0, -y), below])
     sheet.saveas(drawing)
     (disc,) = replayed(PLATE, drawing).discs
-    assert disc.notes[-1] == f"hollow.dxf: splines are followed by arcs within {ARCS:g} mm"
+    assert disc.notes[-1] == f"hollow.dxf: splines are approximated by arcs within {ARCS:g} mm"
     # The centre of the roller, 10 mm from both edges, on the path at 12 mm from the axis.
     centre = 50.0 * math.cos(edge) + math.sqrt(10.0**2 - 8.0**2)
     lowest = math.sqrt(centre**2 - 12.0**2) - math.sqrt(50.0**2 - 12.0**2)

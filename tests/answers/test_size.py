@@ -32,7 +32,7 @@ def test_what_cannot_be_met_is_reported_in_the_same_way() -> None:
     assert (reported["smallest"], reported["active"], found.exit_code) == (None, [], 1)
     assert reported["infeasible"] in text(found).splitlines()
     assert reported["nearest"]["transmission_angle_deg"] < 80.0
-    with pytest.raises(GeometryError, match="only just"):
+    with pytest.raises(GeometryError, match="only at the exact limit"):
         sized_scene(found)
 
 

@@ -24,7 +24,7 @@ def test_what_cannot_be_written_is_told_before_the_search(tmp_path: Path) -> Non
     table.write_text("someone's")
     found = called(*TASK, "-o", table)
     assert found.code == 2
-    message = f"{table} would be overwritten; allow it with --force, or name others; nothing was"
+    message = f"{table} would be overwritten; allow that with --force, or name other files; nothing"
     assert message in found.err
     assert table.read_text() == "someone's"
 

@@ -16,7 +16,7 @@ from tests.cli.calling import SCENES, called
 
 def test_flocke_is_optimistic_about_the_curvature() -> None:
     out = called("size", SCENES / "schnitt.toml").out
-    assert "decided by r_R/r_K of 0.87 at cam angle" in out
+    assert "determined by r_R/r_K of 0.87 at cam angle" in out
     assert "Flocke's proposal is optimistic" in out
 
 
@@ -27,7 +27,7 @@ def test_flat_faces_are_sized(kind: str, tmp_path: Path) -> None:
     words = ("--radius-of-curvature", "4", "--scene", target, "-o", tmp_path / "size.svg")
     out = called("size", scene, *words).out
     assert "a convex cam with radii of curvature of at least 4 mm" in out
-    assert "decided by the radius of curvature at cam angle" in out
+    assert "determined by the radius of curvature at cam angle" in out
     found = {each.name: each for each in camgeo.load(target).findings}
     assert found["convexity"].severity == "ok"
     assert found["convexity"].value == pytest.approx(4.0, abs=1e-3)

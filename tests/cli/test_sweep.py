@@ -73,4 +73,4 @@ def test_what_cannot_be_written_is_told_before_anything_is_computed(
     monkeypatch.setattr(rows, "compute_rows", None)
     found = call("-o", table)
     assert found.code == 2
-    assert f"{table} would be overwritten; allow it with --force" in found.err
+    assert f"{table} would be overwritten; allow that with --force" in found.err

@@ -76,7 +76,7 @@ def test_the_next_segment_gives_what_a_span_takes() -> None:
     assert (motion[1]["span"], motion[2]["dwell"]) == (Decimal("90.5"), Decimal("9.5"))
     last = changed(TEXT, "", None, {"edits": {"motion[5].dwell": 50}})
     assert exact(last.text)["motion"][3]["span"] == 100
-    with pytest.raises(SceneError, match="leaves no room for the one beside it: -20 degrees"):
+    with pytest.raises(SceneError, match="no room for the neighbouring segment: -20 degrees"):
         changed(TEXT, "", None, {"edits": {"motion[2].span": 120}})
     # Who sets both knows what he wants, and so does who repairs.
     both = changed(TEXT, "", None, {"edits": {"motion[2].span": 90, "motion[4].span": 80}})

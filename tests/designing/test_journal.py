@@ -84,7 +84,7 @@ def test_a_history_comes_back_as_it_was(events: list[str]) -> None:
 def test_a_journal_is_of_one_file(tmp_path: Path) -> None:
     edited(tmp_path, "b")
     assert Journal.opened("/scenes/other.toml", tmp_path).content is None
-    assert "of another file" in read_journal(place(tmp_path).read_bytes(), "/scenes/x.toml").damage
+    assert "to another file" in read_journal(place(tmp_path).read_bytes(), "/scenes/x.toml").damage
 
 
 def test_it_is_written_anew_when_it_has_grown(

@@ -52,7 +52,7 @@ def test_links_are_not_followed(tmp_path: Path, cam: Path) -> None:
     for name in ("link.toml", "out/cam.toml"):
         with pytest.raises(FileError, match="is a link"):
             place(folder, name)
-    with pytest.raises(FileError, match="no plain file"):
+    with pytest.raises(FileError, match="not a regular file"):
         read(folder / "link.toml")
     assert scenes(folder) == ()
 
@@ -63,7 +63,7 @@ def test_what_is_no_plain_text_is_refused(tmp_path: Path, cam: Path) -> None:
     (tmp_path / "bytes.toml").write_bytes(b"\xff")
     (tmp_path / "large.toml").write_bytes(b"#" * (SCENE.size + 1))
     for name, message in {
-        "pipe.toml": "no plain file",
+        "pipe.toml": "not a regular file",
         "bytes.toml": "not text in UTF-8",
         "large.toml": "at most 2,000,000 are allowed",
         "none.toml": "no such file",

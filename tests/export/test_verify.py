@@ -779,7 +779,7 @@ def test_a_difference_fails_unless_the_certificate_vouches_for_it(tmp_path: Path
     certify(tmp_path, path.name, changed)
     verdict = verdict_on(path, changed)
     assert verdict.passed
-    assert again(verdict).note.endswith("'F100'; certificate.json vouches for the file")
+    assert again(verdict).note.endswith("'F100'; certificate.json certifies these bytes")
     certify(tmp_path, path.name, data)
     assert again(verdict_on(path, changed)).ok is False
     assert again(verdict_on(path, data[: data.rindex(b"M2")])).note.endswith(
@@ -800,10 +800,10 @@ def test_files_of_other_versions_and_scenes_are_only_measured(tmp_path: Path) ->
     data = files()[path.name]
     version = vorschub().disc.version
     verdict = verdict_on(path, data.replace(f"\n{version}\n".encode(), b"\n0.0.9\n", 1))
-    assert again(verdict).note == "it is of camgeo 0.0.9: only measured"
+    assert again(verdict).note == "it was written by camgeo 0.0.9: only measured"
     assert verdict.passed
     verdict = verdict_on(path, data, vorschub("setzhub"))
-    assert again(verdict).note == "it is not of this scene: only measured"
+    assert again(verdict).note == "it was not made from this scene: only measured"
     assert not verdict.passed
     foreign = data.replace(b"\ncamgeo\n", b"\nother\n", 1)
     assert "written again" not in {each.name for each in verdict_on(path, foreign).checks}

@@ -355,7 +355,7 @@ def test_what_commands_draw_is_as_kept(tmp_path: Path, monkeypatch: pytest.Monke
     monkeypatch.chdir(FIXTURES)
     # The command last: the others, once imported, have its own.
     for module in ("cli.plot", "answers.sweep", "answers.optimise", "cli.command"):
-        monkeypatch.setattr(f"camgeo.app.{module}.drawn", marks)
+        monkeypatch.setattr(f"camgeo.app.{module}.draw_figure", marks)
     calls = list(kept.called(CALLS, tmp_path))
     (tmp_path / "points.csv").unlink()
     kept.compare("figure/commands.txt", [*calls, *kept.files(tmp_path)])

@@ -1,1 +1,1 @@
-"""What the commands take and find: options, frozen results, and their renderings."""
+"""Commands with an answer: their options, their frozen results, and the renderings of these."""

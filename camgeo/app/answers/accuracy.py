@@ -1,4 +1,4 @@
-"""What `camgeo accuracy` finds: what accuracy costs, and where more of it stops paying off."""
+"""Answer of `camgeo accuracy`: what accuracy costs, and where more of it stops paying off."""
 
 from __future__ import annotations
 
@@ -51,8 +51,9 @@ from camgeo.units import MM_PER, RPM, LengthUnit
 
 
 def enough_sentences(rows: Sequence[BenefitRow]) -> tuple[str, ...]:
-    """What is enough of each form, of `rows` of one speed, and why; forms without values are left
-    out.
+    """One sentence per form of contour: which tolerance suffices at the speed of `rows`, and why.
+
+    Forms for which no motion is known are left out; if that holds for all, one sentence says so.
     """
     verdicts = [find_sufficient([row for row in rows if row.form == form]) for form in FORMS]
     return tuple(sufficient_sentence(verdict) for verdict in verdicts if verdict is not None) or (
@@ -62,16 +63,16 @@ def enough_sentences(rows: Sequence[BenefitRow]) -> tuple[str, ...]:
 
 @dataclass(frozen=True, slots=True)
 class Accuracy(Answer):
-    """What accuracy costs.
+    """The costs of accuracy, and its benefits at one speed.
 
     Attributes
     ----------
-    scene : whose cam was measured.
-    survey : what was measured.
-    ripple : whether contours were replayed too.
+    scene : the scene whose cam was measured.
+    survey : the measured sizes and times.
+    ripple : whether contours were replayed as well.
     turns : whether the positions of the motion are angles.
-    complete : whether not only the contour that the scene asks for was measured.
-    benefits : what each form does at one speed; empty if none was asked for.
+    complete : False if only the contour that the scene asks for was measured.
+    benefits : what each form achieves at one speed; empty if no speed was requested.
     """
 
     scene: Scene
@@ -83,12 +84,12 @@ class Accuracy(Answer):
 
     @property
     def advice(self) -> str:
-        """What is recommended, in words."""
+        """The recommendation, in words."""
         return advice(self.survey.knee)
 
     @property
     def step(self) -> str:
-        """What the last step of accuracy up to there costs and buys, in words."""
+        """What the last step of accuracy up to the recommended one costs and gains, in words."""
         return "" if self.survey.knee is None else self.survey.knee.step_sentence
 
     @property
@@ -98,7 +99,7 @@ class Accuracy(Answer):
 
     @property
     def enough(self) -> tuple[str, ...]:
-        """Which of the tolerances is enough at the speed asked for, in words, for each form."""
+        """Which of the tolerances suffices at the requested speed, one sentence per form."""
         if not self.benefits:
             return ()
         speed = self.benefits[0].speed / RPM
@@ -108,7 +109,7 @@ class Accuracy(Answer):
 
     @property
     def form(self) -> Form:
-        """Of the contour in the drawing of the scene."""
+        """Form of the contour in the drawing of the scene."""
         return scene_contour(self.scene)[0]
 
     @property
@@ -117,12 +118,12 @@ class Accuracy(Answer):
         return "deg" if self.turns else self.scene.unit
 
     def display_value(self, lift: float) -> float:
-        """A lift [mm or rad] in that unit."""
+        """A lift [mm or rad] in `unit`; derivatives by time are converted in the same way."""
         return math.degrees(lift) if self.turns else lift / MM_PER[self.scene.unit]
 
     @property
     def tables(self) -> tuple[dict[str, Any], ...]:
-        """The rows of value tables, with the errors of their lift in that unit."""
+        """The rows of value tables, with the errors of their lift in `unit`."""
         return tuple(
             {
                 "step_deg": row.step,
@@ -138,7 +139,7 @@ class Accuracy(Answer):
 
     @property
     def written(self) -> tuple[dict[str, Any], ...]:
-        """What each form does at one speed, with accelerations in that unit."""
+        """What each form achieves at one speed, with accelerations in `unit` per s^2."""
         return tuple(
             {
                 "contour": row.form,
@@ -169,7 +170,7 @@ class Accuracy(Answer):
 
 
 def _finite(speed: float | None) -> float | None:
-    """[rev/min] of a speed [rad/s]; None for none, and for an infinite one."""
+    """A speed [rad/s] in rev/min; None if there is none or it is infinite."""
     return None if speed is None or math.isinf(speed) else speed / RPM
 
 
@@ -189,7 +190,8 @@ def accuracy(
     ----------
     tolerances : to measure [mm], the loosest first.
     ripple : whether contours are replayed too; None for what the scene says.
-    speed : of the cam [rad/s] at which contours are judged by what they do; None for not.
+    speed : cam speed [rad/s] at which the follower on the written contours is computed; None for
+        no such comparison.
     complete : whether all forms and fits of the contour are measured, and all other files, value
         tables and effects; else the contour that the scene asks for.
     bill : whether the scene is also built within each of them.
@@ -214,7 +216,7 @@ def accuracy(
 
 
 # -- document -------------------------------------------------------------------------------------
-# What JSON has of the answer.
+# The keys of its JSON document.
 
 
 COUNT: Final = Key(
@@ -237,7 +239,7 @@ COUNT: Final = Key(
 FILE: Final = Key(
     "A file written and read back; null if there is none.",
     {
-        "bytes": Key("Its size.", of="size"),
+        "bytes": Key("Size of the file.", of="size"),
         "deviation_mm": "Deviation proved for the file as read back; null if it has none.",
         "write_seconds": "Time to write it, including the fits.",
         "read_seconds": "Time to read it back and prove it.",
@@ -249,9 +251,9 @@ FILE: Final = Key(
 KNEE: Final = Key(
     "The recommended contour; null if no tolerance could be reached.",
     {
-        "contour": Key("Its form.", of="row.form", type=str),
-        "fit": Key("How hard the fit tried.", of="row.effort", type=str),
-        "tolerance_mm": Key("Its tolerance.", of="row.tolerance"),
+        "contour": Key("Form of the contour.", of="row.form", type=str),
+        "fit": Key("Effort of the fit.", of="row.effort", type=str),
+        "tolerance_mm": Key("Tolerance of the contour.", of="row.tolerance"),
         "end": Key(
             "What a tighter tolerance loses: time, decimals, ripple, benefit or cost; reach if it"
             " cannot be reached, range if no tighter one was examined.",
@@ -261,7 +263,7 @@ KNEE: Final = Key(
 )
 
 MEASURED_EFFECT: Final[Keys] = {
-    "seconds": ("Time to compute it, without the effects that it needs; null if it has no answer."),
+    "seconds": ("Time to compute it, without the effects that it needs; null if it has no result."),
     "spread": ("Ratio of the upper quartile of the runs to the lower one; 1 for a single run."),
     "error": (
         "The error that it estimates itself, the largest of all its figures, relative"
@@ -273,7 +275,7 @@ MEASURED_EFFECT: Final[Keys] = {
         " without such a result."
     ),
 }
-"""Of a numerical effect at one tolerance."""
+"""Keys of a numerical effect at one tolerance."""
 
 DOCUMENT: Final = Key(
     "What accuracy costs, over the tolerance, and where it stops paying.",
@@ -287,7 +289,7 @@ DOCUMENT: Final = Key(
             "A row for each form of the contours at each tolerance.",
             {
                 "contour": Key("Form of the contours.", of="form"),
-                "fit": Key("How hard the fit tried.", of="effort"),
+                "fit": Key("Effort of the fit.", of="effort"),
                 "tolerance_mm": "The requested tolerance.",
                 "count": COUNT,
                 "dxf": Key(
@@ -305,15 +307,16 @@ DOCUMENT: Final = Key(
                     "Estimated time of milling once along the flanks; null if it is not known."
                 ),
                 "shortest_seconds": (
-                    "The same at the largest feed that the controller can hold on these pieces."
+                    "Estimated time at the largest feed that the controller can hold on these"
+                    " pieces."
                 ),
                 "ripple": (
                     "Largest error of the acceleration in a replay, as a fraction of its demanded"
                     " peak; null without a replay."
                 ),
                 "decimals": (
-                    "Of the coordinates in a program within that tolerance; null if the scene does"
-                    " not ask for milling."
+                    "Decimals of the coordinates in a program within that tolerance; null if the"
+                    " scene does not ask for milling."
                 ),
                 "fault": "Why something is missing, or empty.",
             },
@@ -324,7 +327,7 @@ DOCUMENT: Final = Key(
             {
                 "format": "Format of the solid.",
                 "tolerance_mm": "The requested tolerance.",
-                "file": Key("Its file; null if it cannot be made.", FILE),
+                "file": Key("The file; null if it cannot be made.", FILE),
                 "fault": "Why something is missing, or empty.",
             },
             of="survey.solids",
@@ -354,13 +357,13 @@ DOCUMENT: Final = Key(
             " tolerance; tolerances and errors are relative to the scale of each figure, such as"
             " the largest torque.",
             {
-                "effect": "Its name.",
+                "effect": "Name of the effect.",
                 "tolerance": "The tolerance, as such a fraction.",
                 **MEASURED_EFFECT,
                 "figure": "Name of the finding or column with this difference; empty if it is 0.",
                 "fault": (
-                    "Why it has no answer, or which figures are off by more than estimated; else"
-                    " empty."
+                    "Why it has no result, or which figures are off by more than estimated;"
+                    " otherwise empty."
                 ),
             },
             of="survey.effects",
@@ -369,7 +372,7 @@ DOCUMENT: Final = Key(
             "The other numerical effects of the scene, which reach rounding at the loosest"
             " tolerance.",
             {
-                "effect": "Its name.",
+                "effect": "Name of the effect.",
                 **MEASURED_EFFECT,
             },
             of="survey.rounded",
@@ -399,10 +402,10 @@ DOCUMENT: Final = Key(
                     "Ratio of the upper quartile of the runs to the lower one; 1 for a single run.",
                     optional=True,
                 ),
-                "pieces": Key("Of the flanks of all discs.", optional=True),
-                "bytes": Key("Of all files.", of="size", optional=True),
+                "pieces": Key("Number of pieces of the flanks of all discs.", optional=True),
+                "bytes": Key("Size of all files.", of="size", optional=True),
                 "machining_seconds": Key("Estimated time of all programs.", optional=True),
-                "fault": Key("Why nothing was built; else empty.", optional=True),
+                "fault": Key("Why nothing was built; otherwise empty.", optional=True),
             },
             of="survey.bill",
         ),
@@ -411,7 +414,7 @@ DOCUMENT: Final = Key(
             " the contour as written, compared with the exact motion; empty without.",
             {
                 "contour": Key("Form of the contour.", type=str),
-                "tolerance_mm": Key("Its tolerance.", type=float),
+                "tolerance_mm": Key("Tolerance of the contour.", type=float),
                 "speed_rpm": Key("Constant speed of the cam [rev/min].", type=float),
                 "acceleration": Key(
                     "Largest deviation of the acceleration from the exact one, jumps of the"
@@ -434,7 +437,7 @@ DOCUMENT: Final = Key(
                 ),
                 "lowest_force_N": Key(
                     "Least contact force; negative where the follower would have to be pulled or,"
-                    " held both ways, where the other side carries.",
+                    " with form closure, where the opposite flank carries the load.",
                     type=float | None,
                 ),
                 "highest_force_N": Key("Largest contact force.", type=float | None),
@@ -445,12 +448,13 @@ DOCUMENT: Final = Key(
                     "The largest one of the exact motion.", type=float | None
                 ),
                 "lift_off_rpm": Key(
-                    "Speed of the cam from which the contact force is 0 somewhere; null if it"
-                    " never is, if none was found for an elastic train, and if the follower is"
-                    " held both ways.",
+                    "Lowest cam speed at which the contact force vanishes somewhere (lift-off);"
+                    " null"
+                    " if it never does, if none was found for an elastic drive train, and if the"
+                    " follower has form closure.",
                     type=float | None,
                 ),
-                "exact_lift_off_rpm": Key("The same of the exact motion.", type=float | None),
+                "exact_lift_off_rpm": Key("That speed for the exact motion.", type=float | None),
                 "octaves": Key(
                     "Effective value of the deviation of the acceleration in the harmonics 1, 2"
                     " to 3, 4 to 7 and so on of the cam's speed, jumps of the velocity included,"
@@ -458,7 +462,8 @@ DOCUMENT: Final = Key(
                     type=tuple[float, ...],
                 ),
                 "octave_error": Key(
-                    "Of the amplitude of each harmonic at most, in `unit`/s^2.", type=float | None
+                    "Largest error of the amplitude of each harmonic, in `unit`/s^2.",
+                    type=float | None,
                 ),
                 "strongest_harmonic": Key(
                     "Number of the harmonic with the largest amplitude.", type=int | None
@@ -469,8 +474,8 @@ DOCUMENT: Final = Key(
             by_key=True,
         ),
         "enough": (
-            "Which tolerance is enough at the speed of --speed, and why: a sentence for each form"
-            " of the contour; empty without."
+            "Which tolerance suffices at the speed of --speed, and why: a sentence for each form"
+            " of the contour; empty without it."
         ),
     },
     type=Accuracy,
@@ -478,7 +483,7 @@ DOCUMENT: Final = Key(
 
 
 # -- rendering ------------------------------------------------------------------------------------
-# What `camgeo accuracy` finds, as tables and as a picture.
+# The answer of `camgeo accuracy` as tables and as a picture.
 
 
 SUMMARY_COLUMNS: Final = """\
@@ -506,22 +511,22 @@ build: seconds of a whole build of the scene, from the loaded scene to the last 
     motion, mechanism, findings, part, effects and tool paths; fit: contours with the proofs that
     decide them; prove: further proofs, also of what was read back; write: the files and their
     certificate; read: reading them back; machining: of all programs together"""
-"""The same for the table of builds."""
+"""The columns of the table of builds."""
 
 BENEFIT_COLUMNS: Final = """\
 written: the follower on the contour as written; acceleration, force: largest deviation from the
     exact motion; ripple: that of the acceleration as a share of its exact peak; least: contact
-    force, negative where the follower would have to be pulled or, held both ways, where the other
-    side carries; lifts off: from this speed of the cam on [rev/min]; octave: harmonics of the cam's
-    speed in which most of the deviation of the acceleration is, and its effective value in them"""
-"""The same for the table of benefits."""
+    force, negative where the follower would have to be pulled or, with form closure, where the
+    opposite flank carries the load; lifts off: from this cam speed on [rev/min]; octave: harmonics
+    of the cam speed that contain most of the deviation of the acceleration, and its rms in them"""
+"""The columns of the table of benefits."""
 
 EFFECT_COLUMNS: Final = """\
 effects: tolerance, estimate and off are shares of the scale of a figure, e.g. the largest torque;
     computed: seconds, without the effects that it needs; estimate: what it states of its error;
     off: the difference from a result to a hundredth of the tightest tolerance, with the figure
     that it is in; estimate and off are the largest of all values and columns"""
-"""The same for the table of effects."""
+"""The columns of the table of effects."""
 
 SUMMARY: Final = (
     "tolerance", "pieces", "bytes", "seconds", "spread", "machining", "acceleration off",
@@ -540,8 +545,8 @@ NONE: Final = "-"
 
 
 def text(answer: Accuracy) -> str:
-    """What the contour of the scene costs, or with all that was measured a table of each kind; the
-    step up to what is advised, and the advice.
+    """The costs of the scene's contour, or of everything measured in one table of each kind, then
+    the step up to the recommended tolerance, and the recommendation.
     """
     name, unit = answer.scene.name, answer.scene.unit
     lines = [f"{name}: what accuracy costs, in {unit}, bytes and seconds", ""]
@@ -551,9 +556,10 @@ def text(answer: Accuracy) -> str:
 
 
 def _summary(answer: Accuracy) -> list[str]:
-    """The rows that a designer reads, and the table of builds if it was asked for."""
+    """The rows of the scene's own contour, and the table of builds if it was requested."""
     mm, bill = MM_PER[answer.scene.unit], answer.survey.in_length(answer.scene.unit).bill
     ripples = {row.tolerance: row.ripple for row in answer.benefits if row.form == answer.form}
+    # The last column is the error of the acceleration, which is known only with a replay.
     count = len(SUMMARY) if ripples or answer.ripple else len(SUMMARY) - 1
     cells = [_summary_cells(in_length(row, mm), ripples.get(row.tolerance, row.ripple))[:count]
              for row in answer.drawing_rows]  # fmt: skip
@@ -565,11 +571,11 @@ def _summary(answer: Accuracy) -> list[str]:
     return [*_columns(SUMMARY[:count], rows), *builds, *notes]
 
 
-def _summary_cells(row: ContourRow, off: float | None) -> list[str]:
+def _summary_cells(row: ContourRow, ripple: float | None) -> list[str]:
     cells = dict(zip(CONTOURS, _contour_cells(row, ripple=False)[0], strict=True))
     seconds = _seconds(None if row.drawing is None else row.drawing.seconds)
     sizes = [cells[name] for name in ("tolerance", "pieces", "DXF")]
-    return [*sizes, seconds, cells["spread"], cells["round"], _percent(off)]
+    return [*sizes, seconds, cells["spread"], cells["round"], _percent(ripple)]
 
 
 def _tables(answer: Accuracy) -> list[str]:
@@ -602,7 +608,7 @@ def _tables(answer: Accuracy) -> list[str]:
 
 
 def figure(answer: Accuracy) -> Figure:
-    """What was measured over the tolerance, a panel for each kind of cost."""
+    """The measured costs over the tolerance, one panel for each kind."""
     buys = " and buys" if answer.benefits else ""
     title = f"{answer.scene.name}: what accuracy costs{buys}"
     from camgeo.pictures import accuracy as picture
@@ -649,6 +655,7 @@ def _solid_cells(row: SolidRow) -> tuple[list[str], str]:
     file, cells = row.file, [row.format, f"{row.tolerance:g}"]
     if file is None:
         return [*cells, *[NONE] * 6], row.fault
+    # Meshes report triangles, STEP files report faces.
     faces = file.facts.get("triangles") or file.facts["faces"]
     cells += [f"{faces:,}", f"{file.deviation:.3g}", f"{file.size:,}"]
     cells += [_seconds(file.write_seconds), _seconds(file.read_seconds), f"{file.spread:.2f}"]
@@ -670,7 +677,7 @@ def _benefits(answer: Accuracy) -> list[str]:
 
 
 def harmonics(octave: int) -> str:
-    """Those of an octave, from 0, in words: "1", "2-3", "4-7" and so on."""
+    """The harmonics of an octave, counted from 0, as text: "1", "2-3", "4-7" and so on."""
     first = 2**octave
     return f"{first}-{2 * first - 1}" if octave else "1"
 
@@ -685,6 +692,7 @@ def _benefit_cells(row: dict[str, Any], length: LengthUnit) -> tuple[list[str], 
         *map(_three, figures),
     ]
     octaves = row["octaves"]
+    # The octave with the largest effective value; none if there are no octaves.
     strongest = max(range(len(octaves)), key=octaves.__getitem__, default=None)
     cells += [NONE] * 2 if strongest is None else [
         harmonics(strongest), _three(octaves[strongest]),
@@ -693,7 +701,7 @@ def _benefit_cells(row: dict[str, Any], length: LengthUnit) -> tuple[list[str], 
 
 
 def _three(value: float | None) -> str:
-    """Three digits, the units at least."""
+    """Three significant digits, but all digits before the decimal point."""
     return NONE if value is None else f"{value:,.0f}" if abs(value) >= 100.0 else f"{value:.3g}"
 
 
@@ -716,7 +724,7 @@ def _effect_cells(row: EffectRow) -> tuple[list[str], str]:
 
 
 def _rounded(row: EffectRow) -> str:
-    """The sentence on an effect that no tolerance changes."""
+    """The sentence on an effect that is accurate to rounding at any tolerance."""
     estimate = "it is exact" if row.error is None else f"estimate {_share(row.error)}"
     return (
         f"{row.effect}: rounding at any tolerance ({estimate}, off {_share(row.difference)}),"
@@ -761,6 +769,7 @@ def _tolerances(text: str) -> tuple[float, ...]:
             value = float(word)
         except ValueError:
             value = math.nan
+        # NaN fails this comparison as well.
         if not SMALLEST_TOLERANCE <= value <= LARGEST_TOLERANCE:
             raise argparse.ArgumentTypeError(
                 f"{word.strip()!r} must be a length of {SMALLEST_TOLERANCE:g} to"
@@ -798,7 +807,7 @@ ARGUMENTS: Final = (
         "--speed",
         metavar="RPM",
         type=positive,
-        help="also tell which tolerance of each form is enough at this speed of the cam",
+        help="also report which tolerance of each form suffices at this cam speed",
     ),
     *picture_options(),
 )

@@ -1,4 +1,4 @@
-"""What a command finds: a frozen result, with text, JSON, tables and pictures as renderings.
+"""The answer of a command: a frozen result, with text, JSON, tables and pictures as renderings.
 
 Each command has a module beside this one: its result, a dataclass that is an `Answer`, and the
 function that makes it; `DOCUMENT`, which says what JSON has of the result; `text`, and perhaps
@@ -72,8 +72,8 @@ class Answer(Displayed):
     command: ClassVar[str]
     version: ClassVar[int] = 1
 
-    def __init_subclass__(cls, **given: Any) -> None:
-        super().__init_subclass__(**given)
+    def __init_subclass__(cls, **options: Any) -> None:
+        super().__init_subclass__(**options)
         if "command" not in vars(cls):
             cls.command = cls.__module__.rpartition(".")[2].replace("_", "-")
 
@@ -92,13 +92,13 @@ MARKS: Final = {
     "figure": "figure",
     "note": "note",
 }
-"""Words for what is said of findings, by their verdict."""
+"""Marks printed in front of findings, by their verdict."""
 
 MANY: Final = {**MARKS, "warning": "warnings", "figure": "figures", "note": "notes"}
-"""The same of several findings."""
+"""The plurals of these marks."""
 
 NAME_WIDTH: Final = 26
-"""Of the names of findings, at least."""
+"""Least width of the column with the names of findings."""
 
 
 def finding_lines(findings: Iterable[Finding]) -> list[str]:
@@ -144,7 +144,7 @@ def aligned(rows: Sequence[Sequence[str]], right: Collection[int] = ()) -> list[
 
 
 def named_line(name: str, text: str) -> str:
-    """A line of a list, its name in a column of 22."""
+    """A line of a list, with its name in a column of 22 characters."""
     return f"{name:22}{text}"
 
 
@@ -159,7 +159,7 @@ def scaled(extreme: Extreme, factor: float) -> Extreme:
 
 
 def display_unit(length: LengthUnit, *, is_angle: bool) -> tuple[str, float]:
-    """The unit in which lengths or angles are shown, and how many of it are 1 mm or rad."""
+    """The unit in which lengths or angles are shown, and the factor from mm or rad to it."""
     return ("deg", math.degrees(1.0)) if is_angle else (length, 1.0 / MM_PER[length])
 
 
@@ -186,7 +186,7 @@ def error_faults(error: CamgeoError) -> tuple[Fault, ...]:
 def read_named(path: Path, limits: Limits, key: str) -> bytes:
     """The bytes of a file that a call names as `key`.
 
-    FileError if there are too many, SceneError if it cannot be read.
+    FileError if the file is larger than allowed, SceneError if it cannot be read.
     """
     from camgeo.reading import read_limited  # few answers read files
 
@@ -277,10 +277,12 @@ class Key:
     meaning : of its value, in words.
     keys : those of the object that its value is, or of each object in a list or by name; None for
         plain values. Those of another `Key` mean what that says.
-    of : its attribute, with dots; "" for the one of its name.
-    type : of the value, where the attribute does not say it; of a document its class.
-    optional : whether it is left out where there is no value, or an empty text.
-    by_key : whether the object is a mapping by the keys of the document.
+    of : path of the attribute that holds the value, with dots; "" if it is named like the key.
+    type : of the value, where the annotation of the attribute does not state it; for a whole
+        document the class of the answer.
+    optional : whether the key is left out where there is no value, or an empty text.
+    by_key : whether the object is a mapping by the keys of the document, not an object with
+        attributes.
     """
 
     meaning: str
@@ -292,7 +294,7 @@ class Key:
 
 
 Keys: TypeAlias = Mapping[str, Key | str]
-"""Those of an object in the order of the document; a text is the meaning of a key that is plain."""
+"""The keys of an object in the order of the document; a text is the meaning of a plain key."""
 
 UNITS: Final = {
     "deg": "deg",
@@ -332,10 +334,10 @@ FINDING: Final = Key(
         "severity": "ok: within its limit, or without one, see `verdict`. warning: worth knowing."
         " broken: beyond its limit, though the disc can be made. no-disc: there is no such disc."
         " invalid: the scene describes no cam mechanism.",
-        "verdict": "What is said of it in words. figure: a value that nothing limits, neither good"
-        " nor bad. note: a sentence for which the same holds. Both have the severity ok; all others"
-        " have their severity.",
-        "value": "The value found, in `unit`; null where the check has no figure.",
+        "verdict": "The mark in reports. figure: a value without a limit, neither good nor bad."
+        " note: a sentence for which the same holds. Both have the severity ok; all others are"
+        " named like their severity.",
+        "value": "The computed value, in `unit`; null where the check has no figure.",
         "limit": "The limit, in `unit`; null where there is none.",
         "unit": 'Unit of value and limit: "deg", "mm", ... or empty.',
         "cam_angle_deg": "Cam angle of the value; null for the whole turn.",
@@ -348,18 +350,23 @@ FINDING: Final = Key(
 FEATURE: Final = Key(
     "A feature of the part, compared with the operations that make it.",
     {
-        "name": 'Of a wall, a face, an edge or a keyway: "outline", "upper edge of the outline".',
-        "operations": "Names of those that make it; of those that touch it, if none finishes it.",
+        "name": 'Wall, face, edge or keyway, such as "outline" or "upper edge of the outline".',
+        "operations": (
+            "Names of the operations that make it; of those that touch it, if none finishes it."
+        ),
         "severity": Key(
             "ok: it is made, or nothing is to be done. warning: it is not made as the part"
             " states. broken: more is taken off than the part states.",
             type=Literal["ok", "warning", "broken"],
         ),
-        "sentence": "In words, with the difference between part and operations.",
+        "sentence": "The comparison in words, with the difference between part and operations.",
         "stated_mm": Key(
             "Width of a chamfer, or what is to be left there; null elsewhere.", of="stated"
         ),
-        "made_mm": Key("The same as the operations make it; null elsewhere.", of="made"),
+        "made_mm": Key(
+            "That width, or what is left there, as the operations make it; null elsewhere.",
+            of="made",
+        ),
     },
 )
 
@@ -395,7 +402,9 @@ def _read_object(value: Any, key: Key) -> dict[str, Any]:
 
 
 def _attribute(value: Any, name: str, key: Key, *, by_key: bool) -> Any:
-    """What the key of this name is of a value; None if it has none and may be left out."""
+    """The attribute or item that the key of this name stands for; None if an optional one is
+    absent.
+    """
     if by_key:
         return value.get(name)
     try:
@@ -407,7 +416,8 @@ def _attribute(value: Any, name: str, key: Key, *, by_key: bool) -> Any:
 
 
 def _read(value: Any, name: str, key: Key) -> Any:
-    """What JSON has of the value of a key; infinite numbers and NaN are null."""
+    """The value of a key as JSON data; infinite numbers and NaN become null."""
+    # Booleans are ints, and StrEnums are strings: all of them are JSON data already.
     if value is None or isinstance(value, str | int):
         return value
     if isinstance(value, float):
@@ -417,6 +427,7 @@ def _read(value: Any, name: str, key: Key) -> Any:
         return float(value)
     if isinstance(value, complex):
         return [value.real, value.imag]
+    # A mapping by names of the scene; one with `by_key` has the keys of the document.
     if get_origin(key.type) is Mapping or (isinstance(value, Mapping) and not key.by_key):
         return {str(item_name): _read(item, name, key) for item_name, item in dict(value).items()}
     if _object_keys(key) is not None and not isinstance(value, Sequence | Iterator):
@@ -442,7 +453,7 @@ PLAIN: Final = {
 
 
 def document_schema(package: str) -> dict[str, Any]:
-    """The JSON Schema of the documents of a module with an answer.
+    """The JSON Schema of the documents of the module `package`, which has an answer.
 
     `x-unit` is the unit of a number, `x-attribute` the attribute of a key that has another name.
     """
@@ -475,7 +486,7 @@ def document_schema(package: str) -> dict[str, Any]:
 
 
 def _object_schema(kinds: Sequence[Any], key: Key) -> dict[str, Any]:
-    """That of objects of one of these types."""
+    """The schema of objects of one of these types."""
     table = _object_keys(key) or {}
     properties = {}
     for name, child in table.items():
@@ -501,7 +512,7 @@ def _object_schema(kinds: Sequence[Any], key: Key) -> dict[str, Any]:
 
 
 def _schema(types: Sequence[Any], key: Key) -> dict[str, Any]:
-    """That of a value of one of these types."""
+    """The schema of a value of one of these types."""
     members = [member for candidate in types for member in _members(candidate)]
     kinds = [member for member in members if member is not NoneType]
     null = ["null"] if len(kinds) < len(members) else []
@@ -515,6 +526,7 @@ def _schema(types: Sequence[Any], key: Key) -> dict[str, Any]:
         return {"enum": [*inner, *([None] if null else [])]}
     if isinstance(kind, type) and issubclass(kind, Enum):
         return {"enum": [member.value for member in kind]}
+    # Only plain types are mixed in unions; of tables and lists the first type shows the form.
     is_mapping = isinstance(origin, type) and issubclass(origin, Mapping)
     if _object_keys(key) is not None and (origin is None or (is_mapping and key.by_key)):
         return _object_schema(kinds, key) | _typed(["object", *null])
@@ -523,6 +535,7 @@ def _schema(types: Sequence[Any], key: Key) -> dict[str, Any]:
     node = _typed(["array", *null])
     if kind is complex:
         return node | {"items": _typed(["number"]), "minItems": 2, "maxItems": 2}
+    # tuple[float, float] has a fixed length, tuple[float, ...] has any.
     if origin is tuple and ... not in inner:
         node |= {"minItems": len(inner), "maxItems": len(inner)}
     is_array = getattr(origin, "__module__", "").startswith("numpy")  # or an alias of its
@@ -531,7 +544,7 @@ def _schema(types: Sequence[Any], key: Key) -> dict[str, Any]:
 
 
 def _item_schema(kind: Any, key: Key) -> dict[str, Any]:
-    """That of each value in a list or by name."""
+    """The schema of each item of a list, or of each value of a mapping."""
     node = _schema([kind], key)
     is_last = "items" not in node and not isinstance(node.get("additionalProperties"), Mapping)
     said = {"description": key.keys.meaning} if isinstance(key.keys, Key) and is_last else {}
@@ -543,7 +556,7 @@ def _typed(names: Sequence[str]) -> dict[str, Any]:
 
 
 def _members(kind: Any) -> list[Any]:
-    """The types of a union, without what only annotates them."""
+    """The types of a union, without `Annotated` metadata."""
     if get_origin(kind) is Annotated:
         return _members(get_args(kind)[0])
     if get_origin(kind) in (Union, UnionType):
@@ -558,6 +571,7 @@ def _attribute_types(kinds: Sequence[Any], attribute: str) -> list[Any]:
         for base in getattr(kind, "__mro__", ()):
             stated = inspect.get_annotations(base).get(attribute)
             definition = vars(base).get(attribute)
+            # Annotations are texts, as in any module with postponed evaluation.
             for name in ("fget", "func", "make"):  # of a property, a cached and a lazy one
                 if hasattr(definition, name):
                     stated = getattr(definition, name).__annotations__["return"]
@@ -571,7 +585,7 @@ def _attribute_types(kinds: Sequence[Any], attribute: str) -> list[Any]:
 
 @cache
 def _module_names(module: str) -> dict[str, Any]:
-    """The names of a module, those among them that it imports for its annotations alone."""
+    """The names of a module, including those that it imports for type checking only."""
     names = dict(vars(import_module(module)))
     for node in ast.walk(ast.parse(inspect.getsource(import_module(module)))):
         if isinstance(node, ast.ImportFrom) and node.module is not None:

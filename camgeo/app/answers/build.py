@@ -1,4 +1,4 @@
-"""What `camgeo build` writes: the files of a scene, and their certificate."""
+"""Answer of `camgeo build`: the files of a scene that were written, and their certificate."""
 
 from __future__ import annotations
 
@@ -48,8 +48,9 @@ class Build(Answer):
 
 
 def poor_findings(design: Design) -> tuple[Finding, ...]:
-    """What is found in a design and in its parts beyond a limit, or worth a warning; what makes a
-    part impossible is left to its files.
+    """The findings on a design and on its parts that break a limit or warn.
+
+    What makes a part impossible is not among them: it is reported by the files of that part.
     """
     bad = tuple(finding for finding in design.findings if finding.severity != "ok")
     if not design.judgement.has_outline:
@@ -69,7 +70,7 @@ def build(
     findings: tuple[Finding, ...] | None = None,
     progress: Callable[[str], None] = lambda _: None,
 ) -> Build:
-    """Write the files, as `Design.write` does; none for a cam that has no outline.
+    """Write the files as `Design.write` does; a cam without an outline has none.
 
     `findings` are those of `poor_findings`, where they are known; `progress` is called with the
     name of each step. Raises as `Design.write`.
@@ -87,7 +88,7 @@ def build(
 
 
 # -- document -------------------------------------------------------------------------------------
-# What JSON has of the answer.
+# The keys of its JSON document.
 
 
 DOCUMENT: Final = Key(
@@ -100,9 +101,9 @@ DOCUMENT: Final = Key(
         "files": Key(
             "The files.",
             {
-                "file": Key("Its name.", of="name"),
+                "file": Key("Name of the file.", of="name"),
                 "format": "Name of its format.",
-                "bytes": Key("Its size.", of="size"),
+                "bytes": Key("Size of the file.", of="size"),
                 "tolerance_mm": "Largest deviation allowed.",
                 "deviation_mm": (
                     "Largest deviation proved for the file as read back; null for a picture."
@@ -120,11 +121,11 @@ DOCUMENT: Final = Key(
 
 
 # -- rendering ------------------------------------------------------------------------------------
-# What `camgeo build` writes, in words.
+# The answer of `camgeo build` in words.
 
 
 WIDTH = 39
-"""Of the paths."""
+"""Width of the column with the paths."""
 
 
 def text(answer: Build) -> str:

@@ -1,4 +1,4 @@
-"""What `camgeo check` finds: a design compared with its limits, the real discs, cures."""
+"""Answer of `camgeo check`: a design compared with its limits, the real discs, and remedies."""
 
 from __future__ import annotations
 
@@ -40,19 +40,19 @@ if TYPE_CHECKING:
 
 
 FORMAT: Final = "format"
-"""Name of findings on what a scene lacks for a format."""
+"""Name of the findings that say what a scene lacks for a format."""
 
 PROGRAM: Final = "gcode"
 """The format of milling programs."""
 
 OF_PART: Final = f"{FINDINGS}part"
 OF_MILLING: Final = f"{FINDINGS}milling"
-"""Names under which a ledger records them."""
+"""Names under which a ledger records the findings on parts and on milling."""
 
 
 @dataclass(frozen=True, slots=True)
 class Remains:
-    """What is left of a flank on the real disc; areas are computed when they are asked for.
+    """What is left of a flank on the real disc; areas are computed on demand.
 
     Attributes
     ----------
@@ -63,12 +63,12 @@ class Remains:
 
     @property
     def area(self) -> float:
-        """Inside of the outline [mm^2]."""
+        """Area inside the outline [mm^2]."""
         return _size(self.outline.path)
 
     @property
     def corners(self) -> tuple[Pivot, ...]:
-        """Of the outline."""
+        """Corners of the outline."""
         return tuple(pivot for pivot in self.outline.path.pivots if pivot.distance == 0.0)
 
     @property
@@ -85,9 +85,9 @@ class Check(Answer):
     ----------
     scene : that was checked.
     findings : all of them, good and bad, worst first.
-    curves : the discs by their names, the main one first. None without a follower.
-    cures : what would cure undercut, transmission angle and radius ratio, fault by fault, the
-        cheapest first, then the changes that would not.
+    curves : the discs by their names, the main one first; empty without a follower.
+    cures : remedies for undercut, transmission angle and radius ratio, fault by fault, the cheapest
+        first, then the changes that do not help.
     effects : findings of each effect named by the scene; empty if there is no such mechanism.
     parts : the part of each disc by names, the main one first, and of a pair in one piece; empty
         if there is no disc.
@@ -108,8 +108,10 @@ class Check(Answer):
 
     @property
     def discs(self) -> dict[str, dict[str, Remains | None]]:
-        """What is left of the flanks in use of each disc, by names; None if nothing is, or if that
-        is not known. Computed when asked for: near a dead centre outlines take long.
+        """What is left of each flank in use, by the names of disc and flank; None if nothing is
+        left, or if that is not known.
+
+        Computed on demand, because outlines take long near a dead centre.
         """
         return {
             name: {flank: _remains(disc, flank) for flank, _ in disc.flanks}
@@ -140,9 +142,11 @@ class Check(Answer):
 
 def check(design: Design, *, machining: bool = True) -> Check:
     """Compare a design with its limits; without its milling programs if not `machining`."""
+    # A single disc has no second cam, and a scene without a follower none at all.
     cams = zip((design.name, f"{design.name}-{RETURN}"), design.judgement.cams, strict=False)
     findings = design.findings
     wrong = any(finding.severity == "invalid" for finding in findings)
+    # No effect can be computed without a mechanism.
     named = () if wrong else design.scene.effects
     parts = _parts(design) if design.judgement.cams and not forbidding(findings) else {}
     milled = machining and design.scene.milling is not None and not forbidding(findings)
@@ -160,8 +164,8 @@ def check(design: Design, *, machining: bool = True) -> Check:
 
 
 def _lacking(scene: Scene) -> Iterator[Finding]:
-    """What the scene lacks for the formats that it names, and for a program if it states any of
-    what that needs.
+    """One finding for each thing that the scene lacks for the formats that it names, and for a
+    milling program if it states anything about milling.
     """
     named: list[str] = scene.stated.get("output", "formats") or []
     names = dict.fromkeys((*named, PROGRAM) if scene.states_milling else named)
@@ -196,7 +200,7 @@ def _size(path: Path) -> float:
 
 
 # -- document -------------------------------------------------------------------------------------
-# What JSON has of the answer.
+# The keys of its JSON document.
 
 
 SEGMENT: Final[Keys] = {
@@ -206,11 +210,11 @@ SEGMENT: Final[Keys] = {
         optional=True,
     ),
     "law": Key(
-        "Its law; a dwell and motion by data have none.",
+        "Law of the segment; a dwell and motion by data have none.",
         {
-            "name": "Its name, as in scenes.",
+            "name": "Name of the law, as in scenes.",
             "task": 'Motion task, e.g. "R-R".',
-            "parameters": "Its parameters, by name.",
+            "parameters": "Parameters of the law, by name.",
         },
         optional=True,
     ),
@@ -233,7 +237,7 @@ JOINT: Final[Keys] = {
         "Order of the highest derivative that is continuous, -1 (none) to 3.", of="order"
     ),
     "left": "Position and three derivatives by the cam angle in rad, before the joint.",
-    "right": "The same after the joint.",
+    "right": "Position and three derivatives by the cam angle in rad, after the joint.",
 }
 
 OUTLINE: Final[Keys] = {
@@ -256,14 +260,17 @@ OUTLINE: Final[Keys] = {
 CHANGE: Final[Keys] = {
     "key": "Path of the key in the scene.",
     "from": Key(
-        "Its present value, in the unit of the scene or in degrees, or the name of a law.",
+        "The present value, in the unit of the scene or in degrees, or the name of a law.",
         of="old_value",
     ),
     "to": Key("The other value.", of="new_value"),
 }
 
 CURE: Final[Keys] = {
-    "fault": 'What it removes: "undercut", "radius ratio", "transmission angle" or "convexity".',
+    "fault": (
+        'The fault that it removes: "undercut", "radius ratio", "transmission angle" or'
+        ' "convexity".'
+    ),
     "knob": (
         'The parameter that is changed: "base radius", "roller radius", "offset", "arm", "longer'
         ' segment" or "other law".'
@@ -271,15 +278,15 @@ CURE: Final[Keys] = {
     "key": "Path of its key in the scene; empty if no single key is at fault.",
     "from": Key("The present value, in `unit`, or the name of a law.", of="old_value"),
     "to": Key(
-        "The nearest value that cures the fault and breaks no limit that holds, or else that"
-        " cures it; null if there is none.",
+        "The nearest value that removes the fault and breaks no limit that holds, or else the"
+        " nearest that removes it; null if there is none.",
         of="new_value",
     ),
     "unit": 'Unit of both: that of the scene for a length, "deg" or empty.',
-    "cost": "Fraction of the present value by which it changes; null without a cure.",
+    "cost": "Fraction of the present value by which it changes; null without a remedy.",
     "also": Key("The other keys that change with it.", CHANGE),
     "breaks": "Names of the findings on limits that hold now and that it breaks.",
-    "sentence": "The cure in words.",
+    "sentence": "The remedy in words.",
 }
 
 BODY: Final[Keys] = {
@@ -336,8 +343,8 @@ PART: Final = Key(
 )
 
 OPERATION: Final[Keys] = {
-    "name": "Of the operation.",
-    "seconds": "Of the operation.",
+    "name": "Name of the operation.",
+    "seconds": "Machining time of the operation.",
     "cutting": "Seconds at feed.",
     "traverses": "Seconds of traverses.",
     "blocks": "Number of blocks that the controller plans.",
@@ -345,25 +352,25 @@ OPERATION: Final[Keys] = {
 }
 
 ENGAGEMENT: Final = Key(
-    "Of the cutter at the last depth of an operation, entries left out.",
+    "Engagement of the cutter at the last depth of an operation, without the entries.",
     {
-        "operation": "Its name.",
+        "operation": "Name of the operation.",
         "air": "Share of the length in no material.",
         "usual_deg": "Angle that is not exceeded on 99.5 % of the length.",
         "largest_deg": "Largest angle.",
-        "limit_deg": "The tool's, or that of a straight wall at the stepover.",
+        "limit_deg": "Limit of the tool, or the angle at a straight wall with the stepover.",
     },
 )
 
 MILLED_PROGRAM: Final[Keys] = {
     "seconds": (
-        "Of the whole program; null if there is none, or if the dynamics of the machine are not"
-        " known."
+        "Machining time of the whole program; null if there is none, or if the dynamics of the"
+        " machine are not known."
     ),
-    "operations": Key("In their order; null where `seconds` is.", OPERATION),
+    "operations": Key("The operations, in their order; null where `seconds` is.", OPERATION),
     "findings": Key(
-        "What is told of the sequence, and what its simulation finds; broken if the program must"
-        " not be run, invalid if it cannot be planned.",
+        "Findings on the sequence of operations and from its simulation; broken if the program"
+        " must not be run, invalid if it cannot be planned.",
         FINDING,
     ),
     "faults": Key(
@@ -376,7 +383,7 @@ MILLED_PROGRAM: Final[Keys] = {
             "line": "Line in the file, counted from 1; null where it is not known.",
         },
     ),
-    "roughing": Key("Of the operations that clear an area.", ENGAGEMENT),
+    "roughing": Key("Engagement of the cutter in the operations that clear an area.", ENGAGEMENT),
     "features": Key(
         "The part, feature by feature, with the operations of all its sides; empty of a second"
         " side, and where there is no program.",
@@ -387,7 +394,8 @@ MILLED_PROGRAM: Final[Keys] = {
 MACHINING: Final[Keys] = {
     "machine": "Name of the controller.",
     "seconds": (
-        "Of all programs; tool changes, dwells and halts are left out. Null if it is not known."
+        "Machining time of all programs, excluding tool changes, dwells and halts; null if it is"
+        " not known."
     ),
     "programs": Key(
         "The program of each disc, the main one first, named by the stem of its files; of a disc"
@@ -414,8 +422,8 @@ DOCUMENT: Final = Key(
             OUTLINE,
         ),
         "cures": Key(
-            "Changes that would cure undercut and a broken transmission angle or radius ratio:"
-            " for each fault the cheapest first, then the parameters that cannot cure it.",
+            "Remedies for undercut and a broken transmission angle or radius ratio: for each fault"
+            " the cheapest first, then the parameters that cannot remove it.",
             CURE,
         ),
         "effects": Key(
@@ -442,17 +450,19 @@ DOCUMENT: Final = Key(
 
 
 # -- rendering ------------------------------------------------------------------------------------
-# What `camgeo check` finds, in words.
+# The answer of `camgeo check` in words.
 
 
 LOST: Final = 0.01
-"""Share of the cutting time by which an operation may miss its feeds without a word."""
+"""Share of the cutting time lost below the programmed feed up to which it is not mentioned."""
 
-CURES: Final = "Each of these cures the fault that it names; check again, for the effects as well:"
+CURES: Final = (
+    "Each of these remedies removes the fault that it names; check again, including the effects:"
+)
 
 
 def text(answer: Check) -> str:
-    """The findings, what would cure them, and the findings of the effects."""
+    """The findings, their remedies, and the findings on effects, parts, programs and formats."""
     lines = finding_lines(answer.findings)
     if answer.cures:
         lines += ["", CURES]
@@ -469,12 +479,12 @@ def text(answer: Check) -> str:
     return "\n".join(lines)
 
 
-def _part(found: PartAssessment) -> list[str]:
+def _part(part: PartAssessment) -> list[str]:
     """Size, mass and moments of inertia of a part."""
-    lines = [f"section through the {layer.name} {layer.area:.6g} mm^2" for layer in found.layers]
-    if found.body is not None:
-        lines += _body(found.body)
-    return [*finding_lines(found.findings), *(f"{'':8}{line}" for line in lines)]
+    lines = [f"section through the {layer.name} {layer.area:.6g} mm^2" for layer in part.layers]
+    if part.body is not None:
+        lines += _body(part.body)
+    return [*finding_lines(part.findings), *(f"{'':8}{line}" for line in lines)]
 
 
 def _body(body: Body) -> list[str]:
@@ -490,15 +500,15 @@ def _body(body: Body) -> list[str]:
 
 
 def _coordinate_text(value: float, error: float) -> str:
-    """A coordinate that its error may be all of is 0."""
+    """A coordinate; one no larger than its error is 0."""
     return "0" if abs(value) <= error else f"{value:.6g}"
 
 
-def _machining_text(found: Machining) -> list[str]:
-    """What is found on each program; the time of each operation, with what the controller loses."""
+def _machining_text(machining: Machining) -> list[str]:
+    """The findings on each program, and the time of each operation with the share that is lost."""
     lines: list[str] = []
-    several = len(found.programs) > 1
-    for name, program in found.programs.items():
+    several = len(machining.programs) > 1
+    for name, program in machining.programs.items():
         head = f"milling of {name}:" if several else "milling:"
         findings = finding_lines(program.findings)
         lines += ["", head, *findings] if findings else ["", f"{head} simulated, nothing found"]
@@ -508,13 +518,13 @@ def _machining_text(found: Machining) -> list[str]:
         ]
     timed = {
         name: timed_program
-        for name, timed_program in found.programs.items()
+        for name, timed_program in machining.programs.items()
         if timed_program.operations is not None
     }
     if not timed:
         return lines
     total = clock(math.fsum(timed_program.seconds or 0.0 for timed_program in timed.values()))
-    lines += ["", f"machining on {found.machine}: {total}, tool changes left out"]
+    lines += ["", f"machining on {machining.machine}: {total}, excluding tool changes"]
     for name, program in timed.items():
         times = program.operations or ()
         lines += [f"  {name}: {clock(program.seconds or 0.0)}"] if several else []
@@ -524,10 +534,16 @@ def _machining_text(found: Machining) -> list[str]:
     return lines
 
 
-def _time(found: OperationTime) -> str:
-    slowed = f", {100.0 * found.slowed:.0f} % lost below the feed" if found.slowed > LOST else ""
-    rapid = f", of which traverses {clock(found.traverses)}" if found.traverses >= 0.5 else ""
-    return f"{clock(found.seconds):>8}{rapid}{slowed}"
+def _time(operation: OperationTime) -> str:
+    slowed = (
+        f", {100.0 * operation.slowed:.0f} % lost below the programmed feed"
+        if operation.slowed > LOST
+        else ""
+    )
+    rapid = (
+        f", of which traverses {clock(operation.traverses)}" if operation.traverses >= 0.5 else ""
+    )
+    return f"{clock(operation.seconds):>8}{rapid}{slowed}"
 
 
 # -- command line ----------------------------------------------------------------------------------
@@ -540,5 +556,5 @@ ARGUMENTS: Final = (SCENE_FILE,)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print the findings, and what would cure undercut."""
+    """Print the findings and the remedies."""
     return show(check(opened(arguments)), arguments)

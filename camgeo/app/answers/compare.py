@@ -1,4 +1,4 @@
-"""What `camgeo compare` finds: a few designs side by side."""
+"""Answer of `camgeo compare`: a few designs side by side."""
 
 from __future__ import annotations
 
@@ -27,18 +27,18 @@ MOST: Final = 8
 """Designs that can be told apart in a table and a picture."""
 
 NAME: Final = ("name",)
-"""The key in which all scenes differ, and which says nothing of the design."""
+"""The key in which all scenes differ, and which says nothing about the design."""
 
 
 @dataclass(frozen=True, slots=True)
 class Compared:
-    """One of the designs.
+    """One of the compared designs.
 
     Attributes
     ----------
-    label : that tells it from the others.
-    design : itself.
-    verdict : the worst severity of its findings; empty if only some questions were asked.
+    label : distinguishes it from the others.
+    design : the design itself.
+    verdict : the worst severity of its findings; empty if only some quantities were requested.
     """
 
     label: str
@@ -58,7 +58,7 @@ class DifferingKey:
 
 @dataclass(frozen=True, slots=True)
 class Cell:
-    """What one design answers.
+    """The finding or quantity of one design.
 
     Attributes
     ----------
@@ -74,7 +74,7 @@ class Cell:
     verdict: str = ""
 
     def words(self, length: LengthUnit) -> tuple[str, str]:
-        """What it says in a unit of length, and the severity of a finding that is not "ok"."""
+        """The value in a unit of length, and the severity of the finding unless it is "ok"."""
         severity = "" if self.severity == "ok" else self.severity
         if self.value is None:
             return "" if severity else self.verdict or "-", severity
@@ -83,7 +83,7 @@ class Cell:
 
 @dataclass(frozen=True, slots=True)
 class Line:
-    """A finding or a question, with what each design answers."""
+    """A finding or a requested quantity, with the cell of each design."""
 
     name: str
     cells: tuple[Cell, ...]
@@ -97,7 +97,7 @@ class Compare(Answer):
     ----------
     designs : in the order given.
     keys : in which the scenes differ.
-    lines : the findings of all, or what was asked.
+    lines : the findings of all designs, or the requested quantities.
     """
 
     designs: tuple[Compared, ...]
@@ -129,6 +129,7 @@ def compare(designs: Sequence[tuple[str, Design]], ask: Sequence[str] = ()) -> C
         checked = [_everything(label, design) for label, design in designs]
         columns = [_findings(findings) for findings in checked]
         verdicts = [worst(findings) for findings in checked]
+    # All names, in the order in which they first appear.
     names = dict.fromkeys(name for column in columns for name in column)
     lines = tuple(
         Line(name, tuple(column.get(name, Cell()) for column in columns)) for name in names
@@ -162,7 +163,10 @@ def _findings(findings: Sequence[Finding]) -> dict[str, Cell]:
 def _answers(
     design: Design, ask: Sequence[str], designs: Sequence[tuple[str, Design]]
 ) -> dict[str, Cell]:
-    """What a design answers; of a name that only others know, nothing."""
+    """The quantities of a design by name; one that only other designs have is left out.
+
+    If no design knows a name, the error of this design is raised.
+    """
     cells: dict[str, Cell] = {}
     for word in ask:
         try:
@@ -200,7 +204,7 @@ def _differing(designs: Sequence[Design]) -> tuple[DifferingKey, ...]:
 
 
 def _leaves(values: Any, path: KeyPath = ()) -> Iterator[tuple[KeyPath, Any]]:
-    """The single values of tables and lists, with their paths."""
+    """The values inside nested tables and lists, with their paths."""
     if isinstance(values, Mapping):
         for key, value in values.items():
             yield from _leaves(value, (*path, key))
@@ -216,27 +220,29 @@ def _value_text(value: Any) -> str:
         return ""
     if isinstance(value, bool):
         return str(value).lower()
+    # Without an exponent, as scenes state numbers, unless the number is huge.
     return f"{value:f}" if isinstance(value, Decimal) and abs(value) < 1e15 else str(value)
 
 
 # -- document -------------------------------------------------------------------------------------
-# What JSON has of the answer.
+# The keys of its JSON document.
 
 
 DOCUMENT: Final = Key(
-    "A few designs side by side: what their scenes state differently, and what is found of each.",
+    "A few designs side by side: what their scenes state differently, and the findings on each.",
     {
         "designs": Key(
             "The designs, in the order given.",
             {
-                "label": "By which the text and the picture name it.",
+                "label": "Name of the design in the text and the picture.",
                 "name": Key("Name of its scene.", of="design.name"),
                 "sha256": Key(
                     "SHA-256 of everything that the scene states, hexadecimal.",
                     of="design.scene.identity",
                 ),
                 "verdict": Key(
-                    "The worst severity of its findings; empty if only some questions were asked.",
+                    "The worst severity of its findings; empty if only some quantities were"
+                    " requested.",
                     type=Literal["ok", "warning", "broken", "no-disc", "invalid", ""],
                 ),
             },
@@ -249,24 +255,26 @@ DOCUMENT: Final = Key(
             },
         ),
         "findings": Key(
-            "The findings of all designs, or what was asked.",
+            "The findings of all designs, or the requested quantities.",
             {
-                "name": "Of the finding; of several with that name in a design, the first counts.",
+                "name": (
+                    "Name of the finding; of several with that name in a design, the first counts."
+                ),
                 "values": Key(
-                    "For each design.",
+                    "The cell of each design.",
                     {
-                        "value": "What was found, in the unit; null if there is none.",
+                        "value": "The value, in `unit`; null if there is none.",
                         "unit": "Unit of the number; empty without one.",
                         "severity": (
-                            "Of the finding; empty if the design has none, or if questions were"
-                            " asked."
+                            "Severity of the finding; empty if the design has none, or if"
+                            " quantities were requested."
                         ),
                         "verdict": (
                             "What is said of it: its severity, or, of a finding that nothing"
                             ' limits, "figure" if it has a value and "note" if not; empty as the'
                             " severity is."
                         ),
-                        "reason": "Why what was asked has no answer; else empty.",
+                        "reason": "Why the quantity has no value; otherwise empty.",
                     },
                     of="cells",
                 ),
@@ -279,7 +287,7 @@ DOCUMENT: Final = Key(
 
 
 # -- rendering ------------------------------------------------------------------------------------
-# What `camgeo compare` finds, as text and as a picture.
+# The answer of `camgeo compare` as text and as a picture.
 
 
 MOST_KEYS: Final = 30
@@ -319,7 +327,7 @@ def _cell(cell: Cell, length: LengthUnit) -> str:
 
 
 def figure(answer: Compare) -> Figure:
-    """The designs over each other."""
+    """The curves of all designs, drawn over each other."""
     from camgeo.pictures.sweep import of_designs
 
     return of_designs([(compared.label, compared.design) for compared in answer.designs])

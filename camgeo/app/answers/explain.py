@@ -1,4 +1,4 @@
-"""What `camgeo explain` finds: what a command computes for a scene, why, and how long it takes."""
+"""Answer of `camgeo explain`: what a command computes for a scene, why, and how long it takes."""
 
 from __future__ import annotations
 
@@ -34,12 +34,12 @@ OWNERS: Final = (Drive, Disc, Judgement, DrawnDisc, MilledDisc)
 
 @dataclass(frozen=True, slots=True)
 class Explanation(Answer):
-    """What a command computes.
+    """The quantities that a command computes.
 
     Attributes
     ----------
-    scene : for which it does.
-    goal : the command.
+    scene : for which the command runs.
+    goal : name of the command.
     computed : quantities, in the order in which they were finished.
     reasons : why effects among them were computed, by the names of the quantities.
     left_alone : quantities and effects that were not computed.
@@ -55,7 +55,7 @@ class Explanation(Answer):
 
 
 def explain(design: Design, goal: str = "check") -> Explanation:
-    """Do what a command of `GOALS` does with a new design, and report what that took."""
+    """Run a command of `GOALS` on a new design; report what it computed, and the times."""
     answer = GOALS[goal](design)
     runs = tuple(design.ledger.runs)
     ran = {_plain(computed.name) for computed in runs}
@@ -66,16 +66,16 @@ def explain(design: Design, goal: str = "check") -> Explanation:
     return Explanation(design.scene, goal, runs, reasons, alone, findings)
 
 
-def _findings_by_quantity(design: Design, made: object) -> dict[str, tuple[Finding, ...]]:
+def _findings_by_quantity(design: Design, answer: object) -> dict[str, tuple[Finding, ...]]:
     """The findings of each check, effect and part, by the names of the quantities."""
     findings = {f"{FINDINGS}{name}": group for name, group in design.judgement.by_check.items()}
-    if isinstance(made, Check):
-        findings |= {f"{FINDINGS}{EFFECTS}{name}": group for name, group in made.effects.items()}
-        if made.parts:
-            part_findings = (part.findings for part in made.parts.values())
+    if isinstance(answer, Check):
+        findings |= {f"{FINDINGS}{EFFECTS}{name}": group for name, group in answer.effects.items()}
+        if answer.parts:
+            part_findings = (part.findings for part in answer.parts.values())
             findings[OF_PART] = tuple(chain.from_iterable(part_findings))
-        if made.machining is not None:
-            findings[OF_MILLING] = made.machining.findings
+        if answer.machining is not None:
+            findings[OF_MILLING] = answer.machining.findings
     return findings
 
 
@@ -118,12 +118,12 @@ def lazy_names(owner: type) -> tuple[str, ...]:
 
 
 def _plain(quantity: str) -> str:
-    """The name of a quantity without what the ledger adds for the state of an effect."""
+    """The name of a quantity without the operating condition that the ledger adds for effects."""
     return quantity.partition(" ")[0] if quantity.startswith(EFFECTS) else quantity
 
 
 def _reason(design: Design, quantity: str) -> str:
-    """Why an effect was computed."""
+    """Why an effect was computed, and from which other effects."""
     name = _plain(quantity).removeprefix(EFFECTS)
     inputs = design.effects.inputs(name)
     named = "named by the scene" if name in design.scene.effects else "needed"
@@ -131,7 +131,7 @@ def _reason(design: Design, quantity: str) -> str:
 
 
 # -- document -------------------------------------------------------------------------------------
-# What JSON has of the answer.
+# The keys of its JSON document.
 
 
 DOCUMENT: Final = Key(
@@ -146,22 +146,24 @@ DOCUMENT: Final = Key(
             {
                 "name": "Name of the quantity.",
                 "asked_by": Key(
-                    "The quantity for which it was computed; empty if the command asked.",
+                    "The quantity for which it was computed; empty if the command itself needed"
+                    " it.",
                     of="requester",
                 ),
-                "seconds": "Time taken, including everything that it asked for.",
-                "own_seconds": Key("Of these, without what it asked for.", of="net_seconds"),
-                "failed": "Whether it has no answer.",
+                "seconds": "Time taken, including everything that it needed.",
+                "own_seconds": Key("Time taken, without what it needed.", of="net_seconds"),
+                "failed": "Whether it has no result.",
             },
         ),
         "reasons": "Why effects among them were computed, by the names of the quantities.",
         "left_alone": "Quantities and effects that were not computed.",
         "findings": Key(
-            "What each check, effect and part among them found, by the names of the quantities;"
+            "The findings of each check, effect and part among them, by the names of the"
+            " quantities;"
             ' "findings.effects.NAME" are those of an effect.',
             {
-                "name": "Of the finding.",
-                "severity": "What it means to the designer.",
+                "name": "Name of the finding.",
+                "severity": "Severity of the finding.",
                 "verdict": (
                     "What is said of it: its severity, or, of a finding that nothing limits,"
                     ' "figure" if it has a value and "note" if not.'
@@ -174,7 +176,7 @@ DOCUMENT: Final = Key(
 
 
 # -- rendering ------------------------------------------------------------------------------------
-# What `camgeo explain` finds, in words.
+# The answer of `camgeo explain` in words.
 
 
 MILLI: Final = 1e3
@@ -189,8 +191,8 @@ def text(answer: Explanation) -> str:
     return "\n".join(
         (
             f"What `{command}` computes for {answer.scene.name}, each quantity below the one",
-            "that first asked for it. Times in ms: with all that it asked for, and its own. Checks",
-            "name their findings.",
+            "that first needed it. Times in ms: with everything that it needed, and its own.",
+            "Checks name their findings.",
             "",
             f"{'all':>10}{'own':>10}",
             *tree_lines(answer),
@@ -214,7 +216,7 @@ def tree_lines(answer: Explanation) -> list[str]:
         for quantity in below.get(asker, []):
             notes = (
                 answer.reasons.get(quantity.name, ""),
-                "has no answer" if quantity.failed else "",
+                "has no result" if quantity.failed else "",
             )
             note = "; ".join(filter(None, notes))
             has_findings = quantity.name in answer.findings
@@ -224,6 +226,7 @@ def tree_lines(answer: Explanation) -> list[str]:
                 + (f"  ({note})" if note else "")
                 + (f": {findings_text(answer.findings[quantity.name])}" if has_findings else "")
             )
+            # What a quantity needed is listed below its first line only.
             if quantity.name not in expanded:
                 expanded.add(quantity.name)
                 rows += lines(quantity.name, depth + 1)
@@ -262,7 +265,7 @@ ARGUMENTS: Final = (
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Compute what the command would, and print how long each quantity took."""
+    """Compute what the command computes, and print how long each quantity took."""
     design = opened(arguments)
     answer = explain(design, arguments.command)
     return show(answer, arguments)

@@ -1,4 +1,4 @@
-"""What `camgeo inspect` finds: a measured disc compared with the exact one."""
+"""Answer of `camgeo inspect`: a measured disc compared with the exact one."""
 
 from __future__ import annotations
 
@@ -74,19 +74,19 @@ from camgeo.units import (
 )
 
 WIDEST_GAP: Final = math.radians(10.0)
-"""Range of the path [rad] without a point beyond which the follower is not pressed on the disc."""
+"""Widest range of the path [rad] without a point at which the follower is still replayed."""
 
 LEAST_FORM: Final = 1e-6
-"""Errors of form [mm] below a nanometre are rounding."""
+"""Form errors [mm] below a nanometre are rounding errors."""
 
 UNSURE: Final = math.radians(0.1)
-"""Uncertainty of a turn [rad] from which on the points do not show it: about what the play of a
-keyway allows."""
+"""Uncertainty of the rotation [rad] above which the points do not determine it: about what the play
+of a keyway allows."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LiftEffect:
-    """What the deviations do to the follower, in `unit`; cam angles in rad.
+    """Effect of the deviations on the follower, in `unit`; cam angles in rad.
 
     Attributes
     ----------
@@ -95,7 +95,7 @@ class LiftEffect:
     unit : that of the scene, or "deg".
     factor : `unit` per mm or rad.
     extremes : smallest and largest error.
-    uncertainty : of the error of the larger magnitude, by that of the deviations.
+    uncertainty : of the error of the larger magnitude, from that of the deviations.
     """
 
     errors: LiftErrors
@@ -112,16 +112,16 @@ class Inspection(Answer):
 
     Attributes
     ----------
-    scene : that says what the disc should be.
+    scene : specifies the disc.
     disc, flank : which one was measured.
     file : name of the file with the points.
     count : of its points.
     ball : radius [mm] of the ball whose centres they are, 0 for points of the flank.
     tolerance : width [mm] of the zone about the flank in which points may lie; None if not stated.
-    robust : whether the fit passes over local errors of form.
+    robust : whether the fit disregards local form errors.
     alignment : how the points lie on the flank.
     deviations : over the cam angle.
-    lift : effect on the follower; None if it cannot be told, see the findings.
+    lift : effect on the follower; None if it cannot be determined, see the findings.
     findings : worst first.
     """
 
@@ -145,32 +145,32 @@ class Inspection(Answer):
 
     @property
     def align(self) -> str:
-        """What was fitted."""
+        """Kind of alignment: "datum", "rotation" or "free"."""
         return self.alignment.align.value
 
     @property
     def confidence(self) -> float:
-        """Of all uncertainties."""
+        """Confidence level of all uncertainties."""
         return CONFIDENCE
 
     @property
     def shift(self) -> complex | None:
-        """Of the part in the axes of the measurement [mm]; None if not fitted."""
+        """Shift of the part in the axes of the measurement [mm]; None if it was not fitted."""
         uncertainty = self.alignment.shift_uncertainty
         return None if uncertainty is None else self.alignment.frame.shift
 
     @property
     def turn(self) -> float | None:
-        """Of the part in the axes of the measurement [rad], counter-clockwise positive; None if
-        not fitted.
+        """Rotation of the part in the axes of the measurement [rad], counter-clockwise positive;
+        None if it was not fitted.
         """
         uncertainty = self.alignment.turn_uncertainty
         return None if uncertainty is None else self.alignment.frame.turn
 
     @property
     def delay(self) -> float | None:
-        """Cam angle [rad] by which the motion comes later because the part is turned; None if not
-        fitted.
+        """Cam angle [rad] by which the motion is late because the part is rotated; None if that was
+        not fitted.
         """
         return None if self.turn is None else -self.scene.rotation * self.turn
 
@@ -190,11 +190,12 @@ def inspect(
 
     Parameters
     ----------
-    file : CSV, see `camgeo.studies.inspection`. The end of its name says of a conjugate
-        pair which disc it is of ("-return"), and of a groove which flank ("-inner", "-outer").
-    flank : "inner" or "outer"; None by the file's name, or the one that closes the contact.
+    file : CSV, see `camgeo.studies.inspection`. The end of its name states the disc of a
+        conjugate pair ("-return") and the flank of a groove ("-inner", "-outer").
+    flank : "inner" or "outer"; None for the one that the file's name states, or else the one that
+        closes the contact.
     align : "datum", "rotation" or "free", see `camgeo.studies.inspection`.
-    robust : whether a fit passes over local errors of form; without a fit it makes no difference.
+    robust : whether a fit disregards local form errors; without a fit it makes no difference.
     unit : of a file that states none; None for that of the scene.
     ball : radius [mm] of the ball whose centres the points are; 0 for points of the flank.
     tolerance : width [mm] of the zone about the flank in which all points must lie.
@@ -204,7 +205,8 @@ def inspect(
     SceneError
         If the file cannot be read.
     FileError, GeometryError
-        If it is too large, or has no such points; if there is no such disc; if no fit settles.
+        If it is too large, or has no such points; if there is no such disc; if the fit does not
+        converge.
     """
     path = Path(file)
     disc, side = _measured(design, path.stem, flank)
@@ -234,7 +236,7 @@ def inspect_points(
     ball: float = 0.0,
     tolerance: float | None = None,
 ) -> Inspection:
-    """Compare `measured` points of a flank with it; `name` is that of their file."""
+    """Compare `measured` points with the flank `side` of `disc`; `name` is that of their file."""
     cam = disc.cam
     exact = ExactFlank(cam.disc.outline(side).path, side)
     alignment = Alignment.from_points(exact, measured.points, align, ball, robust=robust)
@@ -254,8 +256,9 @@ def inspect_points(
         except GeometryError as error:
             sentence = f"the follower cannot be pressed on the measured disc: {error}"
             findings.append(Finding("lift-error", "warning", sentence))
+    # The sort is stable: findings of one severity stay in the order of the checks.
     order = ("broken", "warning", "ok")
-    findings.sort(key=lambda each: order.index(each.severity))
+    findings.sort(key=lambda finding: order.index(finding.severity))
     return Inspection(
         disc.scene,
         disc,
@@ -278,12 +281,13 @@ def _measured(design: Design, stem: str, flank: str | None) -> tuple[Product, Fl
         return find_disc(design.discs, stem), Flank(flank)
     for side in design.cam.contact.flanks:
         if stem.lower().endswith(f"-{side}"):
+            # The flank comes last in a name: pair-return-inner.
             return find_disc(design.discs, stem[: -len(side) - 1]), side
     return find_disc(design.discs, stem), design.cam.contact.main
 
 
 def _effect(disc: Product, exact: ExactFlank, deviations: Deviations) -> LiftEffect:
-    """The effect on the follower, in the unit of the scene."""
+    """The effect of the deviations on the follower, in the unit of the scene."""
     cam = disc.cam
     errors = LiftErrors.from_deviations(exact, deviations, clearance=cam.clearance)
     unit, factor = display_unit(disc.scene.unit, is_angle=cam.lift_unit == "rad")
@@ -291,6 +295,8 @@ def _effect(disc: Product, exact: ExactFlank, deviations: Deviations) -> LiftEff
         scaled(extreme, factor) for extreme in (errors.extremes.lowest, errors.extremes.highest)
     )
     worst = high if high.value >= -low.value else low
+    # A deviation of the flank moves the follower by 1 / leverage of it, and so does its
+    # uncertainty.
     leverage = abs(float(exact.curve.pitch.leverage(np.array([worst.place]))[0]))
     uncertainty = math.inf if leverage == 0.0 else deviations.uncertainty * factor / leverage
     return LiftEffect(errors, whose_lift(cam), unit, factor, Extremes(low, high), uncertainty)
@@ -298,11 +304,12 @@ def _effect(disc: Product, exact: ExactFlank, deviations: Deviations) -> LiftEff
 
 def _profile(deviations: Deviations, tolerance: float | None) -> Finding:
     extremes = deviations.extremes
-    worst = max(extremes.highest, extremes.lowest, key=lambda each: abs(each.value))
-    what = "more" if worst.value > 0.0 else "less"
+    worst = max(extremes.highest, extremes.lowest, key=lambda extreme: abs(extreme.value))
+    what = "excess" if worst.value > 0.0 else "missing"
     statement = (
-        f"all points lie in a zone {small(deviations.profile, 'mm')} wide; most off"
-        f" {at_cam_angles(worst.place)}, {small(abs(worst.value), 'mm')} of material {what}"
+        f"the largest deviation is {small(abs(worst.value), 'mm')} of {what} material"
+        f" {at_cam_angles(worst.place)}; all points lie in a zone"
+        f" {small(deviations.profile, 'mm')} wide"
     )
     return limit_finding("profile", statement, deviations.profile, tolerance, "mm", worst.place)
 
@@ -312,14 +319,13 @@ def _coverage(deviations: Deviations) -> Finding:
     degrees = math.degrees(width)
     where = cam_angle_range(start, start + width)
     if width <= WIDEST_GAP:
-        sentence = f"at most {degrees:.3g} deg between points, {where}"
+        sentence = f"the widest gap between points is {degrees:.3g} deg, {where}"
         return Finding("coverage", "ok", sentence, degrees, unit="deg", cam_angle=start)
     sentence = (
-        f"no points {where}: what the deviations do to the follower is told for points at most"
-        f" {math.degrees(WIDEST_GAP):g} deg apart"
+        f"there are no points {where}: the effect of the deviations on the follower is reported"
+        f" only for points at most {math.degrees(WIDEST_GAP):g} deg apart"
     )
-    limit = math.degrees(WIDEST_GAP)
-    return Finding("coverage", "warning", sentence, degrees, limit, "deg", start)
+    return Finding("coverage", "warning", sentence, degrees, math.degrees(WIDEST_GAP), "deg", start)
 
 
 def _turn(alignment: Alignment) -> Iterator[Finding]:
@@ -328,21 +334,26 @@ def _turn(alignment: Alignment) -> Iterator[Finding]:
         return
     limit, degrees = math.degrees(UNSURE), math.degrees(unsure)
     if math.isinf(unsure):
-        sentence = "the flank is too round to show the turn of the part: any fits"
+        sentence = (
+            "the flank is too nearly circular to show the rotation of the part: any angle fits"
+        )
         yield Finding("turn", "warning", sentence, None, limit, "deg")
     elif unsure > UNSURE:
-        sentence = f"the flank hardly shows the turn of the part, to {small(degrees, 'deg')}"
+        sentence = (
+            f"the flank shows the rotation of the part only to within {small(degrees, 'deg')}"
+        )
         yield Finding("turn", "warning", sentence, degrees, limit, "deg")
     else:
-        yield Finding("turn", "ok", f"known to {small(degrees, 'deg')}", degrees, limit, "deg")
+        sentence = f"the rotation of the part is known to within {small(degrees, 'deg')}"
+        yield Finding("turn", "ok", sentence, degrees, limit, "deg")
     if other is not None:
         value = math.degrees(other)
-        sentence = f"the points fit as well with the part turned by {value:.6g} deg"
+        sentence = f"the points fit equally well with the part turned by {value:.6g} deg"
         yield Finding("other-turn", "warning", sentence, value, unit="deg")
 
 
 def _form(alignment: Alignment, deviations: Deviations) -> Iterator[Finding]:
-    """Errors of form that the stated uncertainty of a fit does not count."""
+    """Form errors, which the stated uncertainty of a fit does not include."""
     form = deviations.form
     if alignment.align is Align.DATUM or form < LEAST_FORM:
         return
@@ -350,9 +361,9 @@ def _form(alignment: Alignment, deviations: Deviations) -> Iterator[Finding]:
     bounds = [small(shift, "mm")] * (alignment.align is Align.FREE)
     bounds += [small(math.degrees(turn), "deg")] * (turn > 0.0)
     sentence = (
-        f"errors of form of {small(form, 'mm')} (root mean square) may have moved the fit by up to"
-        f" {' and '.join(bounds)}, which its uncertainty does not count;"
-        " --robust passes over local ones"
+        f"form errors of {small(form, 'mm')} (root mean square) may have moved the fit by up to"
+        f" {' and '.join(bounds)}, which its uncertainty does not include;"
+        " --robust disregards local ones"
     )
     if bounds:
         yield Finding("form", "warning", sentence, form, unit="mm")
@@ -361,7 +372,7 @@ def _form(alignment: Alignment, deviations: Deviations) -> Iterator[Finding]:
 def _axes(
     exact: ExactFlank, measured: MeasuredPoints, deviations: Deviations, ball: float
 ) -> Iterator[Finding]:
-    """Other axes in which points fit that are grossly off."""
+    """Other axes in which points fit far better than in those of the scene's cam."""
     other_fit = other_axes(exact, measured.points, deviations.root_mean_square, ball)
     if other_fit is None:
         return
@@ -373,7 +384,7 @@ def _axes(
     left = f"to {small(other_fit.left, 'mm')} (root mean square)"
     sentence = (
         f"the points fit {left} with the part {part}: they are not in the axes of the scene's cam;"
-        " measure from bore and key, or align by free"
+        " measure from bore and key, or use --align free"
     )
     if other_fit.mirrored:
         sentence = (
@@ -393,7 +404,8 @@ def _normals(alignment: Alignment, measured: MeasuredPoints) -> Iterator[Finding
     if stated.radial:
         share = float(np.max(false_share(radius_angles(feet))))
         sentence = (
-            f"those of the file point along the radius, up to {largest:.3g} deg off the true ones"
+            f"the normals of the file point along the radius, up to {largest:.3g} deg off the"
+            " true ones"
             f" at cam angle {cam_angle(place)} deg: if the ball was compensated along them, the"
             f" flank seems to have up to {share:.3g} mm too much material per mm of the ball's"
             " radius; measure with the normals of camgeo probe, or inspect the ball's centres with"
@@ -402,16 +414,16 @@ def _normals(alignment: Alignment, measured: MeasuredPoints) -> Iterator[Finding
         yield Finding("radial-normals", "warning", sentence, largest, limit, "deg", place)
     elif stated.largest.value > TELLING:
         sentence = (
-            f"those of the file are up to {largest:.3g} deg off the true ones,"
+            f"the normals of the file are up to {largest:.3g} deg off the true ones,"
             f" {at_cam_angles(place)}"
         )
         yield Finding("normals", "warning", sentence, largest, limit, "deg", place)
     else:
-        sentence = f"those of the file are within {small(largest, 'deg')} of the true ones"
+        sentence = f"the normals of the file are within {small(largest, 'deg')} of the true ones"
         yield Finding("normals", "ok", sentence, largest, limit, "deg", place)
     if stated.into_material:
         yield Finding(
-            "normals-inward", "warning", "those of the file point into the material", None
+            "normals-inward", "warning", "the normals of the file point into the material", None
         )
 
 
@@ -470,6 +482,7 @@ def read_points(data: bytes | str, file: str, unit: LengthUnit = "mm") -> Measur
         raise fault(file, columns.lines[-1], "", message)
     if not len(stated):
         return MeasuredPoints(points)
+    # A normal of no length stays 0 here and is refused below, where its line is known.
     size = np.hypot(*stated)
     normals = np.divide(stated[0] + 1j * stated[1], size, out=np.zeros_like(points), where=size > 0)
     if not np.all(size > 0.0):
@@ -479,7 +492,7 @@ def read_points(data: bytes | str, file: str, unit: LengthUnit = "mm") -> Measur
 
 
 # -- document -------------------------------------------------------------------------------------
-# What JSON has of the answer.
+# The keys of its JSON document.
 
 
 DEVIATION: Final = Key(
@@ -493,7 +506,7 @@ DEVIATION: Final = Key(
 ERROR: Final = Key(
     "A largest or smallest error of the lift.",
     {
-        "value": "In the unit of the lift.",
+        "value": "The error, in the unit of the lift.",
         "cam_angle_deg": Key("Cam angle of the value.", of="place"),
     },
 )
@@ -510,8 +523,8 @@ LIFT: Final = Key(
         "largest": Key("A largest or smallest error of the lift.", ERROR, of="extremes.highest"),
         "smallest": Key("A largest or smallest error of the lift.", ERROR, of="extremes.lowest"),
         "uncertainty": Key(
-            "Of the error of the larger magnitude, by that of the deviations; null if that has no"
-            " bound.",
+            "Uncertainty of the error of the larger magnitude, from that of the deviations; null if"
+            " it has no bound.",
             type=float | None,
         ),
     },
@@ -522,38 +535,39 @@ DOCUMENT: Final = Key(
     " material than there should be.",
     {
         "scene": SCENE,
-        "name": Key("Of the disc, the stem of its files.", of="disc.name"),
-        "flank": "Which flank.",
+        "name": Key("Name of the disc, the stem of its files.", of="disc.name"),
+        "flank": "The measured flank.",
         "file": "Name of the file with the points.",
         "count": "Number of its points.",
         "ball_mm": "Radius of the ball whose centres the points are; 0 for points of the flank.",
         "align": Key(
-            "What was fitted: nothing, the turn about the cam axis, or shift and turn.",
+            "What was fitted: nothing, the rotation about the cam axis, or shift and rotation.",
             type=Literal["datum", "rotation", "free"],
         ),
-        "robust": "Whether the fit passes over local errors of form.",
-        "confidence": "Of each uncertainty.",
+        "robust": "Whether the fit disregards local form errors.",
+        "confidence": "Confidence level of each uncertainty.",
         "tolerance_mm": (
             "Profile tolerance: width of the zone about the flank that must hold all points; null"
             " if not stated."
         ),
-        "shift_mm": "Of the part in the axes of the measurement, x and y; null if not fitted.",
+        "shift_mm": (
+            "Shift of the part in the axes of the measurement, x and y; null if not fitted."
+        ),
         "shift_uncertainty_mm": Key(
-            "Of x and y, by the scatter of what is left; null if not fitted.",
+            "Uncertainty of x and y, from the scatter of the residuals; null if not fitted.",
             of="alignment.shift_uncertainty",
         ),
         "turn_deg": (
-            "Of the part in the axes of the measurement, counter-clockwise positive; null if not"
-            " fitted."
+            "Rotation of the part in the axes of the measurement, counter-clockwise positive; null"
+            " if not fitted."
         ),
         "turn_uncertainty_deg": Key(
-            "By the scatter of what is left; null if not fitted, or if the flank is too round to"
-            " show the turn.",
+            "Uncertainty from the scatter of the residuals; null if not fitted, or if the flank"
+            " is too nearly circular to show the rotation.",
             of="alignment.turn_uncertainty",
         ),
         "delay_deg": (
-            "Cam angle by which the motion comes later because the part is turned; null if not"
-            " fitted."
+            "Cam angle by which the motion is late because the part is rotated; null if not fitted."
         ),
         "deviation": Key(
             "Deviations of the points from the exact flank.",
@@ -568,19 +582,20 @@ DOCUMENT: Final = Key(
                     "Width of the zone about the flank, half of it on each side, that holds all"
                     " points."
                 ),
-                "root_mean_square_mm": "Of all deviations.",
+                "root_mean_square_mm": "Root mean square of all deviations.",
                 "scatter_mm": (
                     "Standard deviation of a single reading, from each deviation and its"
                     " neighbours."
                 ),
                 "uncertainty_mm": (
-                    "Within which all deviations at once are known, by the scatter alone."
+                    "Uncertainty within which all deviations are known at once, from the scatter"
+                    " alone."
                 ),
                 "gap": Key(
                     "The widest range of the flank without a point.",
                     {
-                        "width_deg": Key("Its width in cam angle.", of="width"),
-                        "cam_angle_deg": Key("Where it begins.", of="place"),
+                        "width_deg": Key("Width of the range in cam angle.", of="width"),
+                        "cam_angle_deg": Key("Cam angle at which the range begins.", of="place"),
                     },
                     of="widest",
                 ),
@@ -588,18 +603,18 @@ DOCUMENT: Final = Key(
             of="deviations",
         ),
         "lift": Key(
-            "What the deviations do to the follower, pressed on the measured disc; null if that"
-            " cannot be told, see the findings.",
+            "Effect of the deviations on the follower, pressed on the measured disc; null if that"
+            " cannot be determined, see the findings.",
             LIFT,
         ),
-        "findings": Key("What is to be known, worst first.", FINDING),
+        "findings": Key("All findings, worst first.", FINDING),
     },
     type=Inspection,
 )
 
 
 # -- rendering ------------------------------------------------------------------------------------
-# What `camgeo inspect` finds, in words, as a table and as a picture.
+# The answer of `camgeo inspect` in words, as a table and as a picture.
 
 
 ALIGNED: Final = {
@@ -647,7 +662,7 @@ def text(answer: Inspection) -> str:
 
 
 def table(answer: Inspection) -> Table:
-    """One row for each place measured, in the order of the path: its foot on the exact flank, the
+    """One row for each measured point, in the order of the path: its foot on the exact flank, the
     true normal, the deviation and the error of the lift there, in the unit of the scene.
     """
     unit, places = answer.scene.unit, answer.deviations.places
@@ -661,6 +676,7 @@ def table(answer: Inspection) -> Table:
         f"deviation [{unit}]": answer.deviations.values / mm,
     }
     if (lift := answer.lift) is not None:
+        # The errors are known at these very angles, among others: the search only finds them again.
         index = np.searchsorted(lift.errors.phi, places.phi)
         columns[f"lift error [{lift.unit}]"] = lift.errors.errors[index] * lift.factor
     return Table(tuple(columns), np.column_stack(tuple(columns.values())))
@@ -683,7 +699,7 @@ def figure(answer: Inspection) -> Figure:
 
 
 def _fitted(answer: Inspection) -> str:
-    return ALIGNED[answer.align] + ", but for local errors" * answer.robust
+    return ALIGNED[answer.align] + ", disregarding local errors" * answer.robust
 
 
 def _lift_lines(lift: LiftEffect, sure: str) -> list[str]:
@@ -711,20 +727,23 @@ ARGUMENTS: Final = (
     Argument(
         "measured",
         metavar="MEASURED",
-        help="points (CSV: x, y, perhaps nx, ny) in the axes of the scene's cam; a name that ends"
-        " in -return is of the return disc of a conjugate pair, in -inner or -outer of that flank",
+        help="points (CSV: x, y, optionally nx, ny) in the axes of the scene's cam; a name that"
+        " ends"
+        " in -return stands for the return disc of a conjugate pair, in -inner or -outer for that"
+        " flank",
     ),
     Argument(
         "--align",
         choices=tuple(map(str, Align)),
         default=str(Align.DATUM),
-        help="what to fit: nothing (the points were measured from bore and key), the turn about the"
-        " cam axis, or shift and turn; a fit hides eccentricity and phase; default %(default)s",
+        help="what to fit: nothing (the points were measured from bore and key), the rotation about"
+        " the cam axis, or shift and rotation; a fit hides eccentricity and phase; default"
+        " %(default)s",
     ),
     Argument(
         "--robust",
         action="store_true",
-        help="of a fit: pass over local errors of form, which would sway the least squares",
+        help="with a fit: disregard local form errors, which would distort the least squares",
     ),
     Argument(
         "--unit",

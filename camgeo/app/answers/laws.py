@@ -1,4 +1,4 @@
-"""What `camgeo laws` finds: the motion laws of a task side by side, or those for each task."""
+"""Answer of `camgeo laws`: the motion laws of a task side by side, or those for each task."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from camgeo.pictures.model import Figure
 from camgeo.units import RPM, counted
 
 UNITS: Final = ("mm/s", "mm/s^2", "mm/s^2", "mm/s^3", "mm/s^3", "N m/kg", "N m/kg")
-"""Of the physical values of `QUANTITIES`."""
+"""Units of the physical values, in the order of `QUANTITIES`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +55,7 @@ class LawRow:
 
     @property
     def parameters(self) -> Mapping[str, float]:
-        """Those of the law, by name; none if there is no law."""
+        """Parameters of the law, by name; empty if there is no law."""
         return {} if self.entry.law is None else self.entry.law.parameters
 
     @property
@@ -77,7 +77,7 @@ class TaskLaws:
 
     @property
     def ends(self) -> tuple[str, ...]:
-        """What the move meets at its start and at its end, in words."""
+        """The classes of the motion at the start and at the end of the move, in words."""
         names: dict[str, str] = {end: NAMES[end] for end in ENDS}
         return tuple(names[end] for end in task_ends(self.task))
 
@@ -101,7 +101,7 @@ class Laws(Answer):
 
     @classmethod
     def from_law(cls, law: Law) -> Laws:
-        """One law alone."""
+        """The answer for a single law."""
         return cls((LawRow(law_entry(law)),))
 
     @property
@@ -111,6 +111,7 @@ class Laws(Answer):
         for row in self.rows or ():
             entry = row.entry
             parameters = ", ".join(f"{name} {value:.6g}" for name, value in row.parameters.items())
+            # A law that is not possible has the reason in place of its first value.
             values = [entry.reason, *[""] * (len(HEAD) - 1)]
             if entry.law is not None:
                 values = [_spelled(entry.bounded(quantity), ".6g") for quantity in QUANTITIES]
@@ -119,7 +120,7 @@ class Laws(Answer):
 
     @property
     def physical_cells(self) -> list[list[str]]:
-        """The same values of the move at its speed; nothing without one."""
+        """The physical values of the laws for the move, below a heading; empty without a move."""
         symbols = zip(PHYSICAL_HEAD, UNITS, strict=True)
         table = [["law", *(f"{name} [{unit}]" for name, unit in symbols)]]
         for row in self.rows or ():
@@ -140,7 +141,10 @@ def laws_of_task(
     running: Running | None = None,
     places: bool = False,
 ) -> Laws:
-    """Compare the laws of a task; `task`, `given`, `names` as of `compare`, the rest of `Laws`.
+    """Compare the laws of a task.
+
+    `task`, `given` and `names` are the arguments of `camgeo.kinematics.laws.comparison.compare`,
+    the others attributes of `Laws`.
 
     Raises
     ------
@@ -165,7 +169,10 @@ def _impossible(entries: Sequence[Entry]) -> list[Fault]:
 
 
 def laws_of_all_tasks(names: Sequence[str] = ()) -> Laws:
-    """List the families available for each task, of all or of `names`; GeometryError if unknown."""
+    """List the families available for each task, all of them or only those of `names`.
+
+    GeometryError if a name is unknown.
+    """
     wanted = {find_family(name).name for name in names}
     return Laws(
         tasks=tuple(
@@ -195,67 +202,71 @@ def _physical(entry: Entry, running: Running | None) -> dict[str, Physical | Non
 
 
 # -- document -------------------------------------------------------------------------------------
-# What JSON has of the answer.
+# The keys of its JSON document.
 
 
 EXTREME: Final[Keys] = {
-    "value": "With its sign.",
-    "z": Key("Where, from 0 to 1.", of="place"),
+    "value": "The extreme value, with its sign.",
+    "z": Key("Place of the value, from 0 to 1.", of="place"),
 }
 
 PHYSICAL: Final[Keys] = {
-    "value": "In `unit`.",
+    "value": "The physical value, in `unit`.",
     "unit": Key(
-        "Of the value; the moment is that against the inertia of 1 kg on the follower.",
+        "Unit of the value; the moment is that against the inertia of 1 kg on the follower.",
         type=Literal["mm/s", "mm/s^2", "mm/s^3", "N m/kg"],
     ),
 }
 
 DOCUMENT: Final = Key(
-    "The motion laws of one motion task side by side, or those that are made for each task.",
+    "The motion laws of one motion task side by side, or the laws available for each task.",
     {
         "running": Key(
             "The move that gives the laws physical values, if one was named.",
             {
-                "speed_rad_per_s": "Of the cam.",
+                "speed_rad_per_s": "Speed of the cam.",
                 "span_deg": "Cam angle of the move.",
-                "stroke_mm": "Of the follower.",
+                "stroke_mm": "Stroke of the follower.",
             },
             optional=True,
         ),
         "laws": Key(
             "The laws of one task, in the order in which they were named, or as they are listed.",
             {
-                "law": Key("Its name.", of="entry.name"),
+                "law": Key("Name of the law.", of="entry.name"),
                 "task": Key('The motion task, e.g. "R-U".', of="entry.task"),
                 "parameters": (
-                    "Those of the law, by name: the inflection point, boundary values, options."
+                    "Parameters of the law, by name: the inflection point, boundary values,"
+                    " options."
                 ),
                 "ignored": Key(
-                    "Parameters that were given and that the law does not take for the task.",
+                    "Parameters that were stated but that the law does not take for the task.",
                     of="entry.ignored",
                 ),
                 "assumed_zero": Key(
-                    "Boundary values that the law takes, that were not given, and that are 0"
-                    " therefore.",
+                    "Boundary values that the law takes and that were not stated, so that they"
+                    " are 0.",
                     of="entry.assumed",
                 ),
                 "reason": Key(
                     "Why there is no such law; empty if there is one.", of="entry.reason"
                 ),
-                "shock_places": Key("Where f' jumps, z from 0 to 1.", of="entry.shocks"),
-                "jerk_places": Key("Where f'' jumps, z from 0 to 1.", of="entry.jerks"),
+                "shock_places": Key("Places z, from 0 to 1, at which f' jumps.", of="entry.shocks"),
+                "jerk_places": Key("Places z, from 0 to 1, at which f'' jumps.", of="entry.jerks"),
                 "runs_back": Key("Whether f' is negative somewhere.", of="entry.runs_back"),
                 "overshoots": Key("Whether f leaves the range from 0 to 1.", of="entry.overshoots"),
                 "values": Key(
                     'Characteristic values (VDI 2143-1) by name, e.g. "velocity" for C_v,'
                     ' "deceleration" for C_a*; null without a law.',
-                    Key("Null if it is unbounded, because of a shock or jerk.", EXTREME),
+                    Key(
+                        "A characteristic value; null if a shock or jerk makes it unbounded.",
+                        EXTREME,
+                    ),
                 ),
                 "physical": Key(
                     "Velocity, acceleration, jerk and moment of the move by name; missing without"
                     " a move or a law.",
-                    Key("Null if it is unbounded.", PHYSICAL),
+                    Key("A physical value; null if it is unbounded.", PHYSICAL),
                     optional=True,
                 ),
             },
@@ -263,15 +274,16 @@ DOCUMENT: Final = Key(
             optional=True,
         ),
         "tasks": Key(
-            "All motion tasks (VDI 2143-1, Tafel 1), if they were asked for.",
+            "All motion tasks (VDI 2143-1, Tafel 1), if they were requested.",
             {
-                "task": 'E.g. "R-U".',
+                "task": 'The motion task, e.g. "R-U".',
                 "ends": Key(
-                    'What the move meets at its start and at its end, e.g. "rest" and "turn".',
+                    "Class of the motion at the start and at the end of the move, in words.",
                     type=tuple[str, str],
                 ),
                 "laws": Key(
-                    "The laws made for it, by name: the names of their parameters.", of="families"
+                    "The laws available for it, by name: the names of their parameters.",
+                    of="families",
                 ),
             },
             optional=True,
@@ -282,20 +294,20 @@ DOCUMENT: Final = Key(
 
 
 # -- rendering ------------------------------------------------------------------------------------
-# What `camgeo laws` finds, as a table and as a picture.
+# The answer of `camgeo laws` as a table and as a picture.
 
 
 HEAD: Final = ("C_v", "C_a", "C_a*", "C_j", "C_j*", "C_Mdyn", "C_Mdyn*")
 """Symbols of `QUANTITIES`, as in VDI 2143."""
 
 PHYSICAL_HEAD: Final = ("v", "a", "a*", "j", "j*", "M/m", "M/m*")
-"""Those of the same quantities of a move; M/m is the torque against the inertia of 1 kg."""
+"""Symbols of their physical values; M/m is the torque against the inertia of 1 kg."""
 
 SYMBOLS: Final = {
     "inflection": "lambda",
     **{name: option.symbol for name, option in OPTIONS.items()},
 }
-"""Names in the table for parameters to which the guideline gives a letter."""
+"""Symbols in the table for parameters to which VDI 2143 gives a letter."""
 
 CELL: Final = 12
 
@@ -377,6 +389,7 @@ def _cell(value: float | None, form: str, missing: str = "unbounded") -> str:
 
 
 def _spelled(value: float | None, form: str, missing: str = "unbounded") -> str:
+    # Adding 0.0 turns -0.0 into 0.0.
     return missing if value is None else format(value + 0.0, form)
 
 
@@ -385,7 +398,7 @@ def _parameters(row: LawRow) -> str:
 
 
 def _remarks(entry: Entry) -> str:
-    """Shocks and jerks with their z, and whether the move runs back or overshoots."""
+    """Places z of shocks and jerks, and whether the move runs back or overshoots."""
     remarks = []
     for word, places in (("shock", entry.shocks), ("jerk", entry.jerks)):
         if places:
@@ -404,8 +417,8 @@ def _notes(entries: Sequence[Entry]) -> list[str]:
             ignored.setdefault(entry.ignored, []).append(entry.name)
             assumed.setdefault(entry.assumed, []).append(entry.name)
     kinds = (
-        (f"ignored, no parameters for {entries[0].task}", ignored),
-        ("not given, taken as 0", assumed),
+        (f"ignored, not taken for {entries[0].task}", ignored),
+        ("not stated, taken as 0", assumed),
     )
     notes = [
         f"{start}: {', '.join(keys)} ({', '.join(names)})"
@@ -436,7 +449,7 @@ PARAMETERS: Final = {
     "j1": ("F3", "f'''(1)"),
     **{name: (option.symbol.upper(), option.text) for name, option in OPTIONS.items()},
 }
-"""What `make_law` may take in addition to name and task: metavar and help of the option."""
+"""Parameters of `make_law` besides name and task, with metavar and help of their options."""
 
 
 def law_arguments(*, several: bool = False) -> ArgumentGroup:
@@ -463,12 +476,12 @@ def law_arguments(*, several: bool = False) -> ArgumentGroup:
 
 
 def stated_options(arguments: argparse.Namespace) -> list[str]:
-    """The options given among the task and the parameters."""
+    """The options of task and parameters that the call states, with their dashes."""
     return [f"--{name}" for name in ("task", *PARAMETERS) if getattr(arguments, name) is not None]
 
 
 def law_parameters(arguments: argparse.Namespace) -> dict[str, float]:
-    """The parameters that are given, by the names that `make_law` takes."""
+    """The parameters that the call states, by the names that `make_law` takes."""
     parameters = {key: getattr(arguments, key) for key in PARAMETERS}
     return {key: value for key, value in parameters.items() if value is not None}
 
@@ -510,6 +523,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Print the comparison, or write its picture."""
     names, running = arguments.law or (), _running(arguments)
     if arguments.task == EVERY_TASK:
+        # Without the first one, which is --task itself.
         only_with_one = stated_options(arguments)[1:]
         only_with_one += [f"--{name}" for name in RUNNING if running is not None]
         only_with_one += ["--places"] * arguments.places + ["-o"] * (arguments.output is not None)
@@ -531,7 +545,10 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _running(arguments: argparse.Namespace) -> Running | None:
-    """The move of the physical values; None if nothing of it is given."""
+    """The move for the physical values; None if none of its options is given.
+
+    CallError if some of them are missing.
+    """
     missing = [f"--{name}" for name in RUNNING if getattr(arguments, name) is None]
     if len(missing) == len(RUNNING):
         return None

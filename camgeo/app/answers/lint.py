@@ -1,4 +1,4 @@
-"""What `camgeo lint` finds: programs run as the controller of a machine profile would run them."""
+"""Answer of `camgeo lint`: programs run as the controller of a machine profile would run them."""
 
 from __future__ import annotations
 
@@ -30,8 +30,8 @@ class Placed:
 
     Attributes
     ----------
-    finding : on the line.
-    text : of the line; empty if it concerns the whole program.
+    finding : rule, values and the number of the line.
+    text : of the line; empty if the finding concerns the whole program.
     """
 
     finding: LineFinding
@@ -39,7 +39,7 @@ class Placed:
 
     @property
     def line(self) -> int | None:
-        """Its number; None if it concerns the whole program."""
+        """Number of the line, from 1; None if the finding concerns the whole program."""
         return self.finding.line or None
 
 
@@ -60,7 +60,7 @@ class Program:
 
     @property
     def file(self) -> str:
-        """Its path, as text."""
+        """Path of the file, as text."""
         return str(self.path)
 
     @property
@@ -73,7 +73,7 @@ class Program:
 
     @property
     def findings(self) -> tuple[Placed, ...]:
-        """By line, those of the whole program last."""
+        """The findings by line, those on the whole program last."""
         linted = self.linted
         if linted is None:
             return ()
@@ -84,12 +84,12 @@ class Program:
 
 @dataclass(frozen=True, slots=True)
 class Lint(Answer):
-    """Programs, and what was found in them.
+    """Programs and the findings on them.
 
     Attributes
     ----------
-    machine : profile that they were read with.
-    bench : what was taken of the work.
+    machine : profile with which they were run.
+    bench : what was assumed of the setup.
     programs : one per file.
     scene : with tools, blank and holding; None without one.
     """
@@ -101,12 +101,12 @@ class Lint(Answer):
 
     @property
     def clean(self) -> bool:
-        """Whether all files could be read and nothing was found in any."""
+        """Whether all files could be read and none has a finding."""
         return all(program.linted is not None and not program.findings for program in self.programs)
 
     @property
     def exit_code(self) -> int:
-        """2 if a file cannot be read, 1 if something was found, else 0."""
+        """2 if a file cannot be read, 1 if there is a finding, else 0."""
         if any(program.damage for program in self.programs):
             return WRONG
         return FINE if self.clean else BROKEN
@@ -120,15 +120,16 @@ def lint(
     *,
     second_side: bool = False,
 ) -> Lint:
-    """Run programs, and find what is wrong with them.
+    """Run programs, and report what is wrong with them.
 
     Parameters
     ----------
     paths : of the files.
     machine : name of a machine profile, or the path of one.
-    bench : what the programs do not say of the work; by default Z 0 is the top of the stock.
-    design : whose tools, blank and holding they are run with; None if that is not to be judged.
-    second_side : whether they mill the second side of it; else they say so in a comment.
+    bench : what the programs do not state of the setup; by default Z 0 is the top of the stock.
+    design : supplies tools, blank and holding; None if the work is not to be checked.
+    second_side : whether they mill the second side of it; programs of camgeo state that in a
+        comment.
 
     Raises
     ------
@@ -138,16 +139,17 @@ def lint(
     profile, work = load(machine, "machine"), bench or Bench()
     runs: Linter = _installed("camgeo.linters", "interpreter")
     if design is not None and not design.scene.states_milling:
-        fault = Fault("tool", "", "is not stated: nothing is known of the work")
+        fault = Fault("tool", "", "is not stated: nothing is known about the workpiece")
         raise SceneError([fault], design.scene.source.file)
     if second_side and design is not None and len(product_sides(design.disc)) == 1:
         raise SceneError([Fault("second_side", "", "is not stated")], design.scene.source.file)
 
     def milled_product(path: Path) -> Product | None:
-        """What a program mills."""
+        """The disc that the program mills, by the name of its file; None without a design."""
         if design is None:
             return None
         disc = find_disc(design.discs, path.stem)
+        # The second side comes last.
         return product_sides(disc)[-1] if second_side else disc
 
     programs = tuple(_program(path, profile, work, runs, milled_product(path)) for path in paths)
@@ -162,14 +164,14 @@ class Linter(Protocol):
 
 
 class WorkJudge(Protocol):
-    """Says what programs do to the blank and the part of a scene."""
+    """Checks what programs do to the blank and the part of a scene."""
 
     def worked(self, product: Product, data: bytes, machine: Machine) -> tuple[LineFinding, ...]:
-        """Findings on the work, by line."""
+        """Findings on the workpiece, by line."""
 
 
 def _installed(group: str, what: str) -> Any:
-    """What is registered for programs in a group of entry points; FileError if nothing is."""
+    """The entry point for programs in a group, loaded; FileError if none is registered."""
     registered = entry_points(group=group, name="gcode")
     if not registered:
         raise FileError(f"the {what} of programs is not installed: install camgeo again")
@@ -192,42 +194,47 @@ def _program(
         return Program(path, f"cannot be read: {unreadable(error)}")
 
 
-def _add_findings(found: Linted, further: tuple[LineFinding, ...], data: bytes) -> Linted:
-    """The same with further findings, and the texts of their lines."""
+def _add_findings(linted: Linted, further: tuple[LineFinding, ...], data: bytes) -> Linted:
+    """The linted program with further findings, and the texts of their lines.
+
+    Findings on the whole program, with line 0, stay last.
+    """
     lines = data.decode("utf-8", "replace").splitlines()
     texts = {
         finding.line: lines[finding.line - 1]
         for finding in further
         if 0 < finding.line <= len(lines)
     }
-    both = sorted((*found.findings, *further), key=lambda each: each.line or math.inf)
-    return replace(found, findings=tuple(both), texts={**texts, **found.texts})
+    both = sorted(
+        (*linted.findings, *further), key=lambda line_finding: line_finding.line or math.inf
+    )
+    return replace(linted, findings=tuple(both), texts={**texts, **linted.texts})
 
 
 # -- document -------------------------------------------------------------------------------------
-# What JSON has of the answer.
+# The keys of its JSON document.
 
 
 DOCUMENT: Final = Key(
     "Programs run as the controller of a machine profile would run them.",
     {
         "machine": Key(
-            "Name of the machine profile that the programs were read with.", of="machine.name"
+            "Name of the machine profile with which the programs were run.", of="machine.name"
         ),
         "stock_top_mm": Key("Z of the highest stock.", of="bench.stock_top"),
         "clearance_mm": Key("Z from which on traverses may go anywhere.", of="bench.free"),
-        "clean": "Whether all files could be read and nothing was found in any.",
+        "clean": "Whether all files could be read and none has a finding.",
         "programs": Key(
-            "In the order in which they were named.",
+            "The programs, in the order of the call.",
             {
-                "file": "Its path, as named.",
+                "file": "Path of the file, as in the call.",
                 "refused": Key(
                     "Why it cannot be read; missing if it can.", of="damage", optional=True
                 ),
                 "moves": "Moves that it makes.",
                 "complete": "Whether it was read to its end; false after too many findings.",
                 "findings": Key(
-                    "By line, those of the whole program last.",
+                    "The findings by line, those on the whole program last.",
                     {
                         "line": Key(
                             "Line of the file, counted from 1; missing for the whole program.",
@@ -246,7 +253,9 @@ DOCUMENT: Final = Key(
                             ],
                         ),
                         "what": Key("What is wrong.", of="finding.what"),
-                        "value": Key("What was found.", of="finding.value", optional=True),
+                        "value": Key(
+                            "The value in the program.", of="finding.value", optional=True
+                        ),
                         "allowed": Key("What would be right.", of="finding.allowed", optional=True),
                     },
                 ),
@@ -258,7 +267,7 @@ DOCUMENT: Final = Key(
 
 
 # -- rendering ------------------------------------------------------------------------------------
-# What `camgeo lint` finds, in words.
+# The answer of `camgeo lint` in words.
 
 
 WIDTH: Final = 100
@@ -270,7 +279,7 @@ INDENT: Final = " " * 12
 
 
 def text(answer: Lint) -> str:
-    """Each file with what was found in it: line, its text, what is wrong, what is allowed."""
+    """Each file with its findings: the line, its text, what is wrong, what is allowed."""
     lines: list[str] = []
     unit = "mm" if answer.scene is None else answer.scene.unit
     for program in answer.programs:
@@ -282,29 +291,29 @@ def _program_lines(program: Program, machine: str, unit: LengthUnit) -> list[str
     if program.damage:
         return [f"{program.path}: cannot be used: {program.damage}"]
     findings = program.findings
-    count = counted(len(findings), "finding") if findings else "nothing found"
-    lines = [f"{program.path}: {count}, {counted(program.moves, 'move')}, as for {machine}"]
-    for _, group in groupby(findings, lambda each: each.line):
+    count = counted(len(findings), "finding") if findings else "no findings"
+    lines = [f"{program.path}: {count}, {counted(program.moves, 'move')}, run as on {machine}"]
+    for _, group in groupby(findings, lambda place: place.line):
         placed = list(group)
         lines += [
             _place(placed[0]),
             *(line for finding in placed for line in _finding_lines(finding, unit)),
         ]
     if not program.complete:
-        lines.append("  and perhaps more: the program was not read further")
+        lines.append("  and possibly more: the rest of the program was not read")
     return lines
 
 
-def _place(each: Placed) -> str:
-    """The line, and its text."""
-    if each.line is None:
+def _place(placed: Placed) -> str:
+    """The number of the line, and its text."""
+    if placed.line is None:
         return "  the program"
-    return f"  line {each.line:<5} {shortened(each.text.strip(), LONGEST)}".rstrip()
+    return f"  line {placed.line:<5} {shortened(placed.text.strip(), LONGEST)}".rstrip()
 
 
-def _finding_lines(each: Placed, unit: LengthUnit) -> list[str]:
-    """What is wrong in it, in that unit before a line may end between a number and its unit."""
-    finding = each.finding
+def _finding_lines(placed: Placed, unit: LengthUnit) -> list[str]:
+    """The finding in words, wrapped; converted first, as a line may end before a unit."""
+    finding = placed.finding
     said = f"{finding.rule}: {finding.what}"
     said += f", {finding.value}" if finding.value else ""
     said += f"; allowed: {finding.allowed}" if finding.allowed else ""
@@ -358,24 +367,25 @@ ARGUMENTS: Final = (
         action="append",
         default=[],
         type=_radius,
-        help="what offset D holds, where the control compensates for the cutter: its radius, or its"
-        " wear alone",
+        help="value of the offset D, where the control compensates for the cutter: its radius, or"
+        " its wear alone",
     ),
     Argument(
         "--scene",
         metavar="SCENE",
-        help="scene whose tools, blank, holding and part the programs are run with",
+        help="scene that supplies tools, blank, holding and part",
     ),
     Argument(
         "--second-side",
         action="store_true",
-        help="the programs mill the second side of the scene; those of camgeo say so themselves",
+        help="the programs mill the second side of the scene; those of camgeo state that"
+        " themselves",
     ),
 )
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Show what was found; 0 for nothing, 1 for something, 2 if a file cannot be read."""
+    """Print the findings; exit code 0 without any, 1 with some, 2 if a file cannot be read."""
     clearance = arguments.clearance
     if clearance is not None and clearance < arguments.stock_top:
         raise CallError("argument --clearance: is below the top of the stock")
@@ -384,5 +394,5 @@ def run(arguments: argparse.Namespace) -> int:
     design = opened(arguments) if arguments.scene is not None else None
     second = arguments.second_side
     if second and design is None:
-        raise CallError("argument --second-side: needs --scene, whose second side it is")
+        raise CallError("argument --second-side: needs --scene, which states the second side")
     return show(lint(paths, arguments.machine, bench, design, second_side=second), arguments)

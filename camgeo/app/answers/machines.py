@@ -1,4 +1,4 @@
-"""What `camgeo machines` finds: the machine profiles, or one of them with all its keys."""
+"""Answer of `camgeo machines`: the machine profiles, or one of them with all its keys."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from camgeo.milling.machine import EVIDENCE, Evidence, Machine, load, names, sch
 
 @dataclass(frozen=True, slots=True)
 class Listed:
-    """A profile of a list.
+    """A machine profile with the name by which it is loaded.
 
     Attributes
     ----------
     profile : the name by which scenes refer to it.
-    machine : what it says.
+    machine : contents of the profile.
     """
 
     profile: str
@@ -58,7 +58,7 @@ class Machines(Answer):
 
     Attributes
     ----------
-    listed : all profiles of camgeo; None if one is shown.
+    listed : all profiles of camgeo; None if one was selected.
     selected : that profile; None for the list.
     """
 
@@ -67,12 +67,12 @@ class Machines(Answer):
 
     @property
     def keys(self) -> tuple[ProfileKey, ...] | None:
-        """Those of the profile that is shown, in the order of the schema."""
+        """Keys of the selected profile, in the order of the schema; None for the list."""
         return None if self.selected is None else tuple(profile_keys(self.selected.machine))
 
     @property
     def evidence(self) -> tuple[Evidence, ...] | None:
-        """That of the profile that is shown."""
+        """Evidence of the selected profile; None for the list."""
         return None if self.selected is None else self.selected.machine.evidence
 
 
@@ -89,7 +89,7 @@ def machine(name: str) -> Machines:
 def profile_keys(
     owner: Any, node: Mapping[str, Any] | None = None, path: str = ""
 ) -> Iterator[ProfileKey]:
-    """The keys of a profile or of one of its tables that have a value, but its evidence."""
+    """The keys of a profile or of one of its tables that have a value, except its evidence."""
     nodes = (schema() if node is None else node)["properties"]
     for field in fields(owner):
         value, key = getattr(owner, field.name), f"{path}{field.name}"
@@ -113,11 +113,12 @@ def _toml(value: object) -> str:
         return json.dumps(value)
     if isinstance(value, tuple):
         return f"[{', '.join(_toml(entry) for entry in value)}]"
+    # Fifteen digits show every decimal number as it was stated.
     return f"{value:.15g}"
 
 
 # -- document -------------------------------------------------------------------------------------
-# What JSON has of the answer.
+# The keys of its JSON document.
 
 
 PROFILE: Final[Keys] = {
@@ -140,25 +141,25 @@ DOCUMENT: Final = Key(
         ),
         "profile": Key("The profile that was named.", PROFILE, of="selected", optional=True),
         "keys": Key(
-            "Its keys that have a value, in the order of docs/machines.md.",
+            "Keys of the profile that have a value, in the order of docs/machines.md.",
             {
-                "key": "With the names of its tables.",
-                "value": "As in a profile file.",
+                "key": "Name of the key, with the names of its tables.",
+                "value": "The value, as in a profile file.",
                 "unit": "Unit of a number; empty if it has none.",
-                "description": "What it means.",
+                "description": "Meaning of the key.",
             },
             optional=True,
         ),
         "evidence": Key(
-            "What the profile that was named rests on.",
+            "The evidence for the profile that was named.",
             {
                 "kind": Key(
-                    'What the statement rests on; "none" if it is not confirmed.',
+                    'Kind of evidence; "none" if the statement is not confirmed.',
                     type=Literal["manual", "source code", "interpreter", "machine", "post", "none"],
                 ),
                 "about": "Keys or tables that it is about.",
                 "text": "What the source says, or what is not confirmed.",
-                "source": 'Where; empty for kind "none".',
+                "source": 'Place of that text; empty for kind "none".',
             },
             optional=True,
         ),
@@ -168,18 +169,18 @@ DOCUMENT: Final = Key(
 
 
 # -- rendering ------------------------------------------------------------------------------------
-# What `camgeo machines` finds, in words.
+# The answer of `camgeo machines` in words.
 
 
 WORDS = {
     "manual": "manual", "source code": "source code", "interpreter": "interpreter",
     "machine": "machine", "post": "post", "none": "not confirmed",
 }  # fmt: skip
-"""Of the kinds of evidence."""
+"""Words for the kinds of evidence."""
 
 
 def text(answer: Machines) -> str:
-    """One line per profile, or the keys of one with what they rest on."""
+    """One line per profile, or the keys of one with the evidence for them."""
     if answer.listed is not None:
         return "\n".join(_list(answer.listed))
     assert answer.selected is not None
@@ -187,7 +188,7 @@ def text(answer: Machines) -> str:
     lines = [f"{profile.profile}: {machine.controller}", ""]
     lines += _keys(answer.keys or ())
     if machine.evidence:
-        lines += ["", "what it rests on"]
+        lines += ["", "evidence"]
     for statement in machine.evidence:
         lines.append(f"  {WORDS[statement.kind]}: {', '.join(statement.about)}")
         lines.append(f"    {statement.text}")

@@ -1,4 +1,4 @@
-"""What `camgeo optimise` finds: the best design, its scene, and the record of the search."""
+"""Answer of `camgeo optimise`: the best design, its scene, and the record of the search."""
 
 from __future__ import annotations
 
@@ -41,13 +41,13 @@ from camgeo.units import counted, shortened, unit_and_divisor
 
 @dataclass(frozen=True, slots=True)
 class Tried:
-    """One design.
+    """One design that was tried.
 
     Attributes
     ----------
     number : in the order of the trials, from 1.
     values : by the keys that vary.
-    answers : by what was asked; None where there is none.
+    answers : values of the requested quantities by name; None where there is none.
     violated : in words, the limits that it breaks, or why there is no such design; the worst first.
     """
 
@@ -59,7 +59,7 @@ class Tried:
 
 @dataclass(frozen=True, slots=True)
 class Bound:
-    """What a variable could be: numbers from `start` to `stop`, or one of `values`."""
+    """The range of a variable: numbers from `start` to `stop`, or one of `values`."""
 
     keys: tuple[str, ...]
     start: float | None
@@ -69,7 +69,7 @@ class Bound:
 
 @dataclass(frozen=True, slots=True)
 class Objective:
-    """What was sought, and in which unit it is stated."""
+    """A quantity to be made as small ("least") or large ("largest") as possible, with its unit."""
 
     question: str
     sense: str
@@ -78,7 +78,7 @@ class Objective:
 
 @dataclass(frozen=True, slots=True)
 class Optimum(Answer):
-    """What an optimisation found.
+    """The outcome of an optimisation.
 
     Attributes
     ----------
@@ -94,7 +94,7 @@ class Optimum(Answer):
 
     @property
     def objectives(self) -> tuple[Objective, ...]:
-        """In their order."""
+        """The objectives, in the order of the call."""
         questions = self.search.task.questions
         return tuple(
             Objective(goal.question.word, goal.sense, self.units[questions.index(goal.question)])
@@ -103,34 +103,35 @@ class Optimum(Answer):
 
     @property
     def units(self) -> tuple[str, ...]:
-        """Of what was asked; empty where no design has an answer."""
+        """Units of the requested quantities; empty where no design has a value."""
         places = range(len(self.search.task.questions))
+        # Designs without a value have no unit: the first one that states it counts.
         rows = [trial.units for trial in self.search.trials if trial.units]
         return tuple(next((row[place] for row in rows if row[place]), "") for place in places)
 
     @property
     def limits(self) -> tuple[str, ...]:
-        """Stated with the call."""
+        """The limits stated with the call, in words."""
         return tuple(map(str, self.search.task.limits))
 
     @property
     def ignored(self) -> tuple[str, ...]:
-        """Findings whose limits in the scene were left out of account."""
+        """Names of the findings whose limits in the scene were ignored."""
         return tuple(sorted(self.search.task.ignored))
 
     @property
     def bounds(self) -> tuple[Bound, ...]:
-        """Of the variables."""
+        """The ranges of the variables."""
         return tuple(map(_bound, self.search.task.family.variables))
 
     @property
     def evaluations(self) -> int:
-        """Designs that were tried."""
+        """Number of designs that were tried."""
         return len(self.search.trials)
 
     @property
     def feasible_count(self) -> int:
-        """Designs that keep all limits."""
+        """Number of designs that keep all limits."""
         return sum(trial.feasible for trial in self.search.trials)
 
     @property
@@ -140,22 +141,24 @@ class Optimum(Answer):
 
     @property
     def best(self) -> Tried:
-        """The best design as the search found it, or, if none keeps the limits, the nearest."""
+        """The best design as the search found it; if none keeps the limits, the one that violates
+        them least.
+        """
         return self.tried(self.search.best)
 
     @property
     def written(self) -> Tried | None:
-        """The best design with short numbers, as it is written; None if none keeps the limits."""
+        """The best design with rounded numbers, as it is written; None if none keeps the limits."""
         return None if self.search.made is None else self.tried(self.search.made)
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """Limits of the scene that the design breaks, and that were left out of account."""
+        """Limits of the scene that the written design breaks and that were ignored."""
         return () if self.search.made is None else self.search.made.remarks
 
     @property
     def front(self) -> tuple[Tried, ...]:
-        """Of several objectives, the designs that no other one beats; else none."""
+        """The non-dominated designs of several objectives; empty for a single one."""
         several = len(self.search.task.goals) > 1
         return tuple(map(self.tried, self.search.front)) if several else ()
 
@@ -165,7 +168,7 @@ class Optimum(Answer):
         return BROKEN if self.search.made is None else FINE
 
     def tried(self, trial: Trial) -> Tried:
-        """A design with its keys and what was asked."""
+        """A trial with its values by key and its answers by name."""
         words = [question.word for question in self.search.task.questions]
         values = self.search.task.family.edits(trial.point)
         answers = dict(zip(words, trial.values, strict=True))
@@ -181,15 +184,16 @@ def _bound(variable: Variable) -> Bound:
 
 
 # -- document -------------------------------------------------------------------------------------
-# What JSON has of the answer.
+# The keys of its JSON document.
 
 
 TRIED: Final = Key(
     "A design that was tried.",
     {
-        "number": "In the order of the trials, from 1.",
-        "values": "Its values by the keys that vary, in the units of the scene.",
-        "answers": "By what was asked, objectives first; null where there is none.",
+        "number": "Number of the trial, from 1.",
+        "values": "Values of the design by the keys that vary, in the units of the scene.",
+        "answers": "Values of the requested quantities by name, objectives first; null where"
+        " there is none.",
         "violated": (
             "The limits that it breaks, or why there is no such design, the worst first; empty if"
             " it keeps all."
@@ -198,7 +202,7 @@ TRIED: Final = Key(
 )
 
 DOCUMENT: Final = Key(
-    "The best design that a search found, and what was tried.",
+    "The best design that a search found, and the designs that were tried.",
     {
         "scene": Key(
             "The scene that the search starts from.",
@@ -210,21 +214,19 @@ DOCUMENT: Final = Key(
             },
         ),
         "objectives": Key(
-            "What was sought.",
+            "The objectives.",
             {
                 "asked": Key(
                     "Name of a finding, or of a column after min:, max: or peak:.", of="question"
                 ),
-                "sense": Key("What it should be.", type=Literal["least", "largest"]),
+                "sense": Key("Direction of the objective.", type=Literal["least", "largest"]),
                 "unit": "Unit of its answers; empty if it has none, or if no design has an answer.",
             },
         ),
         "limits": "Limits stated with the call, in the units of the answers.",
-        "ignored": (
-            'Findings whose limits in the scene were left out of account; "limits" stands for all.'
-        ),
+        "ignored": ('Findings whose limits in the scene were ignored; "limits" stands for all.'),
         "bounds": Key(
-            "What could vary.",
+            "The variables and their ranges.",
             {
                 "keys": "The keys that take the value.",
                 "from": Key("One end of the range; null for a list.", of="start"),
@@ -232,11 +234,11 @@ DOCUMENT: Final = Key(
                 "values": "What could be chosen, a value for each key; empty for a range.",
             },
         ),
-        "seed": Key("Of what was drawn.", of="search.seed"),
-        "evaluations": "Designs that were tried.",
-        "allowed": Key("Designs that could be tried.", of="search.most"),
-        "kept": Key("Designs that keep all limits.", of="feasible_count"),
-        "ended": Key("Why no more were tried.", of="search.ended"),
+        "seed": Key("Seed of the random numbers.", of="search.seed"),
+        "evaluations": "Number of designs that were tried.",
+        "allowed": Key("Number of designs that could be tried.", of="search.most"),
+        "kept": Key("Number of designs that keep all limits.", of="feasible_count"),
+        "ended": Key("Why the search ended.", of="search.ended"),
         "start": Key(
             "The design of the scene; null if it was not tried, as it is not within the bounds.",
             TRIED,
@@ -247,12 +249,13 @@ DOCUMENT: Final = Key(
             TRIED,
         ),
         "written": Key(
-            "The best design with short numbers, as it is written; null if none keeps the limits.",
+            "The best design with rounded numbers, as it is written; null if none keeps the"
+            " limits.",
             TRIED,
         ),
-        "remarks": "Limits that it breaks and that were left out of account.",
+        "remarks": "Limits that it breaks and that were ignored.",
         "front": Key(
-            "Of several objectives, the designs that no other one beats; else empty.", TRIED
+            "The non-dominated designs of several objectives; empty for a single one.", TRIED
         ),
     },
     type=Optimum,
@@ -260,7 +263,7 @@ DOCUMENT: Final = Key(
 
 
 # -- rendering ------------------------------------------------------------------------------------
-# What `camgeo optimise` finds, as text, as a table and as a picture.
+# The answer of `camgeo optimise` as text, as a table and as a picture.
 
 
 MOST_FRONT: Final = 20
@@ -269,25 +272,25 @@ MOST_FRONT: Final = 20
 MOST_BROKEN: Final = 4
 
 LONGEST: Final = 140
-"""Characters of what is violated."""
+"""Characters of a violated limit that are printed."""
 
 
 def text(answer: Optimum) -> str:
-    """The best design beside that of the scene, the front, and what the search was."""
+    """The best design next to that of the scene, the front, and how the search went."""
     goals = [f"{objective.sense} {objective.question}" for objective in answer.objectives]
     lines = [f"{answer.scene.name}: {', '.join(goals)}"]
     if answer.limits:
         lines.append(f"limits, besides the other ones of the scene: {', '.join(answer.limits)}")
     if answer.ignored:
-        lines.append(f"limits of the scene that do not count: {', '.join(answer.ignored)}")
+        lines.append(f"ignored limits of the scene: {', '.join(answer.ignored)}")
     lines += ["", *_designs(answer), ""]
     if answer.written is None:
         lines.append("no design that was tried keeps all limits; the nearest violates:")
         lines += _broken(answer.best)
         lines.append("")
-    lines += [f"beyond a limit that does not count: {remark}" for remark in answer.remarks]
+    lines += [f"beyond an ignored limit: {remark}" for remark in answer.remarks]
     if answer.front:
-        lines += [f"{counted(len(answer.front), 'design')} that no other beats:", *_front(answer)]
+        lines += [f"{counted(len(answer.front), 'non-dominated design')}:", *_front(answer)]
         lines.append("")
     lines += [_searched(answer), *(f"  {_bounds(bound)}" for bound in answer.bounds)]
     return "\n".join(lines)
@@ -413,21 +416,23 @@ ARGUMENTS: Final = (
     repeated_option(
         "--ignore",
         "NAMES",
-        "findings whose limits in the scene do not count, or limits for all of them",
+        "findings whose limits in the scene are ignored, or limits for all of them",
     ),
-    Argument("--seed", type=int, help="of what is drawn; default 0"),
+    Argument("--seed", type=int, help="seed of the random numbers; default 0"),
     Argument(
         "--evaluations", metavar="COUNT", type=int, help="designs that may be tried; default 2000"
     ),
     Argument(
-        "--seconds", type=number, help="after which no other design is tried; default: no limit"
+        "--seconds",
+        type=number,
+        help="time after which no further design is tried; default: no limit",
     ),
     WORKERS,
     repeated_option(
         "-o",
         "FILE",
         "the scene of the best design, .toml; the record, .json; all designs that were tried,"
-        " .csv; the front or the course of the search, .png, .svg, .pdf; may be repeated",
+        " .csv; the front or the progress of the search, .png, .svg, .pdf; may be repeated",
         suffix_type(SUFFIXES),
         "output",
     ),
@@ -436,7 +441,7 @@ ARGUMENTS: Final = (
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Search, print the answer, and write what was found."""
+    """Search, print the answer, and write the files of the call."""
     files = [Path(name) for name in arguments.output]
     if len({path.parent for path in files}) > 1 or len(set(files)) < len(files):
         raise CallError("-o must name different files in one folder")
@@ -467,6 +472,7 @@ def run(arguments: argparse.Namespace) -> int:
         write_files([_written(answer, path) for path in files], arguments)
     elif files:
         notify("nothing was written: no design that was tried keeps all limits")
+    # An interrupted search reports and writes its best design, too.
     code = show(answer, arguments)
     return STOPPED + signal.SIGINT if optimum.interrupted else code
 

@@ -1,4 +1,4 @@
-"""What `camgeo probe` finds: points of the flanks to be measured, with their true normals."""
+"""Answer of `camgeo probe`: points of the flanks to be measured, with their true normals."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ from camgeo.units import MM_PER, at_cam_angles, counted
 from camgeo.units import at_cam_angles as places
 
 STEP: Final = Decimal(1)
-"""Of the cam angle [deg]."""
+"""Default step of the cam angle [deg]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -59,7 +59,7 @@ class ProbedFlank:
     points : to be measured.
     length : of the flank [mm].
     lifts : (n,) of the follower when it touches the points [mm or rad].
-    findings : on the ball and on what the disc lacks.
+    findings : on the measuring ball, and on points that the disc lacks.
     """
 
     disc: Product
@@ -149,7 +149,7 @@ def probe(
 
 
 def _lift_curve(design: Design, step: Decimal | None) -> FloatArray:
-    """Cam angle and the lift that the follower really makes on the main disc."""
+    """(n, 2) cam angle [rad] and actual lift of the follower on the main disc [mm or rad]."""
     cam = design.cam
     phi: FloatArray = np.radians(cam_angles(step or STEP))
     side = cam.contact.main
@@ -162,7 +162,7 @@ def _findings(points: ProbePoints) -> Iterator[Finding]:
     if points.ball > 0.0:
         blocked = points.obstructed
         if blocked is None:
-            sentence = f"a ball of radius {points.ball:g} mm touches each point alone"
+            sentence = f"a ball of radius {points.ball:g} mm fits at every point"
             yield Finding("ball", "ok", sentence, points.ball, unit="mm")
         else:
             sentence = (
@@ -174,14 +174,14 @@ def _findings(points: ProbePoints) -> Iterator[Finding]:
         if points.feigned > 0.0:
             delta = points.largest_radial_angle
             sentence = (
-                f"along the radius instead of the normal, {math.degrees(delta.value):.3g} deg off"
-                f" {places(delta.place)}, this ball would feign {points.feigned:.3g} mm of material"
+                f"compensation along the radius instead of the normal, which is up to"
+                f" {math.degrees(delta.value):.3g} deg off it {places(delta.place)}, would show"
+                f" {points.feigned:.3g} mm of material that is not there"
             )
             yield Finding("ball-compensation", "ok", sentence, points.feigned, unit="mm")
     if points.missing:
         sentence = (
-            f"{points.missing} of the cam angles have no point: the disc has nothing of the flank"
-            " there"
+            f"{points.missing} of the cam angles have no point, because the flank is cut away there"
         )
         yield Finding("left-out", "warning", sentence, float(points.missing))
 
@@ -189,16 +189,17 @@ def _findings(points: ProbePoints) -> Iterator[Finding]:
 # -- probing --------------------------------------------------------------------------------------
 # Points of an exact flank to be measured, with their true normals.
 #
-# At a step of the cam angle, or evenly along the flank: the arc length of each cell is Gauss's
-# integral of the pace ds/dphi, an exact function of the cam angle, and Newton's method finds the
-# cam angle of a length.
+# They lie at a step of the cam angle, or evenly along the flank. The arc length of each cell is
+# Gauss's integral of the pace ds/du, an exact function of the position u along the path, and
+# Newton's method finds the position of a given length.
 
 
 MOST_PROBED: Final = 200_000
-"""Points of a flank."""
+"""Largest number of points of a flank."""
 
 NODES: Final = 8
-"""Of Gauss's rule on a cell of a quarter of a degree: exact to rounding between the breaks."""
+"""Nodes of Gauss's rule on a cell of a quarter of a degree: exact to rounding between the breaks.
+"""
 
 ROOM: Final = 1e-9
 """The ball fits if no place of the flank is nearer to its centre than its radius less this share
@@ -224,7 +225,7 @@ class ProbePoints:
 
     @property
     def centres(self) -> ComplexArray:
-        """(n,) complex [mm] of the ball when it touches the points."""
+        """(n,) complex centres [mm] of the ball when it touches the points."""
         ball_centres: ComplexArray = self.places.points + self.ball * self.places.normals
         return ball_centres
 
@@ -266,7 +267,7 @@ def points_at_cam_angles(flank: ExactFlank, phi: FloatArray, ball: float = 0.0) 
     course = flank.positions(phi)
     there = ~np.isnan(course)
     if not np.any(there):
-        raise GeometryError("the disc has nothing of the flank at any of these cam angles")
+        raise GeometryError("the flank is cut away at all of these cam angles")
     places = flank.places(course[there])
     # As asked for: a turn added and taken away again would round it.
     places.phi[:] = phi[there]
@@ -278,7 +279,7 @@ def evenly_spaced_points(flank: ExactFlank, spacing: float, ball: float = 0.0) -
 
     The first one is at the start of the path, or half a spacing from it where that is a corner.
 
-    Raises GeometryError if these would be more than `MOST`.
+    Raises GeometryError if these would be more than `MOST_PROBED`.
     """
     nodes, lengths = flank.nodes, _lengths(flank)
     total = float(lengths[-1])
@@ -288,12 +289,15 @@ def evenly_spaced_points(flank: ExactFlank, spacing: float, ball: float = 0.0) -
             f" {MOST_PROBED:,}"
         )
     count = max(1, math.ceil(total / spacing))
+    # A path that is not whole begins at a corner, where the normal jumps: half a gap keeps clear of
+    # it.
     first = 0.0 if flank.path.is_whole else 0.5
     wanted: FloatArray = (np.arange(count, dtype=np.float64) + first) * (total / count)
     used = np.concatenate(([True], np.diff(lengths) > 0.0))  # the second of two at a corner is not
     edges, marks = nodes.course[used], lengths[used]
 
     def length(course: FloatArray) -> FloatArray:
+        # The last edge itself belongs to the last cell.
         cell = np.clip(np.searchsorted(edges, course, side="right") - 1, 0, len(edges) - 2)
         return marks[cell] + _integrals(flank, edges[cell], course)
 
@@ -307,7 +311,7 @@ def flank_length(flank: ExactFlank) -> float:
 
 
 def _lengths(flank: ExactFlank) -> FloatArray:
-    """(k,) [mm] from the start of the path to each of its nodes."""
+    """(k,) arc lengths [mm] from the start of the path to each of its nodes."""
     course = flank.nodes.course
     return np.concatenate(([0.0], np.cumsum(_integrals(flank, course[:-1], course[1:]))))
 
@@ -319,7 +323,7 @@ def _integrals(flank: ExactFlank, low: FloatArray, high: FloatArray) -> FloatArr
 
 
 def _paces(flank: ExactFlank, course: FloatArray) -> FloatArray:
-    """(n,) length per position u [mm/rad]."""
+    """(n,) arc length per position along the path, ds/du [mm/rad]."""
     element, along = flank.locate_elements(course)
     paces = np.empty(len(course))
     for number, piece in enumerate(flank.path.elements):
@@ -329,18 +333,19 @@ def _paces(flank: ExactFlank, course: FloatArray) -> FloatArray:
         if isinstance(piece, Stretch):
             paces[which] = flank.curve.traced(piece.start + along[which])[2]
         else:
+            # About a corner u is the angle of the normal, and the radius of the arc is constant.
             paces[which] = abs(piece.distance)
     return paces
 
 
 # -- document -------------------------------------------------------------------------------------
-# What JSON has of the answer.
+# The keys of its JSON document.
 
 
 FLANK: Final = Key(
     "The points of one flank.",
     {
-        "name": Key("Of the disc, the stem of its files.", of="disc.name"),
+        "name": Key("Name of the disc, the stem of its files.", of="disc.name"),
         "flank": "Which flank; normals point out of the material, outward on the inner one.",
         "length_mm": "Length of the flank.",
         "count": "Number of points.",
@@ -352,7 +357,7 @@ FLANK: Final = Key(
             },
             of="points.largest_radial_angle",
         ),
-        "findings": Key("What is to be known, worst first.", FINDING),
+        "findings": Key("All findings, worst first.", FINDING),
     },
 )
 
@@ -373,11 +378,11 @@ DOCUMENT: Final = Key(
 
 
 # -- rendering ------------------------------------------------------------------------------------
-# What `camgeo probe` finds, in words and as tables.
+# The answer of `camgeo probe` in words and as tables.
 
 
 def text(answer: Probing) -> str:
-    """The points of each flank, summed up."""
+    """Number and spacing of the points of each flank, its length, and the findings."""
     lines = []
     for flank in answer.flanks:
         spaced = "evenly along it" if answer.step is None else f"every {answer.step} deg"
@@ -523,15 +528,15 @@ def run(arguments: argparse.Namespace) -> int:
     return show(answer, arguments, files)
 
 
-def _points(found: Probing, output: str | None) -> Iterator[Written]:
-    """A file of each flank."""
+def _points(answer: Probing, output: str | None) -> Iterator[Written]:
+    """The table file of each flank; none without a name in `output`."""
     if output is None:
         return
-    main = found.flanks[0]
-    for one in found.flanks:
+    main = answer.flanks[0]
+    for one in answer.flanks:
         name = Path(output)
         ending = one.disc.name.removeprefix(main.disc.name)
         if len(one.disc.cam.contact.flanks) > 1:
             ending += f"-{one.flank}"
         path = name.with_name(f"{name.stem}{ending}{name.suffix}")
-        yield table_file(flank_table(found, one), path)
+        yield table_file(flank_table(answer, one), path)

@@ -1,4 +1,4 @@
-"""Why a command gives no answer."""
+"""The error that a command ends with, as an answer."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class Refusal(Answer):
     ----------
     error : name of its class.
     message : the complete text.
-    file : that is wrong; empty if no file is.
+    file : the file that is wrong; empty if none is.
     faults : what is wrong.
     exit_code : how the command ends.
     """
@@ -41,7 +41,7 @@ def refusal(error: CamgeoError) -> Refusal:
 
 
 # -- document -------------------------------------------------------------------------------------
-# What JSON has of the answer.
+# The keys of its JSON document.
 
 
 DOCUMENT: Final = Key(
@@ -49,7 +49,7 @@ DOCUMENT: Final = Key(
     " outline to write or its program must not be run.",
     {
         "error": "Name of the error: SceneError, GeometryError, ...",
-        "message": "All of it in words.",
+        "message": "The whole message.",
         "file": "The file that is wrong; empty if no file is.",
         "faults": Key(
             "What is wrong, all at once.",
@@ -73,5 +73,5 @@ DOCUMENT: Final = Key(
 
 
 def text(answer: Refusal) -> str:
-    """The faults, all at once."""
+    """The message of the error, behind the name of the program."""
     return f"camgeo: {answer.message}"

@@ -1,4 +1,4 @@
-"""What `camgeo replay` finds: the motion of the follower on a disc, and the demanded one."""
+"""Answer of `camgeo replay`: the motion of the follower on a disc, and the demanded one."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ from camgeo.scene.scene import Scene
 from camgeo.units import TURN, LengthUnit, counted, in_unit
 
 STEP: Final = Decimal("0.1")
-"""Of the cam angle [deg]."""
+"""Default step of the cam angle [deg]."""
 
 SLACK: Final = 1e-12
 """Rounding of a contact's place, as a fraction of the base radius."""
@@ -73,12 +73,13 @@ SLACK: Final = 1e-12
 
 @dataclass(frozen=True, slots=True)
 class Peak:
-    """A largest magnitude.
+    """The largest magnitude of a quantity.
 
     Attributes
     ----------
-    actual : with its sign and cam angle [rad]; None where the roller falls off an edge: no bound.
-    demanded : magnitude.
+    actual : with its sign and cam angle [rad]; None if it is unbounded, because the roller falls
+        off an edge.
+    demanded : largest magnitude of the demanded motion.
     """
 
     actual: Extreme | None
@@ -87,13 +88,13 @@ class Peak:
 
 @dataclass(frozen=True, slots=True)
 class FaceContact:
-    """Where a flat face is touched, measured along it as its ends are.
+    """The range of contact along a flat face, measured as its ends are.
 
     Attributes
     ----------
     lowest, highest : places [mm] with cam angles [rad].
-    leaves_face : whether they lie beyond an end that the scene states; the replay does not stop
-        there, as if the face were longer.
+    leaves_face : whether they lie beyond an end that the scene states; the replay then goes on as
+        if the face were longer.
     """
 
     lowest: Extreme
@@ -110,7 +111,7 @@ class DiscReplay:
     disc : whose cam demands the motion.
     contour : on which the roller runs, in words.
     note : which contour of a file was chosen; empty if it has only one.
-    notes : what of the file was left out, is not exact or may be meant otherwise.
+    notes : sentences on parts of the file that were left out, are not exact or are ambiguous.
     replay : the motion itself [mm or rad].
     member : "rocker" behind a linkage, else "follower".
     unit : that of the scene, or "deg".
@@ -182,7 +183,7 @@ def replay(
     flank : "inner" or "outer"; None for that of the scene.
     step : of the cam angle [deg].
     reading : how the files are read.
-    progress : called with how far reading has come.
+    progress : called with the state of reading, in words.
 
     Raises
     ------
@@ -209,9 +210,9 @@ def _discs(
     """The discs to replay, the main one first, each with its file or None for its real outline."""
     discs = design.discs
     if len(files) > len(discs):
-        allowed = "two files at most, one of each disc"
+        allowed = "at most two files are allowed, one for each disc"
         if len(discs) == 1:
-            allowed = "one file at most, because the scene has one disc"
+            allowed = "at most one file is allowed, because the scene has one disc"
         raise SceneError([Fault("CONTOUR", "", allowed)])
     if len(discs) == 1 or flank is Flank.OUTER:
         return [(design.disc, files[0] if files else None)]
@@ -220,6 +221,7 @@ def _discs(
     named = [find_disc(discs, file.stem) for file in files]
     if len(files) == 1:
         return [(named[0], files[0])]
+    # The files of a pair may be stated in either order.
     return list(zip(discs, files[::-1] if named == [*reversed(discs)] else files, strict=True))
 
 
@@ -252,7 +254,7 @@ def _replayed(
             raise
         raise SceneError([Fault("CONTOUR", str(file), error.message)]) from error
     if plain is not chosen:
-        notes.append(f"{file.name}: splines are followed by arcs within {ARCS:g} mm")
+        notes.append(f"{file.name}: splines are approximated by arcs within {ARCS:g} mm")
     return _result(disc, file.name, note, notes, replay)
 
 
@@ -262,6 +264,7 @@ def _result(
     """The result of a replay, in the unit of the scene."""
     cam = disc.cam
     unit, factor = display_unit(disc.scene.unit, is_angle=cam.lift_unit == "rad")
+    # At a drop velocity and acceleration are unbounded.
     falls = bool(len(replay.drops))
 
     def peak(actual: Extreme | None, demanded: float) -> Peak:
@@ -292,20 +295,21 @@ def _result(
 
 
 def _contact(cam: Cam, replay: Replay) -> FaceContact | None:
-    """Where a flat face is touched; None for a roller."""
+    """The range of contact along a flat face; None for a roller."""
     if not isinstance(replay.lift, FaceLift):
         return None
     places, angles = replay.lift.contacts()
     low, high = (
         Extreme(float(places[k]), float(angles[k])) for k in (np.argmin(places), np.argmax(places))
     )
+    # A contact at the very end of the face may lie beyond it by rounding.
     slack, face = SLACK * cam.follower.base_radius, cam.follower.face
     leaves = face is not None and not face[0] - slack <= low.value <= high.value <= face[1] + slack
     return FaceContact(low, high, leaves)
 
 
 def closing_error(main: Replay, other: Replay) -> Extremes:
-    """`extreme_play` between two discs.
+    """The extreme play between two discs, see `extreme_play`.
 
     Raises
     ------
@@ -319,6 +323,7 @@ def closing_error(main: Replay, other: Replay) -> Extremes:
 
 def _closing(cam: Cam, main: Replay, other: Replay) -> Extremes:
     """Play and squeeze of a conjugate pair, see `FollowerReplay`."""
+    # Play is measured in the lift: an angle [rad] of an arm times its length is travel [mm].
     scale = abs(cam.follower.reach)
 
     def travel(play: Extreme) -> Extreme:
@@ -335,6 +340,7 @@ def _time_peaks(cam: Cam, replay: Replay, factor: float) -> dict[str, float] | N
         return None
     peaks = {}
     for name, jet in (("actual", replay.actual), ("demanded", replay.demanded)):
+        # `in_time` takes three derivatives; the third affects neither velocity nor acceleration.
         full = np.vstack((jet, np.zeros_like(jet[:1])))
         timed = np.abs(in_time(full, course, replay.phi)) * factor
         peaks[f"{name}_velocity"] = float(np.max(timed[1]))
@@ -343,24 +349,22 @@ def _time_peaks(cam: Cam, replay: Replay, factor: float) -> dict[str, float] | N
 
 
 # -- document -------------------------------------------------------------------------------------
-# What JSON has of the answer.
+# The keys of its JSON document.
 
 
 EXTREME: Final = Key(
     "A largest value and its place.",
     {
-        "value": "In the unit of the lift, or a fraction.",
+        "value": "The value, in the unit of the lift, or as a fraction.",
         "cam_angle_deg": Key("Cam angle of the value.", of="place"),
     },
 )
 
 DISC: Final[Keys] = {
-    "name": Key("Of the disc, the stem of its files.", of="disc.name"),
+    "name": Key("Name of the disc, the stem of its files.", of="disc.name"),
     "contour": 'On which the follower runs: the name of a file, or "the real outline".',
     "note": "The contour that is used of a file with several; otherwise empty.",
-    "notes": (
-        "What of the file was left out, is not exact or may be meant otherwise; a sentence each."
-    ),
+    "notes": ("Sentences on parts of the file that were left out, are not exact or are ambiguous."),
     "of": Key(
         "Whose motion this is: that of the rocker of a linkage, or of the follower.",
         of="member",
@@ -371,7 +375,7 @@ DISC: Final[Keys] = {
         type=Literal["mm", "inch", "deg"],
     ),
     "lost_stroke": Key(
-        "Largest distance by which the follower gets beyond where it should be, into the disc.",
+        "Largest distance by which the follower moves beyond the demanded position, into the disc.",
         EXTREME,
     ),
     "lift_error": Key("Actual minus demanded lift, where its magnitude is largest.", EXTREME),
@@ -404,7 +408,7 @@ DISC: Final[Keys] = {
         "Jumps of the velocity.",
         {
             "count": Key("How many.", of="phi.size", type=int),
-            "largest": Key("Null if there is none.", EXTREME),
+            "largest": Key("The largest of them; null if there is none.", EXTREME),
         },
     ),
     "shock_share": Key(
@@ -415,11 +419,11 @@ DISC: Final[Keys] = {
         "Jumps of the lift: the roller falls off an edge.",
         {
             "count": Key("How many.", of="phi.size", type=int),
-            "largest": Key("Null if there is none.", EXTREME),
+            "largest": Key("The largest of them; null if there is none.", EXTREME),
         },
     ),
     "contact": Key(
-        "Where a flat face is touched; a roller has no such place.",
+        "The range of contact along a flat face; left out for a roller.",
         {
             "from": Key(
                 "The lowest place.",
@@ -463,12 +467,12 @@ DOCUMENT: Final = Key(
     {
         "scene": SCENE,
         "flank": "The flank on which the follower runs.",
-        "discs": Key("One, or both of a conjugate pair, the main one first.", DISC),
+        "discs": Key("One disc, or both of a conjugate pair, the main one first.", DISC),
         "closing": Key(
-            "How a conjugate pair closes.",
+            "Play between the discs of a conjugate pair.",
             {
                 "largest_play": Key(
-                    "Between the discs.",
+                    "The largest play between the discs.",
                     {
                         "travel_mm": Key("As travel of the main roller.", of="value"),
                         "cam_angle_deg": Key("Cam angle of the value.", of="place"),
@@ -476,7 +480,7 @@ DOCUMENT: Final = Key(
                     of="highest",
                 ),
                 "smallest_play": Key(
-                    "Negative where the rollers are squeezed.",
+                    "The smallest play between the discs; negative where the rollers are squeezed.",
                     {
                         "travel_mm": Key("As travel of the main roller.", of="value"),
                         "cam_angle_deg": Key("Cam angle of the value.", of="place"),
@@ -492,7 +496,7 @@ DOCUMENT: Final = Key(
 
 
 # -- rendering ------------------------------------------------------------------------------------
-# What `camgeo replay` finds, in words, as a table and as a picture.
+# The answer of `camgeo replay` in words, as a table and as a picture.
 
 
 TOUCHING: Final = 1e-9
@@ -500,7 +504,7 @@ TOUCHING: Final = 1e-9
 
 
 def text(answer: FollowerReplay) -> str:
-    """What the follower does on each disc, and how a pair closes."""
+    """The motion of the follower on each disc, and the play of a pair."""
     lines = []
     for disc in answer.discs:
         what = disc.disc.cam.follower.touching
@@ -550,7 +554,7 @@ def figure(answer: FollowerReplay) -> Figure:
 
 
 def _lines(disc: DiscReplay) -> Iterator[str]:
-    """What the follower does, a line each."""
+    """One line per quantity of the motion on a disc."""
     unit = disc.unit
     yield named_line("lost stroke", _extreme_text(disc.lost_stroke, unit))
     yield named_line("lift error", _extreme_text(disc.lift_error, unit))
@@ -575,7 +579,7 @@ def _lines(disc: DiscReplay) -> Iterator[str]:
         yield named_line("falls off an edge", f"{often} {_extreme_text(drop, unit)}")
     if (contact := disc.contact) is not None:
         ends = " to ".join(_extreme_text(end, "mm") for end in (contact.lowest, contact.highest))
-        beyond = "; it leaves the face, as if it were longer" if contact.leaves_face else ""
+        beyond = "; it leaves the face, and is that of a longer one" if contact.leaves_face else ""
         yield named_line("contact on the face", f"{ends}{beyond}")
     if (timed := disc.in_time) is not None:
         for name, per in (("velocity", "s"), ("acceleration", "s^2")):
@@ -584,7 +588,7 @@ def _lines(disc: DiscReplay) -> Iterator[str]:
 
 
 def _closing_lines(closing: Extremes) -> Iterator[str]:
-    """Play, and squeeze where it is negative."""
+    """The largest and the smallest play; negative play squeezes the rollers."""
     for name, extreme in (("largest play", closing.highest), ("smallest play", closing.lowest)):
         tail = ": the rollers are squeezed there" if extreme.value < -TOUCHING else ""
         yield named_line(
@@ -624,12 +628,12 @@ written with six decimals meet at angles of this size."""
 
 
 ARCS: Final = 1e-8
-"""Distance [mm] within which arcs follow a spline where the follower's motion on it has no closed
-form: under a flat face, and in hollows."""
+"""Distance [mm] within which arcs approximate a spline where the follower's motion on it has no
+closed form: under a flat face, and in hollows."""
 
 
 class Reader(Protocol):
-    """Reads closed contours from a file of one format, and tells how far it has come."""
+    """Reads closed contours from a file of one format, and reports its progress."""
 
     def read(
         self,
@@ -667,7 +671,7 @@ def read_contour(
     file: Path, disc: Product, flank: Flank, reading: Reading, progress: Progress
 ) -> tuple[Contour | SplineContour, Contour, str, list[str]]:
     """The contour of the file whose area is nearest to that of the flank, about the cam axis; the
-    same with splines followed by arcs; a note on the choice, and others.
+    same with splines approximated by arcs; a note on the choice, and further notes.
 
     Raises SceneError if the file cannot be read, or the contour crosses itself or does not go round
     the cam axis.
@@ -690,7 +694,10 @@ def read_contour(
     flank_area = abs(area(dict(zip(Flank, disc.cam.disc.untrimmed_paths, strict=True))[flank]))
     chosen = min(read.contours, key=lambda contour: abs(contour.area - flank_area))
     size = in_unit(f"{chosen.area:.6g} mm^2", disc.unit)
-    note = f"{file.name}: {counted(len(read.contours), 'contour')}; the one of {size} is used"
+    note = (
+        f"{file.name}: {counted(len(read.contours), 'contour')}; the one with an area of {size} is"
+        " used"
+    )
     note = note if len(read.contours) > 1 else ""
     plain = by_arcs(chosen, ARCS) if isinstance(chosen, SplineContour) else chosen
     elsewhere = read.misplaced_bore(plain) if flank is Flank.INNER else ""
@@ -702,7 +709,7 @@ def read_contour(
         message += elsewhere or "say with --origin where the axis is"
     if message:
         raise SceneError([Fault("CONTOUR", str(file), message, note)])
-    notes = [f"{file.name}: {elsewhere} puts the cam axis there, not into the origin"]
+    notes = [f"{file.name}: {elsewhere} puts the cam axis there, not at the origin"]
     return chosen, plain, note, [*read.notes, *(notes if elsewhere else ())]
 
 

@@ -1,4 +1,4 @@
-"""What `camgeo report` gathers: all that is known of a design, to be looked at on one page."""
+"""Answer of `camgeo report`: all that is known of a design, to be viewed on one page."""
 
 from __future__ import annotations
 
@@ -36,10 +36,10 @@ if TYPE_CHECKING:
 
 
 STEP: Final = 5
-"""Of the value table [degrees]: as many rows as a sheet holds."""
+"""Step of the value table [degrees]: as many rows as fit on a sheet."""
 
 TOLERANCES: Final = (1e-2, 1e-3, 1e-4)
-"""Of the price list [mm]."""
+"""Tolerances of the price list [mm]."""
 
 FACETS, LEAST = 5e-4, 1e-3
 """Tolerance of the solid, relative to the base radius, and the least [mm]: finer than is seen."""
@@ -49,11 +49,11 @@ Progress = Callable[[str], None]
 
 @dataclass(frozen=True, slots=True)
 class Advised:
-    """A finding with what to do about it.
+    """A finding with the next step.
 
     Attributes
     ----------
-    subject : what was judged: the cam, an effect, a part or a program.
+    subject : what was checked: the cam, an effect, a part or a program.
     finding : the finding.
     step : the next step; empty if there is none.
     """
@@ -65,7 +65,7 @@ class Advised:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Report(Answer):
-    """A design, as it is looked at.
+    """All that is known of a design.
 
     Attributes
     ----------
@@ -73,13 +73,14 @@ class Report(Answer):
     check : the findings.
     advised : all findings, each with its next step.
     animation : a turn of the mechanism; None if there is none, or if it has no position somewhere.
-    charts : the diagrams.
+    charts : the diagrams, with their extremes.
     table : the value table, a row every STEP degrees; None if it cannot be computed.
-    prices : what accuracy costs in pieces, bytes and milling time; None if it was not asked for or
+    prices : what accuracy costs in pieces, bytes and milling time; None if it was not requested or
         there is no disc.
     solids : binary STL files of the bodies, coarser than they are made, by their names; empty if
         the part has no thickness.
-    certificate : of the files that the scene asks for, as it would be beside them; None likewise.
+    certificate : of the files that the scene asks for, as it would be written with them; None if it
+        was not requested or there is no disc.
     omissions : what the page lacks, and why.
     """
 
@@ -96,12 +97,12 @@ class Report(Answer):
 
     @property
     def certified(self) -> str | None:
-        """The hash of the scene in the certificate; None if there is none."""
+        """The hash of the scene in the certificate; None if there is no certificate."""
         return None if self.certificate is None else str(self.certificate["scene"]["sha256"])
 
     @property
     def exit_code(self) -> int:
-        """That of the check."""
+        """The exit code of the check."""
         return self.check.exit_code
 
 
@@ -167,7 +168,7 @@ def report(design: Design, *, quick: bool = False, progress: Progress = lambda _
 
 
 def _disc_charts(design: Design) -> Iterator[tuple[str, Callable[[], Figure]]]:
-    """The title of each diagram that needs a disc, and what makes it."""
+    """The title of each diagram that needs a disc, and the function that makes it."""
     if design.scene.follower is None:
         return
     yield from ((title, make) for _, title, make in disc_diagrams(design))
@@ -177,25 +178,25 @@ def _disc_charts(design: Design) -> Iterator[tuple[str, Callable[[], Figure]]]:
         yield "shock spectra", lambda: plots.of_design(design, [plots.SPECTRUM])[0]
 
 
-def advised(found: Check) -> tuple[Advised, ...]:
+def advised(checked: Check) -> tuple[Advised, ...]:
     """All findings of a check, each with its next step."""
-    groups = [("cam", found.findings), *found.effects.items()]
-    groups += [(f"part {name}", part.findings) for name, part in found.parts.items()]
-    if found.machining is not None:
+    groups = [("cam", checked.findings), *checked.effects.items()]
+    groups += [(f"part {name}", part.findings) for name, part in checked.parts.items()]
+    if checked.machining is not None:
         groups += [
             (f"program {name}", program.findings)
-            for name, program in found.machining.programs.items()
+            for name, program in checked.machining.programs.items()
         ]
-    groups.append(("formats", found.formats))
+    groups.append(("formats", checked.formats))
     return tuple(
-        Advised(subject, finding, next_step(finding, found.cures))
+        Advised(subject, finding, next_step(finding, checked.cures))
         for subject, findings in groups
         for finding in findings
     )
 
 
 def _prices(design: Design, progress: Progress) -> Survey:
-    """Of contours alone, with what is the same on every machine."""
+    """The price list of the contours alone, without times: it is the same on every machine."""
     from camgeo.studies.accuracy.benefit import find_knee
     from camgeo.studies.accuracy.contours import contour_rows
     from camgeo.studies.accuracy.survey import Survey, scene_rows
@@ -212,7 +213,7 @@ def coarse_solids(design: Design, progress: Progress = lambda _: None) -> dict[s
 
 
 def _certificate(design: Design, progress: Progress) -> dict[str, Any]:
-    """Of the files that the scene asks for; none of them is written."""
+    """The certificate of the files that the scene asks for; none of them is written."""
     output = design.scene.output
     contents, _ = make_files(design.discs, output.formats, output.tolerance, progress=progress)
     certificate: dict[str, Any] = json.loads(contents[CERTIFICATE])
@@ -220,7 +221,7 @@ def _certificate(design: Design, progress: Progress) -> dict[str, Any]:
 
 
 # -- document -------------------------------------------------------------------------------------
-# What JSON has of the answer.
+# The keys of its JSON document.
 
 
 DOCUMENT: Final = Key(
@@ -232,7 +233,7 @@ DOCUMENT: Final = Key(
             "All findings, each with its next step.",
             {
                 "about": Key(
-                    "What was judged: the cam, an effect, a part or a program.", of="subject"
+                    "What was checked: the cam, an effect, a part or a program.", of="subject"
                 ),
                 "finding": FINDING,
                 "step": "What to do about it; empty if there is nothing to do.",
@@ -242,16 +243,16 @@ DOCUMENT: Final = Key(
         "charts": Key(
             "The diagrams, without their curves.",
             {
-                "title": "What it shows.",
-                "sentence": "The same in words.",
+                "title": "Title of the diagram.",
+                "sentence": "A description of the diagram.",
                 "readings": Key(
                     "The extremes of its curves.",
                     {
-                        "name": "Of the quantity, with its unit in brackets.",
+                        "name": "Name of the quantity, with its unit in brackets.",
                         "low": Key("Smallest value; null if it is infinite.", type=float | None),
-                        "low_at_deg": Key("Cam angle of its first place.", of="low_angle"),
+                        "low_at_deg": Key("Cam angle at which the smallest value is reached first.", of="low_angle"),
                         "high": Key("Largest value; null if it is infinite.", type=float | None),
-                        "high_at_deg": Key("Cam angle of its first place.", of="high_angle"),
+                        "high_at_deg": Key("Cam angle at which the largest value is reached first.", of="high_angle"),
                     },
                 ),
             },
@@ -267,12 +268,13 @@ DOCUMENT: Final = Key(
 
 
 # -- rendering ------------------------------------------------------------------------------------
-# What `camgeo report` gathers, in words.
+# The answer of `camgeo report` in words.
 
 
 def text(answer: Report) -> str:
-    """The verdict, what the page has, what it lacks, and the next steps."""
+    """The numbers of findings, the diagrams, what the page lacks, and the next steps."""
     verdicts = Counter[str](entry.finding.verdict for entry in answer.advised)
+    # In the order of the marks, the worst first.
     several = (verdict for verdict in MARKS if verdicts[verdict])
     summary = ", ".join(
         counted(verdicts[verdict], MARKS[verdict], MANY[verdict]) for verdict in several
@@ -302,9 +304,11 @@ BY_NAME: Final[Mapping[str, str]] = {
     "cusp": f"Take a smaller roller, a larger base radius or a longer move; {SIZE}.",
     "outline": f"Take a smaller roller, a larger base radius or a longer move; {SIZE}.",
     "lost-stroke": (
-        "Decide whether the machine can do without the lost stroke; else cure the undercut."
+        "Decide whether the machine can do without the lost stroke; otherwise remove the undercut."
     ),
-    "lobe": "Decide whether the part without the lobe is meant; else cure the undercut.",
+    "lobe": (
+        "Decide whether the part is meant to be without the lobe; otherwise remove the undercut."
+    ),
     "dead-centre": "Change crank, coupler or stroke until the linkage stays clear of it.",
     "linkage-branch": "Change crank, coupler or stroke until the linkage stays on its branch.",
     "linkage-transmission-angle": "Lengthen the coupler, or shorten the stroke or swing.",
@@ -330,16 +334,16 @@ BY_NAME: Final[Mapping[str, str]] = {
     "largest-diameter": "Take a smaller base radius, or a blank that holds the disc.",
     "mass": "Take a lighter material, lightening holes, or a larger limit.",
 }
-"""What helps, by the name of a finding or its beginning."""
+"""The next step, by the name of a finding or its beginning; the longest match applies."""
 
 OTHERWISE: Final[Mapping[Severity, str]] = {
     "ok": "",
-    "warning": "Decide whether it matters here: nothing is refused because of it.",
+    "warning": "Decide whether it matters here; files are written in spite of it.",
     "broken": (
         "Change what the sentence names until its limit is kept; or state another limit in the"
         " scene, if this one is not meant."
     ),
-    "no-disc": "Change the scene until such a disc exists: no file is made before.",
+    "no-disc": "Change the scene until such a disc exists; no file can be made before.",
     "invalid": "Change the scene: it describes no mechanism that can be made.",
 }
 
@@ -351,13 +355,13 @@ FAULTS: Final[Mapping[str, str]] = {
     "radius-ratio": "radius ratio",
     "transmission-angle": "transmission angle",
 }
-"""The fault that cures remove, by the beginning of the name of the finding."""
+"""The fault that remedies remove, by the beginning of the name of the finding."""
 
 
 def next_step(finding: Finding, cures: Sequence[Cure]) -> str:
-    """What to do about it; empty if nothing is to be done.
+    """What to do about a finding; empty if nothing has to be done.
 
-    The cheapest of the `cures` that works, if there is one.
+    It is the cheapest of the `cures` that works, if there is one, otherwise general advice.
     """
     if finding.severity == "ok":
         return ""
@@ -365,7 +369,7 @@ def next_step(finding: Finding, cures: Sequence[Cure]) -> str:
     faults = [fault for name, fault in FAULTS.items() if base_name.startswith(name)]
     works = [cure.sentence for cure in cures if cure.works and cure.fault in faults]
     if works:
-        return f"{works[0][:1].upper()}{works[0][1:]}; camgeo check tells what else cures it."
+        return f"{works[0][:1].upper()}{works[0][1:]}; camgeo check lists further remedies."
     names = [name for name in BY_NAME if base_name.startswith(name)]
     return BY_NAME[max(names, key=len)] if names else OTHERWISE[finding.severity]
 
@@ -378,7 +382,7 @@ FACET: Final = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("att
 """A triangle of a binary STL."""
 
 PREFIX: Final = 84
-"""Bytes of a binary STL before its triangles."""
+"""Bytes of a binary STL before its triangles: a header of 80, and their number in 4."""
 
 
 def triangles(stl: bytes) -> str:

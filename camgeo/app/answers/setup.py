@@ -1,4 +1,4 @@
-"""The setup sheet of a program: what the machinist sets up, with the program simulated."""
+"""Answer of `camgeo setup`: the setup sheet of a milling program, which is simulated for it."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ from camgeo.scene.scene import Scene
 from camgeo.units import MM_PER, LengthUnit, clock, counted, in_unit
 
 DECIMALS: Final[dict[LengthUnit, int]] = {"mm": 4, "inch": 6}
-"""Of lengths in words."""
+"""Decimals of lengths in words."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,10 +68,10 @@ class Step:
 
     Attributes
     ----------
-    operation : that is run.
+    operation : the operation itself.
     seconds : its machining time; None where the machine's dynamics are not known.
-    engaged : how its cutter is engaged, if it clears an area.
-    compensation : what the offset of its tool holds, and how far it may be off; or empty.
+    engaged : engagement of its cutter; None unless it clears an area.
+    compensation : what to enter as the offset of its tool, and within which limits; may be empty.
     base : Z of the program's zero above the upper face of the part [mm].
     """
 
@@ -83,12 +83,13 @@ class Step:
 
     @property
     def lowest(self) -> float:
-        """Z of the tip at its deepest, from the program's zero [mm]."""
+        """Lowest Z of the tool tip, from the program's zero [mm]."""
+        # Moves are in coordinates of the part, with Z 0 on its upper face.
         return min(move.end[2] for move in self.operation.travel) - self.base
 
     @property
     def stops(self) -> tuple[str, ...]:
-        """What the operator does at each halt."""
+        """Instructions for the operator at each stop."""
         return tuple(move.note for move in self.operation.moves if isinstance(move, Stop))
 
 
@@ -98,15 +99,15 @@ class SetupSheet(Answer):
 
     Attributes
     ----------
-    scene : whose main disc is milled.
-    machine : the controller.
+    scene : the scene whose main disc is milled.
+    machine : name of the controller.
     work_offset : as the scene states it; empty for the machine's first.
     blank, holding, zero, traverses : in words; lengths in the unit of the scene.
     tools : each once, in the order in which they are called.
     steps : the operations.
-    remarks : of the sequence, a sentence each: what is not milled, and what is left to be done.
-    flaws : of the simulated program, with what is to be watched.
-    features : of the part, with the operations of all its sides; empty of a second side.
+    remarks : sentences on what is not milled, and what is left to be done.
+    flaws : found by the simulation, including what the machinist has to watch.
+    features : of the part, with the operations of all its sides; empty for a second side.
     side : which side this is, and how the work lies, in words; None if there is but one.
     second : the sheet of the second side; None if there is none, or if this is it.
     """
@@ -128,7 +129,7 @@ class SetupSheet(Answer):
 
     @property
     def sheets(self) -> tuple[SetupSheet, ...]:
-        """Of each side, the first one first."""
+        """The sheets of all sides, the first side first."""
         return (self,) if self.second is None else (self, self.second)
 
     @property
@@ -146,8 +147,11 @@ class SetupSheet(Answer):
 
 
 def setup_sheet(design: Design, tolerance: float | None = None) -> SetupSheet:
-    """The sheet of the main disc's program, within `tolerance` [mm] or the scene's, and that of its
-    second side with it.
+    """The sheet of the main disc's program, with that of its second side.
+
+    Parameters
+    ----------
+    tolerance : of the toolpath [mm]; None for that of the scene.
 
     Raises
     ------
@@ -173,7 +177,7 @@ def setup_sheet(design: Design, tolerance: float | None = None) -> SetupSheet:
 
 
 def _sheet(design: Design, product: Product, tolerance: float) -> SetupSheet:
-    """That of one side."""
+    """The sheet of one side."""
     milled = product.milled
     toolpath, spec = milled.toolpath(tolerance), milled.spec
     assert spec is not None  # for there is a program
@@ -208,13 +212,13 @@ def _sheet(design: Design, product: Product, tolerance: float) -> SetupSheet:
 def _steps(
     toolpath: Toolpath,
     times: Sequence[OperationTime] | None,
-    found: Sequence[OperationEngagement],
+    engagements: Sequence[OperationEngagement],
     machine: Machine,
     zero: Zero,
     unit: LengthUnit,
 ) -> tuple[Step, ...]:
     seconds = {} if times is None else {operation.name: operation.seconds for operation in times}
-    engaged = {engagement.operation: engagement for engagement in found}
+    engaged = {engagement.operation: engagement for engagement in engagements}
     words = machine.compensation
     notes = {
         name: limit.sentence(words, lambda mm: f"{length_text(mm, unit)} {unit}")
@@ -228,7 +232,7 @@ def _steps(
 
 
 def _programs(side: Product, machine: Machine) -> Iterator[str]:
-    """Which operations are in which file, where a machine needs a program for each tool."""
+    """A sentence per program file with its operations, where a machine needs one for each tool."""
     products = side_programs(side)
     for program in products if len(products) > 1 else ():
         names = ", ".join(cut.name for cut in program.milled.cuts)
@@ -269,7 +273,9 @@ def _holding(holding: Holding | None, zero: Zero, unit: LengthUnit) -> str:
 
 
 def _clamp(clamp: Clamp, zero: Zero, unit: LengthUnit) -> str:
-    """Where it stands, from the program's zero, and when."""
+    """Place of a clamp from the program's zero, its height, and the operations that it is there
+    for.
+    """
     length, place = partial(length_text, unit=unit), zero.to_program(clamp.place)
     where = f"{clamp.what} at {length(place.real)}, {length(place.imag)} {unit}"
     since = f", from {clamp.since} on" if clamp.since else ""
@@ -278,7 +284,7 @@ def _clamp(clamp: Clamp, zero: Zero, unit: LengthUnit) -> str:
 
 
 def _traverses(heights: Heights, zero: Zero, unit: LengthUnit) -> str:
-    """Their heights in words, from the program's zero."""
+    """Heights of the traverses in words, from the program's zero."""
     clearance, retract = (
         length_text(height - zero.z, unit) for height in (heights.clearance, heights.retract)
     )
@@ -288,49 +294,52 @@ def _traverses(heights: Heights, zero: Zero, unit: LengthUnit) -> str:
 
 
 # -- document -------------------------------------------------------------------------------------
-# What JSON has of the answer.
+# The keys of its JSON document.
 
 
 TOOL: Final = Key(
     "A tool, lengths in mm.",
     {
-        "number": "In the tool table.",
-        "name": "As the scene states it; may be empty.",
-        "kind": "Of the tool.",
-        "diameter": "Of the tool.",
+        "number": "Number in the tool table.",
+        "name": "Name that the scene states; may be empty.",
+        "kind": "Kind of tool.",
+        "diameter": "Diameter of the tool.",
         "flutes": "Number of cutting edges; null if not stated.",
-        "flute_length": "Of the cutting edges; null if not stated.",
-        "stick_out": "From the tip to the holder; null if not stated.",
-        "shank_diameter": "Above the cutting edges; null if not stated.",
+        "flute_length": "Length of the cutting edges; null if not stated.",
+        "stick_out": "Distance from the tip to the holder; null if not stated.",
+        "shank_diameter": "Diameter above the cutting edges; null if not stated.",
     },
 )
 
 ENGAGEMENT: Final = Key(
-    "Of the cutter at the last depth of an operation that clears an area, entries left out.",
+    "Engagement of the cutter at the last depth of an operation that clears an area, without the"
+    " entries.",
     {
         "air": "Share of the length in no material.",
         "usual_deg": "Angle that is not exceeded on 99.5 % of the length.",
         "largest_deg": "Largest angle.",
-        "limit_deg": "The tool's, or that of a straight wall at the stepover.",
+        "limit_deg": "Limit of the tool, or the angle at a straight wall with the stepover.",
     },
 )
 
 OPERATION: Final = Key(
     "An operation.",
     {
-        "name": Key("Of the operation.", of="operation.name"),
+        "name": Key("Name of the operation.", of="operation.name"),
         "tool": Key("Number of the tool.", of="operation.tool.number"),
-        "spindle_speed": Key("Revolutions a minute.", of="operation.tool.spindle_speed"),
-        "feed": Key("mm/min, in the plane.", of="operation.tool.feed"),
-        "plunge_feed": Key("mm/min, into material.", of="operation.tool.plunge_feed"),
-        "lowest": "Z of the tip at its deepest, mm.",
+        "spindle_speed": Key("Spindle speed [rev/min].", of="operation.tool.spindle_speed"),
+        "feed": Key("Feed in the plane [mm/min].", of="operation.tool.feed"),
+        "plunge_feed": Key(
+            "Feed when plunging into material [mm/min].", of="operation.tool.plunge_feed"
+        ),
+        "lowest": "Lowest Z of the tool tip, mm.",
         "seconds": "Machining time; null if the dynamics of the machine are not known.",
         "compensation": (
-            "What the offset of its tool holds, and how far it may be off; empty without"
+            "What to enter as the offset of its tool, and within which limits; empty without"
             " compensation."
         ),
-        "stops": "What the operator does at each halt.",
-        "note": Key("For the operator; may be empty.", of="operation.cut.note"),
+        "stops": "Instructions for the operator at each stop.",
+        "note": Key("Note for the operator; may be empty.", of="operation.cut.note"),
         "engagement": Key(
             "How the cutter is engaged; null if it clears no area.", ENGAGEMENT, of="engaged"
         ),
@@ -340,12 +349,12 @@ OPERATION: Final = Key(
 FLAW: Final = Key(
     "What a machinist would not accept.",
     {
-        "name": "Of the kind: rapid, plunge, gouge, obstacle, depth, shank, loose, rest.",
-        "operation": "In which it arises.",
-        "sentence": "In words, lengths in the unit of the scene.",
-        "value": "What was found.",
-        "limit": "What is allowed.",
-        "unit": "Of both.",
+        "name": "Kind of flaw: rapid, plunge, gouge, obstacle, depth, shank, loose, rest.",
+        "operation": "The operation in which it arises.",
+        "sentence": "The flaw in words, lengths in the unit of the scene.",
+        "value": "The simulated value.",
+        "limit": "The allowed value.",
+        "unit": "Unit of value and limit.",
         "place": "X, Y and Z [mm].",
         "watched": (
             "Whether it is no fault, but something for the machinist to watch: a piece that a"
@@ -355,22 +364,20 @@ FLAW: Final = Key(
 )
 
 SHEET: Final[Keys] = {
-    "work_offset": "As in scenes.",
-    "blank": "In words, lengths in the unit of the scene.",
-    "zero": "Of the program, in words.",
-    "holding": "In words, lengths in the unit of the scene.",
-    "traverses": "Their heights, in words, in the unit of the scene.",
+    "work_offset": "The work offset, as in scenes.",
+    "blank": "The blank in words, lengths in the unit of the scene.",
+    "zero": "The zero of the program, in words.",
+    "holding": "The holding in words, lengths in the unit of the scene.",
+    "traverses": "Heights of the traverses, in words, in the unit of the scene.",
     "seconds": (
         "Machining time of all operations; null if the dynamics of the machine are not known."
     ),
-    "tools": Key("Each once, in the order in which they are called.", TOOL),
-    "operations": Key("In their order.", OPERATION, of="steps"),
-    "told": Key("Of the sequence: what is not milled, and what is left to be done.", of="remarks"),
-    "flaws": Key(
-        "Of the simulated program, with what is to be watched; empty if there is nothing.", FLAW
-    ),
+    "tools": Key("The tools, each once, in the order in which they are called.", TOOL),
+    "operations": Key("The operations, in their order.", OPERATION, of="steps"),
+    "told": Key("What is not milled, and what is left to be done; a sentence each.", of="remarks"),
+    "flaws": Key("Found by the simulation, including what the machinist has to watch.", FLAW),
 }
-"""Those of the sheet of either side."""
+"""Keys of the sheet of either side."""
 
 SECOND_SIDE: Final = Key(
     "The sheet of the second side, as the work then lies.",
@@ -409,7 +416,7 @@ DOCUMENT: Final = Key(
 
 
 NONE: Final = "-"
-"""Shown where nobody states a value."""
+"""Printed where no value is stated."""
 
 TOOLS: Final = ("T", "tool", "diameter", "flutes", "cutting length", "stick-out", "shank")
 STEPS: Final = ("", "operation", "T", "speed", "feed", "plunge", "down to Z", "coolant", "time")
@@ -524,7 +531,7 @@ def _facts(answer: SetupSheet) -> list[tuple[str, str]]:
         ("traverses", answer.traverses),
     ]
     if answer.seconds is not None:
-        facts.append(("time", f"{clock(answer.seconds)}, tool changes left out"))
+        facts.append(("time", f"{clock(answer.seconds)}, excluding tool changes"))
     return facts
 
 
@@ -532,11 +539,11 @@ def _verdict(answer: SetupSheet) -> str:
     steps = counted(len(answer.steps), "operation")
     unlike = any(feature.severity == "broken" for feature in answer.features)
     gouge = "more is taken off than the part states" if unlike else "no gouge"
-    return f"Simulated: {steps}, {gouge}, no rest, nothing comes loose."
+    return f"Simulated: {steps}, {gouge}, no material left standing, nothing comes loose."
 
 
 def _remarks(answer: SetupSheet) -> Iterator[str]:
-    """What the operator reads of each operation, and of the sequence."""
+    """Notes to the operator on each operation, then those on the whole sequence."""
     for step in answer.steps:
         yield from (f"stop before {step.operation.name}: {note}" for note in step.stops)
         name, notes = step.operation.name, (step.compensation, step.operation.cut.note)
@@ -582,6 +589,7 @@ def _step(number: int, step: Step, unit: LengthUnit) -> list[str]:
 
 
 def _columns(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
+    # The second column has names, all others numbers.
     return aligned([heads, *rows], {*range(len(heads))} - {1})
 
 

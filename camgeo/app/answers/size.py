@@ -1,4 +1,4 @@
-"""What `camgeo size` finds: the smallest base circle, and the scene with it."""
+"""Answer of `camgeo size`: the smallest base circle, and the scene with it."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ from camgeo.scene.scene import Scene
 from camgeo.units import MM_PER, LengthUnit
 
 BAD: Final = ("broken", "no-disc", "invalid")
-"""Severities of findings that matter."""
+"""Severities of findings that make a design unusable."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,10 +48,10 @@ class Side:
 
     Attributes
     ----------
-    task : what was sized; its follower has the arm that was found, if one was looked for.
+    task : the sizing task; its follower has the arm that was chosen, if an arm was to be chosen.
     sizing : the requirement, and the smallest cams that meet it.
     unit : of length in the scene.
-    rounded : the answer with its sizes rounded up, as they are written; None if there is none.
+    rounded : the mechanism with its sizes rounded up, as they are written; None if there is none.
     """
 
     task: Placing
@@ -61,24 +61,24 @@ class Side:
 
     @property
     def written(self) -> Rating | None:
-        """What the rounded sizes result in."""
+        """The angles and ratios of the rounded sizes; None if there are none."""
         return None if self.rounded is None else rated(self.rounded.cam)
 
     @property
     def arm_side(self) -> str | None:
-        """As in scenes; None on a guide."""
+        """Side of the arm, as in scenes; None on a guide."""
         side = self.task.arm_side
         return None if side is None else ARM_SIDES[side]
 
     @property
     def base_radius(self) -> float:
-        """Of the answer [mm]; infinite if there is none."""
+        """The smallest base radius [mm]; infinite if there is none."""
         answer = self.sizing.answer
         return math.inf if answer is None else answer.base_radius
 
     @property
     def infeasible(self) -> str | None:
-        """Why there is no answer, and what there is instead; None if there is one."""
+        """Why there is no such cam, and what can be achieved instead; None if there is one."""
         if self.sizing.answer is not None:
             return None
         if self.sizing.hopeless is not None:
@@ -113,12 +113,12 @@ class Side:
 
 @dataclass(frozen=True, slots=True)
 class Proof:
-    """What is known of anything smaller than the answer, on either side.
+    """What is proved about smaller cams, on either side of the arm.
 
     Attributes
     ----------
-    exact : whether the limit is exact, to rounding.
-    none_below : no base radius below this [mm] will do; infinite if none does.
+    exact : whether the smallest base radius is exact, to rounding.
+    none_below : no base radius below this [mm] keeps the requirements; infinite if none does.
     """
 
     exact: bool
@@ -127,15 +127,15 @@ class Proof:
 
 @dataclass(frozen=True, slots=True)
 class CamSize(Answer):
-    """How small a cam may be.
+    """The smallest cam that meets the requirements, and the present one.
 
     Attributes
     ----------
     scene : of the present design.
-    sides : the scene's own first; the other one too for a rocker.
+    sides : the present side of the arm first; for a rocker the other one too.
     present : the present design; None if there is no such mechanism.
-    remarks : what `camgeo check` still finds wrong in the scene with it, besides its motion: what
-        does not depend on these sizes, or belongs to a return disc.
+    remarks : findings of `camgeo check` on the scene with these sizes that make it unusable, except
+        those on its motion: they do not depend on these sizes, or concern a return disc.
     """
 
     scene: Scene
@@ -145,21 +145,22 @@ class CamSize(Answer):
 
     @property
     def best(self) -> Side:
-        """The side with the smallest base circle, or, if neither has one, the larger angle; the
-        scene's own if they are equal.
+        """The side with the smallest base circle; if neither has one, that with the larger angle;
+        the present side if both are equal.
         """
+        # A side without a nearest angle keeps the required one: it counts as the largest.
         return min(
             self.sides, key=lambda side: (side.base_radius, -(side.sizing.nearest_angle or math.pi))
         )
 
     @property
     def scene_side(self) -> Side:
-        """The scene's own side."""
+        """The present side of the arm."""
         return self.sides[0]
 
     @property
     def longer_face(self) -> tuple[float, float] | None:
-        """The face [mm] that the sizes which are written need; None if it is long enough."""
+        """The ends of the face [mm] that the written sizes need; None if it is long enough."""
         if self.best.rounded is None or "face" not in self.best.rounded.lengths:
             return None
         follower: Any = self.best.rounded.cam.follower
@@ -168,7 +169,7 @@ class CamSize(Answer):
 
     @property
     def proof(self) -> Proof:
-        """What is known of anything smaller."""
+        """What is proved about smaller cams."""
         below = min(side.sizing.none_below for side in self.sides)
         limit = self.best.base_radius
         return Proof(self.best.sizing.exact and below >= limit, min(below, limit))
@@ -180,11 +181,12 @@ class CamSize(Answer):
 
     @property
     def edits(self) -> dict[str, Any]:
-        """The values, by key, that the scene has with the rounded sizes; none if there are none.
+        """The values by key that give the scene the rounded sizes; empty if there are none.
 
-        A rocker on the other side of its arm is moved the other way by the same linkage. A yoke is
-        widened or narrowed by as much as both of its sides move. A return disc on a carriage
-        stays as it is, because its roller does; a return arm stays on its side of the main arm.
+        If the arm changes sides, the same linkage moves the rocker the other way, so the direction
+        is reversed. A yoke becomes wider or narrower by as much as both of its sides move. A return
+        disc on a carriage stays as it is, because its roller does; a return arm stays on its side
+        of the main arm.
         """
         scene, rounded = self.scene, self.best.rounded
         if rounded is None:
@@ -199,12 +201,14 @@ class CamSize(Answer):
             edits["follower.arm_side"] = ARM_SIDES[side]
             if scene.linkage is not None and scene.stated.has("follower", "direction"):
                 edits["follower.direction"] = OTHER_WAY[scene.stated.get("follower", "direction")]
+            # The angle from the main arm keeps its size, and is counted the other way.
             turned = scene.stated.exact("follower", "return", "arm_angle")
             if turned is not None:
                 edits["follower.return.arm_angle"] = -float(turned)
         breadth = scene.stated.exact("follower", "yoke", "breadth")
         if breadth is not None:
             old = scene.stated.exact("follower", "base_radius") or Decimal(0)
+            # In decimals, as the scene states them: binary fractions would add digits.
             wider = 2 * (Decimal(repr(rounded.lengths["base_radius"])) - old)
             edits["follower.yoke.breadth"] = float(breadth + wider)
         if scene.stated.has("follower", "return", "spacing"):
@@ -224,10 +228,10 @@ def size(
 
     Parameters
     ----------
-    transmission_angle : the smallest that is allowed [rad]; None for that of the scene.
-    radius_ratio : the largest r_R/r_K that is allowed; None for that of the scene.
-    radius_of_curvature : the smallest that is allowed for the outline under a flat face [mm].
-    arms : the shortest and the longest arm of a rocker [mm], to look for its arm too.
+    transmission_angle : smallest allowed [rad]; None for the limit of the scene.
+    radius_ratio : largest allowed r_R/r_K; None for the limit of the scene.
+    radius_of_curvature : smallest allowed for the outline under a flat face [mm].
+    arms : shortest and longest arm of a rocker [mm], to choose its arm too; None to keep it.
 
     Raises
     ------
@@ -256,7 +260,7 @@ def size(
 
 
 def _remarks(answer: CamSize) -> tuple[Finding, ...]:
-    """What the checks find wrong in the scene with these sizes, besides its motion."""
+    """Findings on the scene with these sizes that make it unusable, except those on its motion."""
     try:
         design = Design(answer.scene.with_values(answer.edits))
     except SceneError:  # which is reported where it is written
@@ -265,8 +269,8 @@ def _remarks(answer: CamSize) -> tuple[Finding, ...]:
     return tuple(e for e in design.findings if e.severity in BAD and e not in others)
 
 
-def sized_scene(found: CamSize) -> Scene:
-    """The scene with the sizes that were found, which certainly meets the requirement.
+def sized_scene(answer: CamSize) -> Scene:
+    """The scene with the rounded sizes, which certainly meets the requirements.
 
     Raises
     ------
@@ -275,13 +279,15 @@ def sized_scene(found: CamSize) -> Scene:
     SceneError
         If the scene would not be valid with them.
     """
-    if not found.edits:
-        raise GeometryError("the requirement can only just be met: no scene surely keeps it")
-    return found.scene.with_values(found.edits)
+    if not answer.edits:
+        raise GeometryError(
+            "no scene is certain to meet the requirements: they are met only at the exact limit"
+        )
+    return answer.scene.with_values(answer.edits)
 
 
 # -- document -------------------------------------------------------------------------------------
-# What JSON has of the answer.
+# The keys of its JSON document.
 
 
 RATING: Final[Keys] = {
@@ -335,7 +341,7 @@ RATING: Final[Keys] = {
         optional=True,
     ),
     "contact_mm": Key(
-        "From where to where the contact runs along a flat face, measured as the face is.",
+        "The ends of the range of contact along a flat face, measured as the face is.",
         of="contact",
         optional=True,
     ),
@@ -363,14 +369,14 @@ DOCUMENT: Final = Key(
         ),
         "present": Key("The present design; null if there is no such mechanism.", RATING),
         "flocke": Key(
-            "Flocke's proposal for the scene's own side; null if its region is empty, and for a"
-            " flat face.",
+            "Flocke's proposal for the present side of the arm; null if its region is empty, and"
+            " for a flat face.",
             RATING,
             of="scene_side.sizing.flocke",
         ),
         "transmission_angle_alone": Key(
-            "The smallest on the scene's own side that keeps the transmission angle; null if none"
-            " does, and for a flat face.",
+            "The smallest on the present side that keeps the transmission angle; null if none does,"
+            " and for a flat face.",
             RATING,
             of="scene_side.sizing.for_angle",
         ),
@@ -381,25 +387,25 @@ DOCUMENT: Final = Key(
             of="best.sizing.answer",
         ),
         "written": Key(
-            "The same with its sizes rounded up, as they are printed and written; null if there"
-            " is none.",
+            "The smallest cam with its sizes rounded up, as they are printed and written; null if"
+            " there is none.",
             RATING,
             of="best.written",
         ),
         "proof": Key(
-            "What is known of anything smaller.",
+            "What is proved about smaller cams.",
             {
                 "exact": "Whether the limit is exact, to rounding.",
                 "none_below_mm": Key(
-                    "No base radius below this keeps all requirements: that is proved. Null if"
-                    " none does.",
+                    "It is proved that no base radius below this keeps all requirements; null if"
+                    " none does at all.",
                     type=float | None,
                 ),
             },
         ),
         "face_mm": Key(
-            "From where to where a flat face has to reach for the sizes that are written, if the"
-            " follower's is too short.",
+            "The ends that a flat face needs for the written sizes, if that of the follower is too"
+            " short.",
             of="longer_face",
             optional=True,
         ),
@@ -413,8 +419,9 @@ DOCUMENT: Final = Key(
             },
         ),
         "remarks": Key(
-            "What `camgeo check` still finds wrong in the scene with these sizes, besides its"
-            " motion: what does not depend on them, or belongs to a return disc.",
+            "Findings of `camgeo check` on the scene with these sizes that make it unusable,"
+            " except those on its motion: they do not depend on the sizes, or concern a return"
+            " disc.",
             {
                 "name": "Name of the check.",
                 "severity": Key("What it means.", type=Literal["broken", "no-disc", "invalid"]),
@@ -463,11 +470,11 @@ DOCUMENT: Final = Key(
 
 
 # -- rendering ------------------------------------------------------------------------------------
-# What `camgeo size` finds, in words and as a picture.
+# The answer of `camgeo size` in words and as a picture.
 
 
 WIDTH = 28
-"""Of the first column."""
+"""Width of the first column."""
 
 CELL = 15
 
@@ -500,7 +507,7 @@ def text(answer: CamSize) -> str:
             *lines,
             *_changed(answer),
             answer.best.infeasible
-            or "decided by "
+            or "determined by "
             + " and ".join(_active(condition, sizing) for condition in sizing.active),
             *_proved(answer),
             *(
@@ -513,7 +520,7 @@ def text(answer: CamSize) -> str:
 
 
 def figure(answer: CamSize) -> Figure:
-    """Where the cam axis may lie."""
+    """The region in which the cam axis may lie."""
     name = answer.scene.name
     from camgeo.pictures import size
 
@@ -562,7 +569,7 @@ def _row(answer: CamSize, name: str, rating: Rating | None) -> str:
 
 
 def _changed(answer: CamSize) -> Iterator[str]:
-    """What is not as in the present design, besides the sizes of the rows."""
+    """What differs from the present design, besides the sizes in the rows."""
     best, scene_side = answer.best, answer.scene_side
     unit = answer.scene.unit
     if best is not scene_side and best.sizing.answer is not None:
@@ -602,7 +609,7 @@ def _active(active: Active, sizing: Sizing) -> str:
 
 
 def _proved(answer: CamSize) -> list[str]:
-    """What is known of anything smaller."""
+    """What is proved about smaller cams."""
     side, proof = answer.best, answer.proof
     sizing, unit = side.sizing, MM_PER[side.unit]
     if sizing.answer is None:
@@ -613,11 +620,12 @@ def _proved(answer: CamSize) -> list[str]:
         ]
     limit = f"{sizing.answer.base_radius / unit:.9g} {side.unit}"
     if sizing.radius == 0.0 and any(condition.name == "convexity" for condition in sizing.active):
-        blunt = "; its radius of curvature comes down to 0: --radius-of-curvature asks for more"
+        blunt = "; its radius of curvature comes down to 0: --radius-of-curvature requires more"
     else:
         blunt = ""
     if proof.exact:
         return [f"the limit is {limit}, exactly: nothing smaller keeps all of this{blunt}"]
+    # Rounded down, so that the printed bound is proved as well.
     below = math.floor(proof.none_below / unit * 1e4) / 1e4
     gap = sizing.answer.base_radius / unit - below
     known = f"nothing below {below:.4f} {side.unit} keeps all of this"
@@ -626,7 +634,7 @@ def _proved(answer: CamSize) -> list[str]:
 
 
 def _flocke_lines(sizing: Sizing) -> Iterator[str]:
-    """Where Flocke's proposal is too large, and where it is too optimistic."""
+    """How much larger than needed Flocke's proposal is, and where it breaks the radius ratio."""
     if sizing.construction is None:
         return
     if sizing.flocke is None:
@@ -655,12 +663,13 @@ OTHER_WAY: Final = {"outward": "inward", "inward": "outward"}
 
 
 def _return_roller(scene: Scene, cam: Cam) -> dict[str, float]:
-    """Spacing and offset of the return roller, in the scene's unit, that leave it where it is."""
+    """The edits that leave the return roller where it is, in the scene's unit."""
     main: Any = cam.follower
     other: Any = scene.returning
     unit = MM_PER[scene.unit]
 
     def near(length: float) -> float:
+        # As many decimals as the rounded base radius has.
         last = Decimal(1).scaleb(decimal_exponent(main.base_radius, unit))
         return float(Decimal(length / unit).quantize(last, ROUND_HALF_EVEN)) + 0.0
 
@@ -737,17 +746,17 @@ def run(arguments: argparse.Namespace) -> int:
     return show(answer, arguments, _scene_file(answer, arguments), "region of the cam axis")
 
 
-def _scene_file(found: CamSize, arguments: argparse.Namespace) -> list[Written]:
-    """The scene with the sizes, if it was asked for and there is one."""
+def _scene_file(answer: CamSize, arguments: argparse.Namespace) -> list[Written]:
+    """The file of the scene with the sizes, if it was requested and there is one."""
     if arguments.target is None:
         return []
-    if found.best.written is None:
+    if answer.best.written is None:
         notify(f"{arguments.target}: not written, there is no such mechanism")
         return []
-    unit, target, source = found.scene.unit, Path(arguments.target), Path(arguments.scene)
-    if found.scene.files and target.resolve().parent != source.resolve().parent:
+    unit, target, source = answer.scene.unit, Path(arguments.target), Path(arguments.scene)
+    if answer.scene.files and target.resolve().parent != source.resolve().parent:
         raise SceneError(
             [Fault("--scene", str(target), "must be in the folder of SCENE, which names files")]
         )
-    radius = f"base radius {found.best.written.base_radius / MM_PER[unit]:.12g} {unit}"
-    return [(target, sized_scene(found).to_toml().encode(), radius)]
+    radius = f"base radius {answer.best.written.base_radius / MM_PER[unit]:.12g} {unit}"
+    return [(target, sized_scene(answer).to_toml().encode(), radius)]

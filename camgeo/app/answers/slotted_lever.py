@@ -1,4 +1,4 @@
-"""What `camgeo slotted-lever` finds: the motion of a slotted lever at constant crank speed."""
+"""Answer of `camgeo slotted-lever`: the motion of a slotted lever at constant crank speed."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
 
 LOWEST, HIGHEST = 1e-100, 1e100
-"""Of lengths [mm] and speeds [rev/min]: results computed from them are far from overflow."""
+"""Limits of lengths [mm] and speeds [rev/min]: results computed from them cannot overflow."""
 
 Number = float | Decimal
 
@@ -46,10 +46,10 @@ Rows = tuple[Decimal, Decimal, Decimal]
 """Step, first and last crank angle of a table [deg]."""
 
 DEGREES: Final = Decimal(360)
-"""Of a turn of the crank."""
+"""Crank angle of a full turn [deg]."""
 
 FULL_TURN: Final[Rows] = (Decimal(1), Decimal(0), DEGREES)
-"""Those of the table of the SAM exercise."""
+"""The rows of the table in the SAM exercise."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +58,7 @@ class LeverMotion(Answer):
 
     Attributes
     ----------
-    driven : the lever with the speed of its crank; has extremes and strokes.
+    driven : the lever with the speed of its crank, and thus its extremes and strokes.
     table : values over the crank angle, in degrees; None if it was not requested.
     """
 
@@ -73,7 +73,7 @@ class LeverMotion(Answer):
 
     @property
     def time_ratio(self) -> float | None:
-        """Duration of the slow stroke over that of the quick one; None if there are no strokes."""
+        """Duration of the slow stroke divided by that of the quick one; None without strokes."""
         lever = self.driven.lever
         return lever.time_ratio if lever.swings else None
 
@@ -93,7 +93,7 @@ def slotted_lever(
     ----------
     frame : distance of the axes of crank and lever [mm].
     speed : of the crank [rev/min].
-    crank, swing : its radius [mm], or the whole swing of the lever [deg]; one of them.
+    crank, swing : radius of the crank [mm], or whole swing of the lever [deg]; exactly one of them.
     rows : of the table, `FULL_TURN` for that of the exercise; None for no table.
     printed : whether the table is rounded to three decimals, as the exercise prints it.
 
@@ -111,16 +111,16 @@ def slotted_lever(
     elif crank is not None:
         radius = _checked("crank", crank, "mm")
     else:
-        raise GeometryError("is needed, or the swing", key="crank")
+        raise GeometryError("is missing: either the crank or the swing is needed", key="crank")
     driven = DrivenLever(SlottedLever(radius, distance), _checked("speed", speed, "rev/min") * RPM)
     return LeverMotion(driven, None if rows is None else _table(driven, rows, printed))
 
 
-def _checked(key: str, given: Number, unit: str) -> float:
-    value = float(given)
+def _checked(key: str, stated: Number, unit: str) -> float:
+    value = float(stated)
     if not LOWEST <= value <= HIGHEST:
         message = f"must be from {LOWEST:g} to {HIGHEST:g} {unit}"
-        raise GeometryError(message, key=key, value=str(given))
+        raise GeometryError(message, key=key, value=str(stated))
     return value
 
 
@@ -142,7 +142,7 @@ SMALLEST_STEP: Final = Decimal("0.001")
 LARGEST_STEP: Final = Decimal(90)
 
 PRINTED_DECIMALS: Final = 3
-"""Decimals in all its columns except the crank angle."""
+"""Decimals in all columns of that table except the crank angle."""
 
 MOST_DECIMALS: Final = 12
 """Most decimals of a step and of the ends of a table."""
@@ -208,6 +208,7 @@ def lever_table(
         context.prec = max(context.prec, 28)
         count = math.ceil(Fraction(last - first) / Fraction(step))
         crank = (*(first + step * number for number in range(count)), last)
+        # phi and eps_2 are odd about 180 degrees, omega_2 is even: the first half suffices.
         folded = [min(angle, DEGREES - angle) for angle in crank]
     half = DEGREES / 2
     side = np.array([float((angle < half) - (angle > half)) for angle in crank])
@@ -253,7 +254,7 @@ def _places(number: Decimal) -> int:
 
 
 # -- document -------------------------------------------------------------------------------------
-# What JSON has of the answer.
+# The keys of its JSON document.
 
 
 DOCUMENT: Final = Key(
@@ -313,7 +314,7 @@ DOCUMENT: Final = Key(
 
 
 # -- rendering ------------------------------------------------------------------------------------
-# What `camgeo slotted-lever` finds, in words, as a table and as a diagram.
+# The answer of `camgeo slotted-lever` in words, as a table and as a diagram.
 
 
 NOTES = """\
@@ -402,7 +403,7 @@ def _degrees(angle: float) -> str:
 
 
 TABLE_OPTIONS: Final = dict(zip(("step", "from", "to"), FULL_TURN, strict=True))
-"""With their defaults."""
+"""Options of the rows of a table, with their defaults."""
 
 
 EXAMPLE: Final = (

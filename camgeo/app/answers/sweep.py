@@ -1,4 +1,4 @@
-"""What `camgeo sweep` finds: the rows of a family, and what is least and greatest among them."""
+"""Answer of `camgeo sweep`: the rows of a family, and the least and greatest values among them."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class Design:
     Attributes
     ----------
     values : by the keys that vary.
-    answers : by what was asked; None where there is none.
+    answers : values of the requested quantities by name; None where there is none.
     units : of those answers that designs state in different units.
     reason : why something is missing; empty if nothing failed.
     """
@@ -58,16 +58,16 @@ class Design:
 
 @dataclass(frozen=True, slots=True)
 class Span:
-    """The answers to one question.
+    """The range of one requested quantity.
 
     Attributes
     ----------
-    word : what was asked.
+    word : name of the quantity.
     units : of the numbers; several if designs state it in different ones.
-    count : designs with an answer.
+    count : number of designs with a value.
     least, greatest : the designs with the least and the greatest number, the first of several; None
-        if no answer is a number, or if units differ.
-    words : how often each answer that is a word was given.
+        if no value is a number, or if units differ.
+    words : number of designs for each value that is a word.
     """
 
     word: str
@@ -84,18 +84,18 @@ class Span:
 
     @property
     def unit(self) -> str:
-        """Of the numbers; empty if there is none, or if they have different ones."""
+        """Unit of the numbers; empty if there is none, or if they have different ones."""
         return self.units[0] if len(self.units) == 1 else ""
 
 
 @dataclass(frozen=True, slots=True)
 class Sweep(Answer):
-    """The rows of a family; they are read from the store as they are asked for.
+    """The rows of a family, which are read from the store on demand.
 
     Attributes
     ----------
     result : the family with its rows.
-    spans : of the answers to each question, in the order asked.
+    spans : ranges of the requested quantities, in the order of the call.
     reasons : why designs failed, with the number of designs, the most frequent first.
     failed : designs that lack an answer, with a reason.
     count : all designs.
@@ -120,7 +120,7 @@ class Sweep(Answer):
 
     @property
     def cells(self) -> list[list[str]]:
-        """The rows of a small family below a heading; nothing of a larger one."""
+        """The rows of a small family below a heading; empty for a larger one."""
         if self.count > FEW:
             return []
         length, common = self.scene.unit, {span.word: span.unit for span in self.spans}
@@ -132,11 +132,12 @@ class Sweep(Answer):
                 for word in design.answers
             )
             rows.append([*map(value_text, design.values.values()), *answers, design.reason])
+        # Without failures the column of reasons is empty.
         return rows if self.failed else [row[:-1] for row in rows]
 
 
 def answer_of(result: Result) -> Sweep:
-    """The answer from the rows, which are read once."""
+    """The answer for the rows of a family, which are read once."""
     tallies = [_SpanTally() for _ in result.questions]
     reasons: dict[str, int] = {}
     failed = count = 0
@@ -156,10 +157,11 @@ def answer_of(result: Result) -> Sweep:
 
 
 class _SpanTally:
-    """Notes the answers to one question."""
+    """Accumulates the range of one requested quantity, row by row."""
 
     def __init__(self) -> None:
         self._count = 0
+        # A dict keeps each unit once, in the order of the rows.
         self._units: dict[str, None] = {}
         self._words: dict[str, int] = {}
         self._least: tuple[float, DesignRow] | None = None
@@ -196,21 +198,21 @@ def _design(result: Result, row: DesignRow, mixed: frozenset[str] = frozenset())
 
 
 # -- document -------------------------------------------------------------------------------------
-# What JSON has of the answer.
+# The keys of its JSON document.
 
 
 DESIGN: Final = Key(
     "A design of the family.",
     {
-        "values": "Its values by the keys that vary, in the units of the scene.",
-        "answers": "By what was asked, in the units of the questions; null where there is none.",
+        "values": "Values of the design by the keys that vary, in the units of the scene.",
+        "answers": "Values of the requested quantities, in their units; null where there is none.",
         "units": "Units of those answers that designs state in different ones.",
-        "reason": "Why an answer is missing; empty if nothing failed.",
+        "reason": "Why a value is missing; empty if nothing failed.",
     },
 )
 
 DOCUMENT: Final = Key(
-    "The designs of a family and what was asked of each.",
+    "The designs of a family, with the requested quantities of each.",
     {
         "scene": Key(
             "The scene that the family starts from.",
@@ -226,14 +228,14 @@ DOCUMENT: Final = Key(
             "How designs were drawn; null for all combinations.",
             {
                 "method": "Sequence of the samples.",
-                "seed": "With which it begins.",
+                "seed": "Seed of the sequence.",
             },
             of="result.family.sample",
         ),
         "count": "Number of designs.",
-        "failed": "Designs that lack an answer, with a reason.",
+        "failed": "Number of designs that lack a value, with a reason.",
         "questions": Key(
-            "What was asked, in the order of the answers.",
+            "The requested quantities, in the order of the answers.",
             {
                 "asked": Key(
                     "Name of a finding, or of a column after min:, max: or peak:.", of="word"
@@ -242,7 +244,7 @@ DOCUMENT: Final = Key(
                     "Unit of the numbers; empty without one, or if designs state them in different"
                     " ones."
                 ),
-                "count": "Designs that have an answer.",
+                "count": "Number of designs with a value.",
                 "least": Key(
                     "The design with the least number, the first of several; null if no answer is"
                     " a number, or if units differ.",
@@ -259,11 +261,11 @@ DOCUMENT: Final = Key(
 
 
 # -- rendering ------------------------------------------------------------------------------------
-# What `camgeo sweep` finds, as text and as a table.
+# The answer of `camgeo sweep` as text and as a table.
 
 
 FEW: Final = 40
-"""Rows that are printed; of more, only the least and the greatest answers."""
+"""Most rows that are printed; of a larger family, only the least and the greatest values."""
 
 MOST_REASONS: Final = 8
 
@@ -274,7 +276,7 @@ REASON: Final = "reason"
 
 
 def text(answer: Sweep) -> str:
-    """What the family answers; of a small one all rows."""
+    """All rows of a small family; of a larger one the range of each quantity, and the failures."""
     lines = [f"{answer.scene.name}: {counted(answer.count, 'design')}{_sample_text(answer)}"]
     rows = answer.cells
     if answer.failed:
@@ -302,7 +304,7 @@ def _sample_text(answer: Sweep) -> str:
 
 
 def _span(span: Span, length: LengthUnit) -> list[str]:
-    """The least and the greatest answer to a question, each with its design."""
+    """The least and the greatest value of a quantity, each with its design."""
     head = headed(span, length)
     if span.words:
         answer_text = ", ".join(f"{word} {count:,}" for word, count in span.words.items())
@@ -310,7 +312,7 @@ def _span(span: Span, length: LengthUnit) -> list[str]:
     if span.mixed:
         return [f"{head}: {counted(span.count, 'answer')} in different units, {listed(span.units)}"]
     if span.least is None or span.greatest is None:
-        return [f"{head}: no design has an answer"]
+        return [f"{head}: no design has a value"]
     lines = [f"{head}: {counted(span.count, 'answer')}"]
     for what, design in (("least", span.least), ("greatest", span.greatest)):
         answer_text, _ = display_value(length, design.answers[span.word], span.unit)
@@ -320,13 +322,13 @@ def _span(span: Span, length: LengthUnit) -> list[str]:
 
 
 def headed(span: Span, length: LengthUnit = "mm") -> str:
-    """Heading of the answers, with their unit if they have one, in a unit of length."""
+    """Heading of a column, with the unit of its values if they have one, in a unit of length."""
     unit, _ = unit_and_divisor(span.unit, length)
     return f"{span.word} [{unit}]" if unit else span.word
 
 
 def _answer(design: Design, word: str, common: str, length: LengthUnit) -> tuple[str, str]:
-    """An answer, with its unit where that is not the `common` one of the column."""
+    """A value as text, with its unit where that is not the `common` one of the column."""
     design_unit = design.units.get(word, "")
     answer_text, unit = display_value(length, design.answers[word], design_unit or common)
     return answer_text, unit if design_unit else ""
@@ -339,7 +341,7 @@ def display_value(length: LengthUnit, value: object, unit: str) -> tuple[str, st
 
 
 def value_text(value: object) -> str:
-    """A value for reading."""
+    """A value as printed: "-" for none, numbers with seven digits."""
     if value is None:
         return "-"
     if isinstance(value, bool):
@@ -368,8 +370,8 @@ def comma_separated(answer: Sweep) -> bytes:
 
 
 def encode_csv(rows: Iterable[Iterable[object]]) -> bytes:
-    """Rows as CSV in UTF-8, numbers in the shortest form that reads back the same, nothing where
-    there is none.
+    """Rows as CSV in UTF-8: numbers in the shortest form that reads back the same, None as an empty
+    cell.
     """
     buffer = io.BytesIO()
     stream = io.TextIOWrapper(buffer, "utf-8", newline="")
@@ -377,6 +379,7 @@ def encode_csv(rows: Iterable[Iterable[object]]) -> bytes:
         [str(cell).lower() if isinstance(cell, bool) else cell for cell in row] for row in rows
     )
     csv.writer(stream, lineterminator="\n").writerows(spelled)
+    # The wrapper keeps the last characters until it is flushed.
     stream.flush()
     return buffer.getvalue()
 
@@ -418,7 +421,7 @@ ARGUMENTS: Final = (
     ),
     Argument("--samples", metavar="COUNT", type=int, help="draw this many designs"),
     Argument("--method", choices=METHODS, help="how designs are drawn; default sobol"),
-    Argument("--seed", type=int, help="of the samples; default 0"),
+    Argument("--seed", type=int, help="seed of the samples; default 0"),
     repeated_option(
         "-o",
         "FILE",
@@ -456,7 +459,7 @@ ARGUMENTS: Final = (
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Sweep, and print or write what is found."""
+    """Sweep, and print or write the answer."""
     store, files = _outputs(arguments)
     cluster = arguments.cluster
     engine = engine_for(arguments.workers) if cluster is None else engine_of("cluster", cluster)
@@ -498,7 +501,7 @@ def run(arguments: argparse.Namespace) -> int:
 def _picture(
     arguments: argparse.Namespace, family: Family, ask: Sequence[str]
 ) -> Callable[[Result], list[Written]]:
-    """What draws the picture; a wrong call is refused before anything is computed."""
+    """A function that draws the picture; a wrong call is refused before anything is computed."""
     least, largest = split_names(arguments.least), split_names(arguments.largest)
     if arguments.picture is None:
         if arguments.show or least or largest:
@@ -543,9 +546,9 @@ def _outputs(arguments: argparse.Namespace) -> tuple[Path | None, Sequence[Path]
     return (stores[0] if stores else None), files
 
 
-def _written(found: Sweep, path: Path) -> Written:
+def _written(answer: Sweep, path: Path) -> Written:
 
-    rows = counted(found.count, "row")
+    rows = counted(answer.count, "row")
     if path.suffix == ".csv":
-        return path, comma_separated(found), rows
-    return path, document(found).encode(), rows
+        return path, comma_separated(answer), rows
+    return path, document(answer).encode(), rows

@@ -1,4 +1,4 @@
-"""What `camgeo table` finds: the value table of a scene, or of a motion law."""
+"""Answer of `camgeo table`: the value table of a scene, or of a motion law."""
 
 from __future__ import annotations
 
@@ -120,7 +120,7 @@ class ValueTable(Answer):
 
     Attributes
     ----------
-    table : its columns.
+    table : columns with their headings.
     """
 
     table: Table
@@ -145,7 +145,7 @@ def table_of_law(
 
 
 # -- document -------------------------------------------------------------------------------------
-# What JSON has of the answer.
+# The keys of its JSON document.
 
 
 DOCUMENT: Final = Key(
@@ -161,7 +161,7 @@ DOCUMENT: Final = Key(
 
 
 # -- rendering ------------------------------------------------------------------------------------
-# What `camgeo table` finds, as CSV.
+# The answer of `camgeo table` as CSV.
 
 
 def text(answer: ValueTable) -> str:

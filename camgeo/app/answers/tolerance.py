@@ -1,4 +1,4 @@
-"""What `camgeo tolerance` finds: how far the position errs, and which dimension is to blame."""
+"""Answer of `camgeo tolerance`: the error of the position, and the share of each dimension."""
 
 from __future__ import annotations
 
@@ -50,12 +50,12 @@ from camgeo.units import at_cam_angles, cam_angle, counted, small
 
 @dataclass(frozen=True, slots=True)
 class Share:
-    """What one source does; errors in the unit of the position.
+    """The contribution of one source; errors in the unit of the position.
 
     Attributes
     ----------
     name, sense : of the source, and what a positive deviation of it is.
-    limits, unit, distribution : of its own deviation.
+    limits, unit, distribution : of the deviation of the source.
     sensitivity : of the largest magnitude, error per deviation; see `Contribution`.
     sensitivity_unit : as "deg/mm".
     spread, mean, remainder : see `Contribution`.
@@ -78,14 +78,13 @@ class Share:
 
 @dataclass(frozen=True, slots=True)
 class Room:
-    """How far the follower can move between the two sides that hold it; negative where both would
-    have to give way, as they squeeze it.
+    """Play of the follower between the two sides that hold it; negative where they squeeze it.
 
     Attributes
     ----------
-    unit : of the follower's own motion.
-    least, most : over the turn, of mean less and plus three standard deviations.
-    sources : what each does to it, as to the position.
+    unit : of the motion of the follower itself, which a linkage may transmit.
+    least, most : over the turn, of mean minus and plus three standard deviations.
+    sources : contributions to the play, like those to the position.
     """
 
     unit: str
@@ -96,7 +95,7 @@ class Room:
 
 @dataclass(frozen=True, slots=True)
 class Spread:
-    """A quantity of the nominal machine, and what 1 %, 50 % and 99 % of machines do not exceed."""
+    """A quantity of the nominal machine, and its 1 %, 50 % and 99 % quantiles over the machines."""
 
     nominal: float
     machines: tuple[float, ...]
@@ -104,12 +103,12 @@ class Spread:
 
 @dataclass(frozen=True, slots=True)
 class Machines:
-    """What random machines do; errors in the unit of the position.
+    """Statistics of random machines; errors in the unit of the position.
 
     Attributes
     ----------
-    count, seed : of the machines, and of what was drawn.
-    quantile : that of `QUANTILES` with the largest magnitude.
+    count, seed : number of machines, and seed of the random numbers.
+    quantile : the value of largest magnitude among the `QUANTILES` of the error.
     three_sigma : three times the largest standard deviation over the cam angle.
     largest : of the errors of all machines at all cam angles, the quantile of 99 % of machines.
     kept, conforming_error : share of machines that keep the limit all round, and its standard
@@ -117,7 +116,7 @@ class Machines:
     acceleration : largest magnitude [unit/rad^2].
     largest_force, smallest_force : of the contact [N]; None if they are not known.
     least_play, most_play : over the turn, of the follower; None on a single flank.
-    squeezed : share of machines that squeeze it somewhere; None likewise.
+    squeezed : share of machines that squeeze it somewhere; None on a single flank.
     """
 
     count: int
@@ -137,13 +136,13 @@ class Machines:
 
 @dataclass(frozen=True, eq=False)
 class ToleranceAnalysis(Answer):
-    """What the tolerances of a scene do to the position.
+    """Effect of the tolerances of a scene on the position.
 
     Attributes
     ----------
-    scene : that states them.
+    scene : states the tolerances.
     linear : the analysis by sensitivities.
-    contributions : of the sources to it.
+    contributions : of the sources to the error.
     sampled : random machines; None if there are none.
     linear_play : the analysis of the play between two sides; None on a single flank.
     """
@@ -161,7 +160,7 @@ class ToleranceAnalysis(Answer):
 
     @property
     def unit(self) -> str:
-        """Of the position: that of the scene, or "deg"."""
+        """Unit of the position: that of the scene, or "deg"."""
         return display_unit(self.scene.unit, is_angle=self._turns)[0]
 
     @property
@@ -170,28 +169,28 @@ class ToleranceAnalysis(Answer):
 
     @property
     def factor(self) -> float:
-        """`unit` per mm or rad."""
+        """Factor from mm or rad to `unit`."""
         return display_unit(self.scene.unit, is_angle=self._turns)[1]
 
     @property
     def limit(self) -> float | None:
-        """Of the error; None if none is stated."""
+        """Limit of the error, plus or minus, in `unit`; None if none is stated."""
         limit = self.linear.stated.limit
         return None if limit is None else limit * self.factor
 
     @property
     def worst(self) -> Extreme:
-        """The largest error, of mean and three standard deviations."""
+        """The error of largest magnitude, from mean and three standard deviations."""
         return scaled(self.linear.worst, self.factor)
 
     @property
     def sources(self) -> tuple[Share, ...]:
-        """In the order of the scene."""
+        """Contributions of the sources, in the order of the scene."""
         return tuple(self._share(source, self.factor, self.unit) for source in self.contributions)
 
     @property
     def play(self) -> Room | None:
-        """Between the two sides that hold the follower; None on a single flank."""
+        """Play between the two sides that hold the follower; None on a single flank."""
         if self.linear_play is None:
             return None
         unit, factor = self.play_unit
@@ -203,15 +202,17 @@ class ToleranceAnalysis(Answer):
 
     @property
     def play_unit(self) -> tuple[str, float]:
-        """Unit of the follower's own motion, and how many of it are 1 mm or rad."""
+        """Unit of the follower's own motion, and the factor from mm or rad to it."""
         turns = self.linear.stated.machine.cam.lift_unit == "rad"
         return display_unit(self.scene.unit, is_angle=turns)
 
-    def _share(self, found: Contribution, factor: float, of: str) -> Share:
-        """What a source does, to what has the unit `of`."""
-        source = found.source
+    def _share(self, contribution: Contribution, factor: float, quantity_unit: str) -> Share:
+        """The contribution of a source to a quantity with the unit `quantity_unit`, which 1 mm or
+        rad is `factor` of.
+        """
+        source = contribution.source
         unit, scale = display_unit(self.scene.unit, is_angle=source.is_angle)
-        (low, high), per = source.limits, found.sensitivity
+        (low, high), per = source.limits, contribution.sensitivity
         return Share(
             name=source.name,
             sense=source.sense,
@@ -219,17 +220,17 @@ class ToleranceAnalysis(Answer):
             unit=unit,
             distribution=source.shape,
             sensitivity=replace(per, value=per.value * factor / scale),
-            sensitivity_unit=f"{of}/{unit}",
-            spread=scaled(found.spread, factor),
-            mean=scaled(found.mean, factor),
-            remainder=scaled(found.remainder, factor),
-            share=found.share,
-            share_at_worst=found.share_at_worst,
+            sensitivity_unit=f"{quantity_unit}/{unit}",
+            spread=scaled(contribution.spread, factor),
+            mean=scaled(contribution.mean, factor),
+            remainder=scaled(contribution.remainder, factor),
+            share=contribution.share,
+            share_at_worst=contribution.share_at_worst,
         )
 
     @property
     def machines(self) -> Machines | None:
-        """What random machines do; None if there are none."""
+        """Statistics of the random machines; None if there are none."""
         sample, factor = self.sampled, self.factor
         if sample is None:
             return None
@@ -249,6 +250,7 @@ class ToleranceAnalysis(Answer):
             smallest_force=forces[0],
             least_play=plays[0],
             most_play=plays[1],
+            # Column 0 is the least play of each machine over the turn.
             squeezed=None if sample.plays is None else float(np.mean(sample.plays[:, 0] < 0.0)),
         )
 
@@ -259,7 +261,7 @@ class ToleranceAnalysis(Answer):
 
     @property
     def exit_code(self) -> int:
-        """1 if they do not."""
+        """1 if mean and three standard deviations break the limit, else 0."""
         return BROKEN if self.keeps_limit is False else FINE
 
 
@@ -280,12 +282,12 @@ def _ends(
 
 
 def tolerance(design: Design, *, count: int = COUNT, seed: int = 0) -> ToleranceAnalysis:
-    """What the tolerances that a design's scene states do to the position.
+    """Effect of the tolerances that the scene of a design states on the position.
 
     Parameters
     ----------
-    count : random machines; 0 for the linear analysis alone.
-    seed : the same one draws the same machines.
+    count : number of random machines; 0 for the linear analysis alone.
+    seed : of the random numbers; the same seed gives the same machines.
 
     Raises
     ------
@@ -308,13 +310,13 @@ def tolerance(design: Design, *, count: int = COUNT, seed: int = 0) -> Tolerance
 
 
 # -- document -------------------------------------------------------------------------------------
-# What JSON has of the answer.
+# The keys of its JSON document.
 
 
 EXTREME: Final = Key(
     "A value of the largest magnitude and its place.",
     {
-        "value": "In the unit of the position, or as the key says.",
+        "value": "The value, in the unit of the position, or as the key says.",
         "cam_angle_deg": Key("Cam angle of the value.", of="place"),
     },
 )
@@ -324,10 +326,11 @@ SOURCE: Final = Key(
     {
         "name": "Key of the dimension, or what the scene states.",
         "sense": "What a positive deviation is.",
-        "limits": "Lower and upper limit of its deviation, in its own unit.",
-        "unit": Key("Its own unit.", type=Literal["mm", "inch", "deg"]),
+        "limits": "Lower and upper limit of the deviation, in `unit`.",
+        "unit": Key("Unit of the deviation.", type=Literal["mm", "inch", "deg"]),
         "distribution": Key(
-            "Between the limits.", type=Literal["normal", "uniform", "triangular", "random phase"]
+            "Distribution between the limits.",
+            type=Literal["normal", "uniform", "triangular", "random phase"],
         ),
         "sensitivity": Key(
             "Error of the position per deviation, exact; of a source without direction its"
@@ -342,13 +345,13 @@ SOURCE: Final = Key(
             of="spread",
         ),
         "share": (
-            "Of the variance of the error, averaged over the whole degrees of the cam angle; 0 to"
-            " 1."
+            "Share of the variance of the error, averaged over the whole degrees of the cam angle;"
+            " 0 to 1."
         ),
-        "share_at_worst": "Of the variance where it is largest.",
+        "share_at_worst": "Share of the variance where that is largest.",
         "remainder": Key(
-            "How far the exact motion is off the linear one, where the source deviates by three"
-            " standard deviations: the largest at whole degrees of the cam angle.",
+            "Largest difference, at whole degrees of the cam angle, between the exact and the"
+            " linear motion if the source deviates by three standard deviations.",
             EXTREME,
         ),
     },
@@ -357,13 +360,13 @@ SOURCE: Final = Key(
 SPREAD: Final = Key(
     "A quantity of the nominal machine and of random ones.",
     {
-        "nominal": "Of the scene's machine.",
-        "machines": "What 1 %, 50 % and 99 % of machines do not exceed.",
+        "nominal": "Value for the machine of the scene.",
+        "machines": "The 1 %, 50 % and 99 % quantiles over the machines.",
     },
 )
 
 DOCUMENT: Final = Key(
-    "What the tolerances of a machine's dimensions do to the position that its cam is for.",
+    "Effect of the tolerances of a machine's dimensions on the position that its cam produces.",
     {
         "scene": SCENE,
         "of": Key(
@@ -387,31 +390,34 @@ DOCUMENT: Final = Key(
             " deviations.",
             EXTREME,
         ),
-        "sources": Key("What makes machines deviate, in the order of the scene.", SOURCE),
+        "sources": Key("The sources of deviations, in the order of the scene.", SOURCE),
         "play": Key(
             "How far the follower can move between the two sides that hold it, a conjugate pair"
             " or a yoke, by the linear analysis; negative where they squeeze it. Left out on a"
             " single flank.",
             {
-                "unit": Key("Of the follower's own motion.", type=Literal["mm", "inch", "deg"]),
+                "unit": Key(
+                    "Unit of the follower's own motion.", type=Literal["mm", "inch", "deg"]
+                ),
                 "least": Key(
                     "The least over the turn, of mean less three standard deviations.", EXTREME
                 ),
                 "most": Key(
                     "The largest over the turn, of mean and three standard deviations.", EXTREME
                 ),
-                "sources": Key("What each does to the play, as to the position.", SOURCE),
+                "sources": Key(
+                    "Contribution of each source to the play, like that to the position.", SOURCE
+                ),
             },
             optional=True,
         ),
         "machines": Key(
             "Random machines, each replayed exactly; left out if none were asked for.",
             {
-                "count": "How many there are.",
-                "seed": "Of what was drawn.",
+                "count": "Number of machines.",
+                "seed": "Seed of the random numbers.",
                 "quantile": Key(
-                    "Of the errors that 1 % and 99 % of machines are below, that of the largest"
-                    " magnitude.",
+                    "The value of larger magnitude among the 1 % and 99 % quantiles of the error.",
                     EXTREME,
                 ),
                 "three_sigma": Key("Three times the largest standard deviation.", EXTREME),
@@ -464,12 +470,12 @@ DOCUMENT: Final = Key(
 
 
 # -- rendering ------------------------------------------------------------------------------------
-# What `camgeo tolerance` finds, in words, as a table and as a picture.
+# The answer of `camgeo tolerance` in words, as a table and as a picture.
 
 
 NOTE: Final = (
     "share of the variance, over the turn and where it is largest;\n"
-    "not linear: by how much the exact motion with 3 sigma of the source is off the linear one"
+    "not linear: how far the exact motion at 3 sigma of the source departs from the linear one"
 )
 
 SQUEEZED: Final = (
@@ -477,11 +483,11 @@ SQUEEZED: Final = (
     " main side"
 )
 
-COST: Final = "by the scene, and below what 1 %, 50 % and 99 % of machines stay"
+COST: Final = "the nominal value, and the values that 1 %, 50 % and 99 % of machines stay below"
 
 
 def text(answer: ToleranceAnalysis) -> str:
-    """The largest error, and a line for each source."""
+    """The largest error, and a line for each source; then the play, and the random machines."""
     sources, stated = counted(len(answer.sources), "source"), answer.linear.stated
     worst, flank = small_extreme(answer.worst, answer.unit), stated.machine.flank
     lines = [
@@ -509,33 +515,37 @@ def _sources(sources: tuple[Share, ...]) -> list[str]:
     return list(aligned([*rows, *map(_row, sources)]))
 
 
-def _machines(found: Machines, unit: str, room: Room | None) -> list[str]:
+def _machines(machines: Machines, unit: str, room: Room | None) -> list[str]:
     lines = [
-        f"{counted(found.count, 'random machine')} (Sobol, seed {found.seed}), replayed exactly:",
-        f"  1 % or 99 % of the errors are beyond {small_extreme(found.quantile, unit)}",
-        f"  3 sigma {small_extreme(found.three_sigma, unit)}",
-        f"  99 % of machines err nowhere by more than {small(found.largest, unit)}",
+        (
+            f"{counted(machines.count, 'random machine')} (Sobol, seed {machines.seed}), replayed"
+            " exactly:"
+        ),
+        f"  1 % or 99 % of the errors are beyond {small_extreme(machines.quantile, unit)}",
+        f"  3 sigma {small_extreme(machines.three_sigma, unit)}",
+        f"  for 99 % of machines the error nowhere exceeds {small(machines.largest, unit)}",
     ]
-    if found.kept is not None:
+    if machines.kept is not None:
         lines.append(
-            f"  {found.kept:.2%} keep the limit all round, +- {found.conforming_error:.1%}"
+            f"  {machines.kept:.2%} keep the limit at all cam angles, +-"
+            f" {machines.conforming_error:.1%}"
         )
-    lines += ["", f"what deviations cost: {COST}"]
-    lines += _cost("largest acceleration", f"{unit}/rad^2", found.acceleration)
-    lines += _cost("largest contact force", "N", found.largest_force)
-    lines += _cost("smallest contact force", "N", found.smallest_force)
+    lines += ["", f"effect of the deviations: {COST}"]
+    lines += _cost("largest acceleration", f"{unit}/rad^2", machines.acceleration)
+    lines += _cost("largest contact force", "N", machines.largest_force)
+    lines += _cost("smallest contact force", "N", machines.smallest_force)
     if room is not None:
-        lines += _cost("least play", room.unit, found.least_play)
-        lines += _cost("largest play", room.unit, found.most_play)
-        lines.append(f"  {found.squeezed:.2%} of machines squeeze the follower somewhere")
+        lines += _cost("least play", room.unit, machines.least_play)
+        lines += _cost("largest play", room.unit, machines.most_play)
+        lines.append(f"  {machines.squeezed:.2%} of machines squeeze the follower somewhere")
     return lines
 
 
-def _cost(name: str, unit: str, found: Spread | None) -> list[str]:
-    if found is None:
+def _cost(name: str, unit: str, spread: Spread | None) -> list[str]:
+    if spread is None:
         return []
-    machines = ", ".join(f"{quantile:.5g}" for quantile in found.machines)
-    return [f"  {name} {found.nominal:.5g} {unit}: {machines}"]
+    machines = ", ".join(f"{quantile:.5g}" for quantile in spread.machines)
+    return [f"  {name} {spread.nominal:.5g} {unit}: {machines}"]
 
 
 def _verdict(answer: ToleranceAnalysis) -> str:
@@ -545,23 +555,23 @@ def _verdict(answer: ToleranceAnalysis) -> str:
     return f"; limit {small(answer.limit, answer.unit)}: {verdict}"
 
 
-def _row(each: Share) -> list[str]:
-    low, high = each.limits
+def _row(share: Share) -> list[str]:
+    low, high = share.limits
     return [
-        each.name,
-        f"{low:+.4g} to {high:+.4g} {each.unit}",
-        small(each.sensitivity.value, each.sensitivity_unit, signed=True),
-        cam_angle(each.sensitivity.place),
-        f"{each.mean.value:+.3g}",
-        f"{each.spread.value:.3g}",
-        f"{100.0 * each.share:.1f} %",
-        f"{100.0 * each.share_at_worst:.1f} %",
-        f"{each.remainder.value:.1g}",
+        share.name,
+        f"{low:+.4g} to {high:+.4g} {share.unit}",
+        small(share.sensitivity.value, share.sensitivity_unit, signed=True),
+        cam_angle(share.sensitivity.place),
+        f"{share.mean.value:+.3g}",
+        f"{share.spread.value:.3g}",
+        f"{100.0 * share.share:.1f} %",
+        f"{100.0 * share.share_at_worst:.1f} %",
+        f"{share.remainder.value:.1g}",
     ]
 
 
 def table(answer: ToleranceAnalysis) -> Table:
-    """A row for each degree of the cam angle: mean, band, and what each source does."""
+    """A row for each degree of the cam angle: mean, band, and the contribution of each source."""
     linear, factor, unit = answer.linear, answer.factor, answer.unit
     low, high = linear.band
     columns = {
@@ -605,9 +615,9 @@ ARGUMENTS: Final = (
     Argument(
         "--count",
         type=int,
-        help="random machines that are replayed; default 1024, 0 for the linear analysis alone",
+        help="number of random machines to replay; default 1024, 0 for the linear analysis alone",
     ),
-    Argument("--seed", type=int, default=0, help="of what is drawn; default 0"),
+    Argument("--seed", type=int, default=0, help="seed of the random numbers; default 0"),
     *output_options(
         f"file to write: a table ({CSV}), a picture ({', '.join(IMAGES)}), or the answer ({JSON})",
         (CSV, JSON, *IMAGES),

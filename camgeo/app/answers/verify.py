@@ -1,4 +1,4 @@
-"""What `camgeo verify` finds: files compared with the exact curves of their scene."""
+"""Answer of `camgeo verify`: files compared with the exact curves of their scene."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ class Verification(Answer):
 
     @property
     def records(self) -> tuple[Mapping[str, Any], ...]:
-        """The verdicts as a verification.json holds them."""
+        """The verdicts as verification.json contains them."""
         return tuple(verdict.record() for verdict in self.verdicts)
 
     @property
@@ -87,7 +87,7 @@ def verify(
     Parameters
     ----------
     paths : of the files.
-    wanted : the requirements; None for those stated by the files and their scene.
+    wanted : requirements of the user; None for those stated by the files and their scene.
     scene : path of the scene; None for the one whose hash the files name, looked for in their
         folder, the one above and the present one.
 
@@ -101,7 +101,7 @@ def verify(
 
 
 def _scenes(named: str | Path | None) -> Callable[[Path, str], Reference]:
-    """A function that finds the scene of a file; each scene is read once."""
+    """A function that returns the reference of a file; each scene is read only once."""
 
     @cache
     def load(path: Path) -> Reference:
@@ -118,23 +118,23 @@ def _scenes(named: str | Path | None) -> Callable[[Path, str], Reference]:
 
 
 # -- files ----------------------------------------------------------------------------------------
-# Files compared with their certificate, their scene, and what camgeo writes of it.
+# Files compared with their certificate, their scene, and the files that camgeo writes for it.
 
 
 GROUP: Final = "camgeo.verifiers"
 
 LONGEST_NOTE: Final = 200
-"""Characters of an unexpected error in a note."""
+"""Most characters of an unexpected error in a note."""
 
 CERTIFIED: Final = Limits("certificate", 2_000_000)
 
 SHORT: Final = 16
-"""Digits of a hash that are shown."""
+"""Digits of a hash that are printed."""
 
 
 @dataclass(frozen=True, slots=True)
 class Wanted:
-    """What the user asks for.
+    """The requirements that the user states.
 
     Attributes
     ----------
@@ -150,7 +150,7 @@ class Wanted:
 
 @dataclass(frozen=True, slots=True)
 class Reference:
-    """What files are compared with.
+    """A design with which files are compared.
 
     Attributes
     ----------
@@ -165,14 +165,16 @@ class Reference:
     text_hash: str = ""
 
     def hash_like(self, named: str) -> str:
-        """The scene's hash: that of its text if a file or certificate names that one."""
+        """The hash of the scene of the kind that a file or certificate names: of its text, or of
+        its values.
+        """
         earlier = self.text_hash
         return earlier if named and earlier.startswith(named) else self.discs[0].scene_hash
 
 
 Scenes = Callable[[Path, str], Reference]
-"""Folder of a file, and the hash of its scene, or its first digits, or nothing -> the design;
-raises SceneError if it is not found."""
+"""Maps the folder of a file and the hash of its scene, or its first digits, or "", to the design;
+raises SceneError if there is none."""
 
 
 def endings() -> tuple[str, ...]:
@@ -204,6 +206,7 @@ def verify_files(paths: tuple[Path, ...], scenes: Scenes, wanted: Wanted) -> tup
         If no file can be judged except by its bytes, because its format cannot be read, or its
         scene is not found or wrong.
     """
+    # Each certificate is read once, however many files it has.
     certificates = {folder: read_certificate(folder) for folder in {path.parent for path in paths}}
     verdicts: list[Verdict] = []
     refused: list[SceneError] = []
@@ -283,6 +286,7 @@ def _verdict(
 
     if verifier is None:
         return without_scene()
+    # The file states which scene and version it is from.
     origin = verifier.origin(data)
     if origin.damage:
         checks.append(failed("file", origin.damage))
@@ -331,7 +335,7 @@ def _contents(path: Path, verifier: Verifier | None) -> tuple[bytes, int, str]:
 
 
 def _bytes(name: str, sha256: str, certificate: Certificate | None) -> Check:
-    """The file's bytes against its certificate."""
+    """The check of the file's hash against that in its certificate."""
     if certificate is None:
         note = f"no {CERTIFICATE} next to the file: only its geometry is checked"
         return reported("sha256", sha256[:SHORT], note=note)
@@ -349,7 +353,7 @@ def _bytes(name: str, sha256: str, certificate: Certificate | None) -> Check:
 def _scene(
     product: Product, present: str, origin: Origin, certificate: Certificate | None
 ) -> list[Check]:
-    """The scene that the file is compared with, against those that file and certificate name."""
+    """The checks of the present scene against those that the file and its certificate name."""
     checks = []
     if origin.scene:
         digits = present[: len(origin.scene)]
@@ -378,10 +382,11 @@ def _tolerance(
     wanted: Wanted,
     origin: Origin,
     certificate: Certificate | None,
-    against: Reference,
+    reference: Reference,
 ) -> tuple[float, str]:
-    """The tolerance that applies to the file [mm], and where it is from."""
+    """The tolerance that applies to the file [mm], and who states it."""
     certain = None if certificate is None else certificate.tolerances.get(name)
+    # In order of precedence; the scene comes last.
     said = (
         (wanted.tolerance, "--tolerance"),
         (origin.tolerance, "the file"),
@@ -389,7 +394,7 @@ def _tolerance(
     )
     return next(
         ((value, who) for value, who in said if value is not None),
-        (against.tolerance, "the scene"),
+        (reference.tolerance, "the scene"),
     )
 
 
@@ -404,7 +409,7 @@ class Verdict:
     sha256 : of its bytes, hexadecimal.
     size : in bytes.
     scene : name and hash of the scene it was compared with; empty if it was not measured.
-    tolerance : [mm] that applied, and where it is from; None if it was not measured.
+    tolerance : [mm] that applied, and who states it; None if it was not measured.
     checks : in the order of the report.
     crashed : whether an error in camgeo itself, not the file, prevented the verdict.
     length : unit of the scene, in which the texts of the checks are.
@@ -438,7 +443,7 @@ class Verdict:
         return max(numbers) if numbers and len(numbers) == len(values) else None
 
     def record(self) -> dict[str, Any]:
-        """As data."""
+        """The verdict as JSON data."""
         record: dict[str, Any] = {
             "file": self.file,
             "format": self.format,
@@ -457,8 +462,8 @@ class Verdict:
 
 
 # -- written again --------------------------------------------------------------------------------
-# Files of the running version compared with what it writes of their scene: the same scene gives the
-# same bytes, so whatever else a file holds was changed.
+# Files of the running version compared with those that it writes now for their scene: the same
+# scene gives the same bytes, so any difference is a change made afterwards.
 
 
 WRITTEN: Final = "written again"
@@ -467,7 +472,7 @@ NUMBER: Final = re.compile(r"([A-Za-z]?)([-+]?(?:\d++(?:\.\d*+)?|\.\d++)(?:[eE][
 """A number, behind the letter of its word if it has one; read once, however long it is."""
 
 LONGEST_TOKEN: Final = 60
-"""Characters of a token that are shown."""
+"""Most characters of a token that are printed."""
 
 
 def _written_again(
@@ -475,46 +480,46 @@ def _written_again(
     verifier: Verifier,
     data: bytes,
     origin: Origin,
-    against: Reference,
+    reference: Reference,
     tolerance: float | None,
     *,
     vouched: bool,
 ) -> Check:
-    """The file against the one that is written now, with the `tolerance` [mm] that it, or its
-    certificate, states.
+    """The check of the file against the one that is written now, within the `tolerance` [mm] that
+    the file or its certificate states.
 
-    A difference is a fault unless something else explains it: where the certificate has `vouched`
-    for the bytes, another processor or library has rounded otherwise, and where no tolerance is
-    stated, it may have been another one than the scene's.
+    A difference is a fault unless something else explains it: if the certificate has `vouched` for
+    the bytes, another processor or library has rounded differently; if no tolerance is stated, the
+    file may have been written within another one than the scene's.
     """
-    product = against.discs[0]
+    product = reference.discs[0]
     if origin.version != product.version:
-        note = f"it is of camgeo {origin.version}: only measured"
+        note = f"it was written by camgeo {origin.version}: only measured"
         return reported(WRITTEN, "no", note=note)
     if not (origin.scene and product.scene_hash.startswith(origin.scene)):
-        return reported(WRITTEN, "no", note="it is not of this scene: only measured")
+        return reported(WRITTEN, "no", note="it was not made from this scene: only measured")
     differences: list[Difference] = []
     try:
         writer = find_writer(origin.format or verifier.format)
-        pieces = [piece for disc in against.discs for piece in file_products(writer, disc)]
+        pieces = [piece for disc in reference.discs for piece in file_products(writer, disc)]
         ending = writer.format.ending(product.options)
         # One of another name may be any of them.
         pieces = [piece for piece in pieces if piece.name + ending == name] or pieces
         for piece in pieces:
-            written = writer.write(piece, tolerance or against.tolerance).data
+            written = writer.write(piece, tolerance or reference.tolerance).data
             difference = first_difference(verifier, data, written)
             if difference is None:
                 return Check(WRITTEN, "", "the same", ok=True)
             differences.append(difference)
         note = (
-            max(differences, key=lambda each: each.number).sentence
+            max(differences, key=lambda difference: difference.number).sentence
             if differences
             else "there is no such file"
         )
     except CamgeoError as error:
         note = f"the scene cannot be written: {error}"
     if vouched:
-        return reported(WRITTEN, "differs", note=f"{note}; {CERTIFICATE} vouches for the file")
+        return reported(WRITTEN, "differs", note=f"{note}; {CERTIFICATE} certifies these bytes")
     if tolerance is None:
         return reported(WRITTEN, "differs", note=f"{note}; its tolerance is not known")
     return Check(WRITTEN, "", "differs", ok=False, note=note)
@@ -527,7 +532,7 @@ class Difference:
     Attributes
     ----------
     number : of the token, from 0.
-    place : of it.
+    place : of the token in the file, in words.
     token, written : the token in the file, and in the one that is written again.
     """
 
@@ -538,7 +543,7 @@ class Difference:
 
     @property
     def sentence(self) -> str:
-        """Place, and both tokens."""
+        """The place, and both tokens."""
         token, written = (
             repr(text[:LONGEST_TOKEN]) if text else "the end" for text in (self.token, self.written)
         )
@@ -553,6 +558,7 @@ def first_difference(verifier: Verifier, data: bytes, written: bytes) -> Differe
     """
     if data == written:
         return None
+    # The end of the shorter file is an empty token, which differs from any other.
     pairs = zip_longest(verifier.tokens(data), verifier.tokens(written), fillvalue=("", ""))
     for number, ((place, token), (other, expected)) in enumerate(pairs):
         if token != expected and not _alike(token, expected, verifier.slack):
@@ -561,7 +567,7 @@ def first_difference(verifier: Verifier, data: bytes, written: bytes) -> Differe
 
 
 def _alike(one: str, other: str, slack: float) -> bool:
-    """Whether two words are the same letter with numbers that agree within the slack."""
+    """Whether two words have the same letter, and numbers that agree within the slack."""
     word, expected = NUMBER.fullmatch(one), NUMBER.fullmatch(other)
     if word is None or expected is None or word[1] != expected[1]:
         return False
@@ -574,8 +580,8 @@ def scene_file(folders: tuple[Path, ...], sha256: str) -> Path:
 
     Parameters
     ----------
-    folders : first that of the files to be verified; what its certificate states of the scene's own
-        files applies, so that a scene is found even if its files have changed since.
+    folders : the first is that of the files to be verified. The hashes that its certificate states
+        for the scene's data files apply, so that a scene is found even if these have changed since.
 
     Raises
     ------
@@ -585,6 +591,7 @@ def scene_file(folders: tuple[Path, ...], sha256: str) -> Path:
     if sha256:
         certificate = read_certificate(folders[0])
         known = {} if certificate is None else certificate.scene_files
+        # The folders may be one and the same.
         for folder in dict.fromkeys(folder.resolve() for folder in folders):
             for path in sorted(folder.glob("*.toml")):
                 try:
@@ -604,7 +611,7 @@ def scene_file(folders: tuple[Path, ...], sha256: str) -> Path:
 
 
 LONGEST: Final = 200
-"""Most characters shown of the reason why a certificate is invalid."""
+"""Most characters of the reason why a certificate is invalid."""
 
 HASH: Final = re.compile(r"[0-9a-f]{64}")
 
@@ -668,7 +675,7 @@ def _name(value: object) -> str:
 
 
 def _hash(value: object) -> str:
-    """A SHA-256; ValueError if it is none."""
+    """A SHA-256; ValueError if the value is none."""
     if not isinstance(value, str) or not HASH.fullmatch(value):
         raise ValueError(f"{value!r:.60} is no SHA-256")
     return value
@@ -682,7 +689,7 @@ def _certified_tolerance(value: object) -> float:
 
 
 # -- document -------------------------------------------------------------------------------------
-# What JSON has of the answer.
+# The keys of its JSON document.
 
 
 DOCUMENT: Final = Key(
@@ -690,17 +697,19 @@ DOCUMENT: Final = Key(
     {
         "passed": "Whether all files pass.",
         "files": Key(
-            "In the order in which they were named.",
+            "The files, in the order of the call.",
             {
-                "file": Key("Its name.", type=str),
+                "file": Key("Name of the file.", type=str),
                 "format": Key("Name of its format.", type=str),
                 "sha256": Key("SHA-256 of its bytes, hexadecimal.", type=str),
-                "bytes": Key("Its size.", type=int),
+                "bytes": Key("Size of the file.", type=int),
                 "scene": Key(
                     "The scene that it was compared with, if it was measured.",
                     {
                         "name": Key("Name of the scene.", type=str),
-                        "sha256": Key("Its hash as written in the file, hexadecimal.", type=str),
+                        "sha256": Key(
+                            "Hash of the scene as written in the file, hexadecimal.", type=str
+                        ),
                     },
                     type=dict[str, Any],
                     optional=True,
@@ -710,7 +719,7 @@ DOCUMENT: Final = Key(
                     "The tolerance that was applied, if it was measured.", type=float, optional=True
                 ),
                 "tolerance_from": Key(
-                    "Origin of the tolerance: the call, the file, its certificate or the scene.",
+                    "Who states the tolerance: the call, the file, its certificate or the scene.",
                     type=str,
                     optional=True,
                 ),
@@ -730,8 +739,10 @@ DOCUMENT: Final = Key(
                             type=str,
                             optional=True,
                         ),
-                        "value": Key("What was found, in `unit`.", type=float | str, optional=True),
-                        "expected": Key("What it should be.", type=float | str, optional=True),
+                        "value": Key(
+                            "The measured value, in `unit`.", type=float | str, optional=True
+                        ),
+                        "expected": Key("The expected value.", type=float | str, optional=True),
                         "limit": Key(
                             "Largest value, or largest difference from what is expected.",
                             type=float,
@@ -756,13 +767,13 @@ DOCUMENT: Final = Key(
 
 
 # -- rendering ------------------------------------------------------------------------------------
-# What `camgeo verify` finds, in words.
+# The answer of `camgeo verify` in words.
 
 
 MARKS: Final = {True: "ok", False: "FAIL", None: ""}
 
 WIDTHS: Final = (34, 20, 32)
-"""Columns of a check: what, found, allowed."""
+"""Widths of the columns of a check: its name, the value, and what is allowed."""
 
 
 def text(answer: Verification) -> str:
@@ -797,7 +808,7 @@ def _divided(check: Check, length: LengthUnit) -> Check:
 
 
 def _line(check: Check) -> str:
-    """One check: what, found, allowed, verdict, note."""
+    """One check: name, value, allowed, mark, note."""
     name = f"{check.name} {check.of}".rstrip()
     value = _text(check.value, check.unit)
     if check.expected is not None:
@@ -853,7 +864,7 @@ ARGUMENTS: Final = (
         "--unit", choices=("mm", "inch"), help="unit of files that do not state it; STL: default mm"
     ),
     Argument("--layer", metavar="NAME", help="layer of drawings; default CUT, or all"),
-    origin_option("drawings (DXF) of others"),
+    origin_option("drawings (DXF) from other programs"),
     Argument(
         "-o",
         metavar="FILE",
@@ -874,7 +885,7 @@ def run(arguments: argparse.Namespace) -> int:
     if target is None:
         folders = {path.parent for path in paths}
         if len(folders) > 1:
-            raise CallError("the files are in several folders: say with -o where to write")
+            raise CallError("the files are in several folders: state with -o where to write")
         target = folders.pop() / VERIFICATION
     origin = complex(*arguments.origin)
     wanted = Wanted(arguments.tolerance, arguments.layer, arguments.unit, origin)
@@ -888,7 +899,7 @@ def run(arguments: argparse.Namespace) -> int:
     return code
 
 
-def _write(path: Path, found: Verification, *, force: bool) -> None:
+def _write(path: Path, answer: Verification, *, force: bool) -> None:
     """Write the verdicts to `path`, overwriting at most an earlier verification of camgeo's.
 
     Raises
@@ -900,8 +911,8 @@ def _write(path: Path, found: Verification, *, force: bool) -> None:
     document = {
         "kind": KIND,
         "camgeo": __version__,
-        "passed": found.passed,
-        "files": list(found.records),
+        "passed": answer.passed,
+        "files": list(answer.records),
     }
     text = json.dumps(document, indent=2, allow_nan=False) + "\n"
     write_set(path.parent, {path.name: text.encode()}, force=force or is_verification(path))

@@ -1,4 +1,4 @@
-"""What all commands share: arguments and their checks, the scene, earlier names, files, output."""
+"""Common parts of all commands: arguments and their checks, the scene, files and output."""
 
 from __future__ import annotations
 
@@ -40,14 +40,14 @@ EARLIER: Final = {
 CSV: Final = ".csv"
 JSON: Final = ".json"
 IMAGES: Final = (".png", ".svg", ".pdf")
-"""How the names of a table, of a document and of pictures end."""
+"""Suffixes of tables, documents and pictures."""
 
 SMALLEST: Final = 1e-9
 LARGEST: Final = 1e6
-"""Of lengths [mm] above 0 that options state."""
+"""Limits of positive lengths [mm] in options."""
 
 Written = tuple[Path, bytes, str]
-"""A file to write: where, what, and what is reported of it."""
+"""A file to write: its path, its bytes, and the report on it."""
 
 
 class CallError(Exception):
@@ -55,9 +55,9 @@ class CallError(Exception):
 
 
 def opened(arguments: argparse.Namespace) -> Design:
-    """The design of the scene file that the command is called with; SceneError as `load_scene`.
+    """The design of the scene file in the call; SceneError as `load_scene`.
 
-    It is kept with the arguments: an error states lengths in its unit.
+    It is stored in `arguments.opened`, because an error states lengths in its unit.
     """
     arguments.opened = load_design(arguments.scene, arguments)
     design: Design = arguments.opened
@@ -65,7 +65,7 @@ def opened(arguments: argparse.Namespace) -> Design:
 
 
 def load_design(file: str, arguments: argparse.Namespace) -> Design:
-    """The design of a scene file; each quantity is shown as its computation starts."""
+    """The design of a scene file; the progress line names each quantity that is computed."""
     from camgeo.design.design import Design  # some commands need no scene
     from camgeo.scene.scene import load_scene
 
@@ -80,8 +80,9 @@ class Argument:
 
 
 class ArgumentGroup:
-    """Arguments under a heading of their own, or without one those of which a call may have one
-    only, and has one if that is `required`.
+    """Arguments under a heading of their own; without a title, mutually exclusive arguments.
+
+    With `required`, a call must have one of the exclusive arguments.
     """
 
     def __init__(
@@ -91,7 +92,7 @@ class ArgumentGroup:
 
 
 SCENE_FILE: Final = Argument("scene", metavar="SCENE", help="scene file (TOML)")
-"""Names the scene, see `opened`."""
+"""The argument that names the scene, see `opened`."""
 
 FORCE: Final = Argument("--force", action="store_true", help="overwrite existing files")
 
@@ -102,21 +103,21 @@ WORKERS: Final = Argument(
     default=1,
     help="processes of this machine that compute; default 1, 0 for one on each core",
 )
-"""From it `engine_for` makes an engine."""
+"""The option from which `engine_for` makes an engine."""
 
 
-def origin_option(of: str) -> Argument:
-    """Says where the cam axis lies in the axes of files."""
-    text = f"where the cam axis lies in {of} [mm]; default 0 0"
+def origin_option(files: str) -> Argument:
+    """The option for the place of the cam axis in the coordinates of the files `files`."""
+    text = f"where the cam axis lies in {files} [mm]; default 0 0"
     return Argument(
         "--origin", metavar=("X", "Y"), type=number, nargs=2, default=(0.0, 0.0), help=text
     )
 
 
 def output_options(text: str, suffixes: Sequence[str] | None = None) -> tuple[Argument, Argument]:
-    """Names a file to write, described by `text`, and allows overwriting it.
+    """The options that name a file to write, described by `text`, and allow overwriting it.
 
-    Its name ends in one of `suffixes`, if there are any.
+    Its name must end in one of `suffixes`, unless that is None.
     """
     named = str if suffixes is None else suffix_type(suffixes)
     return Argument("-o", metavar="FILE", dest="output", type=named, help=text), FORCE
@@ -152,7 +153,7 @@ def engine_for(workers: int) -> Engine:
 
 
 def suffix_type(suffixes: Sequence[str]) -> Callable[[str], str]:
-    """The type of an option that names a file, whose name must end in one of `suffixes`."""
+    """The type of an option that names a file; the name must end in one of `suffixes`."""
 
     def named(name: str) -> str:
         if Path(name).suffix not in suffixes:
@@ -193,17 +194,18 @@ def write_files(files: Sequence[Written], arguments: argparse.Namespace) -> None
 
 
 def require_new(paths: Iterable[Path], arguments: argparse.Namespace) -> None:
-    """Refuse files that exist, unless they may be overwritten: what takes long is not computed for
-    files that cannot be written.
+    """Raise OutputError if files exist and must not be overwritten.
+
+    It is called before long computations, so that none is done for files that cannot be written.
     """
     there = [str(path) for path in paths if os.path.lexists(path)]
     if there and not arguments.force:
-        message = "allow it with --force, or name others; nothing was computed"
+        message = "allow that with --force, or name other files; nothing was computed"
         raise OutputError(f"{', '.join(there)} would be overwritten; {message}")
 
 
 def settle(folder: Path, arguments: argparse.Namespace) -> None:
-    """Put a folder back in the state before a run that was stopped there, and report it."""
+    """Restore the state of a folder before a run that was interrupted there, and report it."""
     from camgeo.design import writing  # most commands write nothing
 
     if report := writing.settle(folder, arguments.progress):
@@ -211,7 +213,7 @@ def settle(folder: Path, arguments: argparse.Namespace) -> None:
 
 
 def require_same_folder(option: str, name: str | None, output: str | None) -> None:
-    """Refuse files of `option` and `-o` that are the same, or not in the same folder.
+    """Raise CallError unless `option` and `-o` name different files in the same folder.
 
     Files are written as a set, all or none, and a set lies in one folder.
     """
@@ -243,7 +245,7 @@ def number(text: str) -> float:
 
 
 def number_type(low: float, high: float, allowed: str) -> Callable[[str], float]:
-    """The type of an option that is a number from `low` to `high`, which is `allowed` in words."""
+    """The type of an option that is a number from `low` to `high`, in words `allowed`."""
 
     def read(text: str) -> float:
         value = number(text)
@@ -254,14 +256,14 @@ def number_type(low: float, high: float, allowed: str) -> Callable[[str], float]
     return read
 
 
-non_negative: Final = number_type(0.0, math.inf, "a number from 0 on")
+non_negative: Final = number_type(0.0, math.inf, "a number, 0 or more")
 
 positive: Final = number_type(SMALLEST, LARGEST, f"a number from {SMALLEST:g} to {LARGEST:g}")
-"""A length [mm] above 0."""
+"""The type of an option that is a positive length [mm]."""
 
 
 def check_step(step: Decimal | None, smallest: Decimal, largest: Decimal) -> None:
-    """Refuse a step of the cam angle [degrees] outside `smallest` to `largest`."""
+    """Raise CallError for a step of the cam angle [degrees] outside `smallest` to `largest`."""
     if step is not None and not smallest <= step <= largest:
         message = f"{step} degrees; from {smallest} to {largest} are allowed"
         raise CallError(f"argument --step: {message}")
@@ -292,7 +294,7 @@ def document(answer: Answer) -> str:
 
 
 def present_name(name: str) -> str:
-    """The present name for an earlier `name`; a change is reported on standard error."""
+    """The present name of a command or kind; an earlier name is reported on standard error."""
     present = EARLIER.get(name, name)
     if present != name:
         notify(f'camgeo: "{name}" is now called "{present}"')
@@ -300,7 +302,7 @@ def present_name(name: str) -> str:
 
 
 def notify_main_disc(design: Design, what: str) -> None:
-    """Report of a conjugate pair that `what`, in the plural, covers the main disc alone."""
+    """Report that `what`, a plural, covers only the main disc of a conjugate pair."""
     if design.scene.returning is not None:
         notify(f"{what} of the main disc; the return disc, {design.name}-return, is not covered")
 
@@ -316,7 +318,7 @@ RENDERER = "matplotlib"
 
 
 def draw_figure(figure: Figure, suffix: str) -> bytes:
-    """The figure as a file of kind `suffix`, one of IMAGES."""
+    """The bytes of the figure as a file with that suffix, one of IMAGES."""
     from importlib.metadata import entry_points
 
     data: bytes = entry_points(group=RENDERERS)[RENDERER].load()(figure, suffix)
@@ -324,8 +326,8 @@ def draw_figure(figure: Figure, suffix: str) -> bytes:
 
 
 def output_files(answer: Answer, arguments: argparse.Namespace, contents: str) -> list[Written]:
-    """The file of `-o`: by its ending the table of an answer, its document or its picture, which is
-    reported by its `contents`; none without `-o`.
+    """The file of `-o`: by its suffix the table of an answer, its document or its picture, whose
+    report names the `contents`; empty without `-o`.
     """
     if arguments.output is None:
         return []
@@ -340,7 +342,7 @@ def output_files(answer: Answer, arguments: argparse.Namespace, contents: str) -
 TABLE_OR_PICTURE: Final = output_options(
     f"file to write: a table ({CSV}) or a picture ({', '.join(IMAGES)})", (CSV, *IMAGES)
 )
-"""The options of a command that writes either of an answer."""
+"""The options of a command that writes the table or the picture of its answer."""
 
 
 def picture_options(text: str = "also draw a picture") -> tuple[Argument, Argument]:
@@ -354,11 +356,11 @@ def picture_options(text: str = "also draw a picture") -> tuple[Argument, Argume
 
 
 LINES: Final = "\n\t"
-"""Characters that belong to a text although they are not printable."""
+"""Unprintable characters that a text may contain."""
 
 
 class StreamError(Exception):
-    """Standard output takes no more, e.g. because the disk is full or it is closed."""
+    """Standard output accepts nothing more, e.g. because the disk is full or it is closed."""
 
 
 def write(text: str) -> None:
@@ -366,6 +368,7 @@ def write(text: str) -> None:
     try:
         sys.stdout.write(text)
         sys.stdout.flush()
+    # No error of camgeo: `main` ends quietly when the reader has had enough.
     except BrokenPipeError:
         raise
     except OSError as error:
@@ -379,7 +382,7 @@ def say(text: str) -> None:
 
 @contextmanager
 def until_ctrl_c() -> Iterator[None]:
-    """Ctrl-C ends what is within, and is no error; other signals are."""
+    """A context that Ctrl-C ends without an error; other signals pass through."""
     try:
         yield
     except KeyboardInterrupt as stop:
@@ -447,6 +450,7 @@ class Progress:
 
     def _show(self) -> None:
         elapsed = time.monotonic() - self._start
+        # The lock keeps this thread from writing a line after `end` has cleared it.
         with self._lock:
             if elapsed > PATIENCE and sys.stderr.isatty() and not self._ended.is_set():
                 sys.stderr.write(f"{CLEARED}{elapsed:5.1f} s  {self._step}")

@@ -11,7 +11,7 @@ from camgeo.app.cli.command import Argument, CallError, notify, say, until_ctrl_
 from camgeo.errors import FileError
 
 DESIGNERS: Final = "camgeo.designers"
-"""Entry points of designers: callables that serve a scene on a desk to a browser."""
+"""Entry points of designers: callables that serve a desk with its scene to a browser."""
 
 EXTRA: Final = "pip install 'camgeo[design]'"
 

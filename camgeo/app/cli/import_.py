@@ -44,7 +44,7 @@ RANGES: Final[dict[Kind, tuple[float, float, str]]] = {
     "choice": (1.0, 2.0, "1 for the first or 2 for the second answer"),
     "unused": (0.0, 0.0, "0: opticurv 1.0.3 leaves it empty, so another program wrote this"),
 }
-"""Lowest and highest value of each kind of number, both allowed, and how messages describe it."""
+"""Lowest and highest allowed value of each kind of number, and what messages say is allowed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,10 +54,10 @@ class Field:
     Attributes
     ----------
     name : symbol in the thesis and on the program's pages, or the number of the question.
-    code : the source's variable, which has other letters for three lengths.
-    kind : what values it may have.
-    meaning : what it is.
-    key : the scene's key that takes it; empty if it does not change the cam.
+    code : variable in the source, which has other letters for three lengths.
+    kind : decides which values are allowed.
+    meaning : in words.
+    key : key of the scene that takes the number; empty if it does not affect the cam.
     """
 
     name: str
@@ -121,6 +121,7 @@ def project_numbers(data: bytes, file: str = "") -> dict[str, float]:
         raise SceneError([Fault("", "", message)], file)
     numbers = struct.unpack(f"<{COUNT}d", data)
     faults = _beyond(numbers)
+    # Numbers that are valid in the other byte order show what is wrong with the file.
     if faults and not _beyond(struct.unpack(f">{COUNT}d", data)):
         message = "the doubles are big-endian; a project has them little-endian"
         raise SceneError([Fault("", "", message)], file)
@@ -160,14 +161,14 @@ def _plan_faults(spans: tuple[float, ...]) -> list[Fault]:
 
 
 LONGEST_NAME: Final = 100
-"""Of a scene."""
+"""Most characters of the name of a scene."""
 
 TOGETHER: Final = {
     "follower.pivot": "x_A0, y_A0",
     "follower": "l_3, x_A0, y_A0, r_G",
     "linkage": "l_sk, l_4, alpha_sk, s_H",
 }
-"""Numbers of a project that cause a fault together."""
+"""Numbers of a project that together cause a fault at a key of the scene."""
 
 
 def scene_name(stem: str) -> str:
@@ -199,7 +200,7 @@ def ignored_answer(numbers: dict[str, float]) -> bool:
 
 
 def _project_fault(fault: Fault) -> Fault:
-    """A fault of the scene as one of the project it was made from, which has no lines."""
+    """A fault of the scene restated for the project it was made from, which has no lines."""
     names = {field.key: field.name for field in FIELDS if field.key} | TOGETHER
     name = names.get(fault.key, "")
     if not name:
@@ -208,7 +209,7 @@ def _project_fault(fault: Fault) -> Fault:
 
 
 def _scene_text(numbers: dict[str, float], name: str) -> str:
-    """The scene, with the project's names in its comments."""
+    """The text of the scene, with the names of the project in its comments."""
     words = {field: shortest(number) for field, number in numbers.items()}
     pivot = f"[{shortest(-numbers['x_A0'])}, {shortest(-numbers['y_A0'])}]"
 

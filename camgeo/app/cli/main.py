@@ -36,10 +36,10 @@ from camgeo.errors import CamgeoError
 # Slower imports are in functions, because a signal may arrive during them.
 
 STOPPING: Final = ("SIGINT", "SIGTERM", "SIGHUP")
-"""Signals after which a run undoes incomplete work, and ends."""
+"""Signals after which a run undoes incomplete work and ends."""
 
 TRACEBACK: Final = "--traceback"
-"""Option of every command, not only of those whose parser knows it: one may crash before."""
+"""Option of every call; it is removed before parsing, because that may crash as well."""
 
 COLLECTION_THRESHOLD = 500_000
 """New objects after which the garbage collector runs. Python's own 700 makes it scan imported
@@ -81,8 +81,8 @@ COMMANDS: Final = {
     ),
     "watch": "check and draw a scene anew whenever its file, or one that it names, changes",
     "design": (
-        "design a cam live in the browser: drag, watch curve, mechanism, diagrams and findings"
-        " follow, save, build"
+        "design a cam live in the browser: drag handles, and curve, mechanism, diagrams and"
+        " findings follow; save and build"
     ),
     "report": (
         "all that is known of a design: with -o as one HTML page that needs nothing else, with"
@@ -116,7 +116,7 @@ COMMANDS: Final = {
         " tolerance, and where more of it stops paying off"
     ),
     "compare": "put a few designs side by side: what differs, findings, curves",
-    "sweep": "compute what is asked of a whole family of designs, and keep it in a file",
+    "sweep": "compute quantities of a whole family of designs, and keep them in a file",
     "optimise": "search for the best design within limits, and write its scene",
     "tolerance": (
         "analyse the tolerances of a scene: the follower's error over the cam angle, by source"
@@ -136,10 +136,10 @@ the steps of long work.
 WITHOUT_ANSWER: Final = {"new", "import", "plot", "watch", "design"}
 
 MODULES = {"import": "import_"}
-"""Those whose name is a Python keyword."""
+"""Modules of commands whose name is a Python keyword."""
 
 GONE: Final = {"stability": "is measured by `python -m tests.stability`, in a checkout"}
-"""What were commands, and what does it now."""
+"""Former commands, with what replaces them."""
 
 
 class Stopped(KeyboardInterrupt):
@@ -156,18 +156,18 @@ class Stopped(KeyboardInterrupt):
 
 
 class Parser(argparse.ArgumentParser):
-    """A parser whose messages do not direct the terminal, whatever the call contains."""
+    """A parser that escapes control characters of the call in its messages."""
 
     def error(self, message: str) -> NoReturn:
         super().error(printable(message))
 
 
 Arguments = tuple[Argument | ArgumentGroup, ...]
-"""Those of a command, in the order of its help."""
+"""Arguments of a command, in the order of its help."""
 
 
 def add_arguments(parser: argparse._ActionsContainer, arguments: Arguments) -> None:
-    """Let a parser take them."""
+    """Add arguments and groups to a parser."""
     for argument in arguments:
         if isinstance(argument, Argument):
             parser.add_argument(*argument.names, **argument.stated)
@@ -286,7 +286,7 @@ def _run(words: list[str]) -> int:
 
 
 def _configure_process() -> None:
-    """Settings that hold for a process that runs this command alone."""
+    """Settings for a process that runs only this command."""
     os.environ.setdefault(BLAS_THREADS, "1")  # numpy is not imported yet
     gc.set_threshold(COLLECTION_THRESHOLD)
     atexit.register(gc.freeze)  # no last collection at the end of the process
@@ -319,7 +319,7 @@ def stop_on_signals() -> None:
 
 
 def _stopping() -> list[int]:
-    """The numbers of STOPPING that the system has."""
+    """The numbers of the signals in STOPPING that the system has."""
     return [getattr(signal, name) for name in STOPPING if hasattr(signal, name)]
 
 

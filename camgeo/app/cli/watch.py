@@ -1,4 +1,4 @@
-"""`camgeo watch`: a scene is checked and drawn anew whenever it, or a file it reads, changes."""
+"""`camgeo watch`: checks and draws a scene again whenever it, or a file that it reads, changes."""
 
 from __future__ import annotations
 
@@ -32,16 +32,16 @@ from camgeo.scene.values import Stamp, named_files, stamp
 from camgeo.units import counted, listed
 
 EVERY: Final = 0.5
-"""Seconds between two looks at the files."""
+"""Seconds between two looks at the files, by default."""
 
 QUICKEST: Final = 0.05
-"""Least of them: looking costs no time, but only so often."""
+"""Shortest time between two looks [s]: more often, they would keep the processor busy."""
 
 BAD: Final = ("invalid", "no-disc", "broken")
-"""Severities of findings that are named, the worst first."""
+"""Severities of bad findings, the worst first."""
 
 NAMED: Final = 3
-"""Most of them that are named in a line."""
+"""Most bad findings that are named in a line."""
 
 EXAMPLE: Final = "camgeo watch fixtures/scenes/setzhub.toml cam -o setzhub.png"
 
@@ -117,9 +117,9 @@ def _run(arguments: argparse.Namespace, target: Path) -> str:
     return f"{outcome}; {target}"
 
 
-def _verdict(found: Check) -> str:
-    """The names of what is bad, or that all limits are kept; and how many warnings there are."""
-    several = found.everything
+def _verdict(checked: Check) -> str:
+    """The names of bad findings, or that all limits are kept; then the number of warnings."""
+    several = checked.everything
     warnings = [finding for finding in several if finding.severity == "warning"]
     warned = f", {counted(len(warnings), 'warning')}" if warnings else ""
     bad = [finding for severity in BAD for finding in several if finding.severity == severity]
@@ -149,8 +149,8 @@ Stamps = dict[Path, Stamp]
 class SceneFiles:
     """The scene file and the files in its folder that its texts name.
 
-    A scene that is broken for a moment, or a file that is missing, must be seen to be mended, so
-    any text of the scene counts as a name, and while the scene cannot be read its last names do.
+    The repair of a scene that is broken for a moment, or of a missing file, must be noticed. So any
+    text in the scene counts as a name, and while the scene cannot be read its last names count.
     """
 
     def __init__(self, scene: str) -> None:
@@ -175,8 +175,8 @@ def watch(
 ) -> None:
     """Call `act` at once, and again after each change of `files`; `wait` passes between two looks.
 
-    A change counts once two looks see the same: a file that is being written is left alone. What
-    changes while `act` runs is seen afterwards. It ends after `runs` calls, never if that is 0.
+    A change counts once two looks agree, so that no file is read while it is being written. Changes
+    while `act` runs are noticed afterwards. The loop ends after `runs` calls, never if that is 0.
     """
     count = 0
     while True:
@@ -187,6 +187,7 @@ def watch(
             return
         while (now := files()) == seen:
             wait()
+        # A file may still be being written: wait until two looks agree.
         while now != (now := _wait_and_look(wait, files)):
             pass
 

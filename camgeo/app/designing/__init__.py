@@ -1,1 +1,1 @@
-"""What the live designer does with a scene: changes of its text, and what can be changed in it."""
+"""The live designer without its page: changes of a scene's text, and the data for the page."""

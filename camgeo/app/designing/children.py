@@ -1,4 +1,4 @@
-"""Processes that compute for the designer: warm before they are needed, killed when too slow.
+"""Processes that compute for the designer: warmed up in advance, killed when too slow.
 
 One process does the jobs of a lane one after the other; different lanes work at the same time. A
 process that takes too long or too much memory, or ends by itself, fails only its own job: the next
@@ -46,14 +46,14 @@ LANES: Final[Mapping[str, str]] = {
 QUICK: Final = "quick"
 
 ALONE: Final = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
-"""Unless the user says otherwise: threads make no job faster, and each takes memory."""
+"""Environment unless the user sets it: threads make no job faster, and each takes memory."""
 
 CODE: Final = (
     "import importlib, sys; sys.path[:] = sys.argv[3:];"
     " from camgeo.app.designing.children import serve;"
     " serve(int(sys.argv[1]), importlib.import_module(sys.argv[2]).prepared)"
 )
-"""What a process runs, with exactly the search path of the process that starts it."""
+"""The program of a process, which gets exactly the search path of the process that starts it."""
 
 WORK: Final = "camgeo.app.designing.work"
 """The module whose `prepared` returns what does jobs."""
@@ -76,7 +76,7 @@ class Result:
 
     @cached_property
     def data(self) -> dict[str, Any]:
-        """The object."""
+        """The result as Python data, parsed on first use."""
         loaded: dict[str, Any] = json.loads(self.text)
         return loaded
 
@@ -86,6 +86,7 @@ class Child:
 
     def __init__(self, memory: int, work: str) -> None:
         self.process = subprocess.Popen(
+            # -P keeps the current folder, which may hold anything, off the search path.
             [sys.executable, "-P", "-c", CODE, str(memory), work, *sys.path],
             env={**ALONE, **os.environ},
             stdin=subprocess.PIPE,
@@ -112,6 +113,7 @@ class Child:
             If there is no result; the process may have ended then.
         """
         if not self._warm:
+            # The first frame of a process says that it is warm.
             self._exchange(START, b"")
             self._warm = True
         return self._exchange(seconds, data)
@@ -155,7 +157,7 @@ class Child:
 
 
 class Children:
-    """The processes of a designer; any number of threads may use them.
+    """The processes of a designer, which any number of threads may use.
 
     Parameters
     ----------
@@ -183,7 +185,7 @@ class Children:
 
         Parameters
         ----------
-        seconds : that it may take once it has begun.
+        seconds : time that it may take once it has begun.
 
         Raises
         ------
@@ -209,6 +211,7 @@ class Children:
         turn = self._turns[LANES.get(kind, QUICK)]
         with self._lock:
             child = self._busy.get(LANES.get(kind, QUICK))
+            # The lock of a lane is held while a job is done: an idle process is not killed.
             if child is not None and turn.locked():
                 child.kill("was cancelled")
 
@@ -319,7 +322,7 @@ class JobError(CamgeoError, ValueError):
 
 @dataclass(frozen=True, slots=True)
 class Job:
-    """What the designer asks of a scene.
+    """A computation that the designer requests for a scene.
 
     Attributes
     ----------

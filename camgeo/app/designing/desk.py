@@ -1,4 +1,4 @@
-"""What a designer edits: one scene with its history, its file on disk and its journal."""
+"""The desk of a designer: one scene with its history, its file on disk and its journal."""
 
 from __future__ import annotations
 
@@ -31,12 +31,12 @@ class Desk:
     Parameters
     ----------
     folder : the only one in which scenes are opened and saved.
-    states : folder of journals; None for that of the user.
+    states : folder of journals; None for that in the user's home.
 
     Attributes
     ----------
-    history : the scene's text and what it was before.
-    opened : its file as it was read or saved last; None if it is in none yet.
+    history : the present text of the scene, and its earlier ones.
+    opened : its file as it was read or saved last; None if it has no file yet.
     """
 
     def __init__(self, folder: Path, states: Path | None = None) -> None:
@@ -54,14 +54,14 @@ class Desk:
 
     @property
     def name(self) -> str | None:
-        """The scene's file, as a path in the folder; None if it is in none yet."""
+        """The scene's file, as a path in the folder; None if it has no file yet."""
         if self.opened is None:
             return None
         return self.opened.path.relative_to(self.folder).as_posix()
 
     @property
     def data_folder(self) -> Path:
-        """The folder in which the files lie that the scene names."""
+        """The folder of the data files that the scene names."""
         return self.folder if self.opened is None else self.opened.path.parent
 
     @property
@@ -77,12 +77,13 @@ class Desk:
         return "same" if self.opened is None else disk(self.opened)
 
     def take_messages(self) -> list[str]:
-        """Sentences for the user since the last call."""
+        """The messages for the user since the last call, which are then forgotten."""
         messages, self._messages = self._messages, []
         return messages
 
     def open(self, name: str) -> None:
-        """Switch to the scene file `name`, with its unsaved edits; those of the last one are kept.
+        """Switch to the scene file `name`, with its unsaved edits; those of the previous scene are
+        kept in its journal.
 
         Raises
         ------
@@ -92,10 +93,12 @@ class Desk:
         path = place(self.folder, name)
         if self.opened is not None and self.opened.path == path:
             return
+        # First of all: if another designer has the file, the present scene stays open.
         journal = Journal.opened(str(path), self._states)
         try:
             text, scene_file = read(path)
         except FileError:
+            # A scene whose file has been deleted can still be restored from its journal.
             if path.exists() or journal.content is None or journal.content.history is None:
                 journal.close(keep=True)
                 raise
@@ -114,7 +117,7 @@ class Desk:
         self.history, self.opened = self._restored("", None, journal.content)
 
     def change(self, text: str, label: str, gesture: str = "") -> None:
-        """Give the scene another text, see `History.changed`; FileError if it is none."""
+        """Give the scene another text, see `History.changed`; FileError if it cannot be encoded."""
         encoded(text, self.name or "scene")
         if text != self.text:
             event = change(self.text, text, label, gesture)
@@ -210,7 +213,7 @@ class Desk:
 
     @property
     def _digest(self) -> str:
-        """Of the file as it was read or saved last; empty if there is none."""
+        """SHA-256 of the file as it was read or saved last; empty if there is none."""
         return "" if self.opened is None else self.opened.digest
 
     def _note(self, history: History, event: Mapping[str, Any]) -> None:
@@ -219,6 +222,7 @@ class Desk:
         if self._journal is not None:
             fault = self._journal.fault
             self._journal.add(history, event, self._digest)
+            # A fault is reported once, when it arises.
             if self._journal.fault != fault:
                 self._messages.append(self._journal.fault)
 
@@ -240,14 +244,14 @@ class Desk:
 SUFFIX: Final = ".toml"
 
 MOST_LISTED: Final = 500
-"""Scenes of a folder that are offered."""
+"""Most scenes of a folder that are offered."""
 
 Disk = Literal["same", "changed", "gone"]
 """How a file on disk compares with what was read from it or saved last."""
 
 
 class OverwriteError(FileError):
-    """Saving would overwrite what the designer has not read, and was not forced."""
+    """Saving would overwrite changes that the designer has not read, and was not forced."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -314,7 +318,7 @@ def read(path: Path) -> tuple[str, Opened]:
     try:
         status = path.lstat()
         if not stat.S_ISREG(status.st_mode):
-            raise FileError(f"{path.name}: is no plain file")
+            raise FileError(f"{path.name}: is not a regular file")
         data = read_limited(path, SCENE)
         text = data.decode()
     except FileNotFoundError as error:
@@ -346,11 +350,11 @@ def disk(opened: Opened, *, closely: bool = False) -> Disk:
     return "same" if same else "changed"
 
 
-def saved(path: Path, text: str, before: Opened | None, *, force: bool) -> Opened:
+def saved(path: Path, text: str, earlier: Opened | None, *, force: bool) -> Opened:
     """The file at `path` with this text, put in place in one step.
 
-    `before` is what is known of it. A file that has changed since, or of which nothing is known, is
-    overwritten only with `force`, unless it has this text already.
+    `earlier` is the state in which it was read or saved last. A file that has changed since, or was
+    never read, is overwritten only with `force`, unless it has this text already.
 
     Raises
     ------
@@ -361,7 +365,7 @@ def saved(path: Path, text: str, before: Opened | None, *, force: bool) -> Opene
     """
     data = encoded(text, path.name)
     if not force:
-        _refuse_overwriting(path, data, before)
+        _refuse_overwriting(path, data, earlier)
     mode = stat.S_IMODE(path.stat().st_mode) if path.is_file() else None
     settle(path.parent)
     write_set(path.parent, {path.name: data}, force=True)
@@ -389,9 +393,9 @@ def digest(data: bytes) -> str:
     return hashlib.sha256(data).hexdigest()
 
 
-def _refuse_overwriting(path: Path, data: bytes, before: Opened | None) -> None:
-    if before is not None and before.path == path:
-        if disk(before, closely=True) == "changed":
+def _refuse_overwriting(path: Path, data: bytes, earlier: Opened | None) -> None:
+    if earlier is not None and earlier.path == path:
+        if disk(earlier, closely=True) == "changed":
             raise OverwriteError(f"{path.name} has been changed on disk since it was read")
         return
     if not path.exists() and not path.is_symlink():
@@ -427,7 +431,7 @@ NO_LINK: Final = getattr(os, "O_NOFOLLOW", 0)
 
 @dataclass(frozen=True, slots=True)
 class JournalContent:
-    """What a journal has preserved.
+    """The contents of a journal.
 
     Attributes
     ----------
@@ -446,8 +450,8 @@ class Journal:
 
     Attributes
     ----------
-    content : earlier edits that it had preserved; None if there were none.
-    fault : why edits are not kept; empty if they are.
+    content : edits of an earlier process; None if there were none.
+    fault : why edits are not being kept; empty if they are.
     """
 
     def __init__(self, file: str, place: Path | None, lock: int | None, fault: str = "") -> None:
@@ -520,7 +524,7 @@ class Journal:
         self._place = self._stream = self._lock = None
 
     def _read(self, place: Path) -> None:
-        """Read what an earlier process has left; a damaged journal is set aside."""
+        """Read the edits of an earlier process; a damaged journal is set aside."""
         try:
             data = _content(place)
         except FileNotFoundError:
@@ -541,6 +545,7 @@ class Journal:
 
     def _write_anew(self, place: Path, history: History, saved: str) -> None:
         """Replace the journal with a shorter one of the same history."""
+        # The new journal is complete on disk before it replaces the old one.
         data = b"".join(_lines(self._file, history, saved))
         fresh = place.with_suffix(".new")
         fresh.unlink(missing_ok=True)
@@ -582,7 +587,7 @@ def state_folder() -> Path:
 
 
 def read_journal(data: bytes, file: str) -> JournalContent:
-    """What the bytes of a journal say about the scene file at `file`, up to any damage."""
+    """The contents of a journal of the scene file at `file`, from its bytes, up to any damage."""
     content = JournalContent(None, "", "it is empty")
     for number, line in enumerate(data.splitlines(keepends=True), 1):
         try:
@@ -601,7 +606,7 @@ def _first(event: Any, file: str) -> JournalContent:
     if event["journal"] != FORM:
         raise ValueError(f"its form is {event['journal']}, not {FORM}")
     if event["file"] != file:
-        raise ValueError("it is of another file")
+        raise ValueError("it belongs to another file")
     return JournalContent(History(_text(event["text"])), _text(event["saved"]))
 
 
@@ -645,6 +650,7 @@ def _lines(file: str, history: History, saved: str) -> Iterator[bytes]:
     for step in steps:
         event = {"splice": [step.position, len(step.removed), step.inserted], "label": step.label}
         yield _line({"do": "change", **event, "gesture": step.gesture})
+    # All steps were written as changes: the undone ones, the last of them, are undone again.
     yield from [_line({"do": "undo"})] * len(history.future)
 
 
@@ -663,7 +669,7 @@ def _event(line: bytes) -> Any:
 
 def _text(value: Any) -> str:
     if not isinstance(value, str) or len(value) > SCENE.size:
-        raise ValueError("a text is none, or too long")
+        raise ValueError("a text is missing or too long")
     return value
 
 
@@ -673,7 +679,7 @@ def _content(place: Path) -> bytes:
     with os.fdopen(stream, "rb") as file:
         status = os.fstat(stream)
         if not stat.S_ISREG(status.st_mode) or status.st_size > MOST_BYTES:
-            raise FileError(f"{place}: is no journal")
+            raise FileError(f"{place}: is not a journal")
         return file.read(MOST_BYTES)
 
 
@@ -709,21 +715,21 @@ MOST_STEPS: Final = 1000
 """Most steps that can be undone."""
 
 MOST_CHARACTERS: Final = 16_000_000
-"""Most characters, in all, that these steps replace and put in their place."""
+"""Most characters in all that these steps remove and insert."""
 
 Splice = tuple[int, str, str]
-"""Where two texts differ: the first character, what the first text has there, and the second."""
+"""Where two texts differ: the first position, and the differing parts of the one and the other."""
 
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """What one step changed.
+    """The change that one step made.
 
     Attributes
     ----------
     label : its name, e.g. ``roller radius 8 mm``.
     position : of the first character in which the texts differ, from 0.
-    removed, inserted : what they have there.
+    removed, inserted : the differing parts of the earlier and of the later text.
     gesture : changes of the same gesture, a drag say, are one step; empty for a step by itself.
     """
 
@@ -763,7 +769,7 @@ class History:
         return self.future[-1].label if self.future else None
 
     def changed(self, text: str, label: str, gesture: str = "") -> Self:
-        """With a new text and nothing left to redo.
+        """The history with a new text and nothing left to redo.
 
         A change with the gesture of the latest step becomes part of that step. If the text is
         then what it was before the gesture, the step disappears.
@@ -778,7 +784,7 @@ class History:
         return replace(self, text=text, past=_bounded(past), future=())
 
     def undone(self) -> Self:
-        """One step back; the same if there is none."""
+        """The history one step back; the same history if there is none."""
         if not self.past:
             return self
         *past, step = self.past
@@ -788,7 +794,7 @@ class History:
         return replace(self, text=text, past=tuple(past), future=future)
 
     def redone(self) -> Self:
-        """One step forth; the same if there is none."""
+        """The history one step forward; the same history if there is none."""
         if not self.future:
             return self
         *future, step = self.future
@@ -800,6 +806,7 @@ def splice(old: str, new: str) -> Splice:
     """Where the texts `old` and `new` differ: what is equal at both ends is left out."""
     head = _alike(old, new)
     old, new = old[head:], new[head:]
+    # After the common start has been removed, so that start and end never overlap.
     tail = _alike(old[::-1], new[::-1])
     return head, old[: len(old) - tail], new[: len(new) - tail]
 

@@ -1,6 +1,7 @@
-"""Changes of a scene's text: what is asked becomes values, which are written into the text.
+"""Changes of a scene's text: a request becomes values, which are written into the text.
 
-Comments and order stay. A text is changed whether its scene is valid or not, as long as it is TOML.
+Comments and order are preserved. A text can be changed whether its scene is valid or not, as long
+as it is TOML.
 """
 
 from __future__ import annotations
@@ -58,10 +59,10 @@ from camgeo.scene.values import (
 from camgeo.units import MM_PER, TURN
 
 MOST: Final = 1_000
-"""Keys of one change."""
+"""Most keys of one change."""
 
 LONGEST: Final = 1_000
-"""Characters of a key."""
+"""Most characters of a key."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,9 +72,9 @@ class Changed:
     Attributes
     ----------
     text : the new TOML.
-    label : names the change, for undo.
-    scene : the new scene, if it is valid and the one before is known; it shares with that what the
-        change does not touch.
+    label : names the change in the undo history.
+    scene : the new scene, if it is valid and the previous one is known; it shares with that one
+        what the change does not affect.
     """
 
     text: str
@@ -88,18 +89,18 @@ def changed(
     arguments: Mapping[str, Any],
     design: Design | None = None,
 ) -> Changed:
-    """The `text` with one change, which `arguments` ask for.
+    """The `text` after the change that `arguments` request.
 
     Parameters
     ----------
     file, folder : where the text comes from, as of `camgeo.scene.scene.Scene.from_text`.
-    arguments : one of the kinds of changes, `CHANGES`, by its name, with what it takes.
-    design : that of the text, if it is known.
+    arguments : the data of one kind of change under its name, a key of `CHANGES`.
+    design : the design of the text, if it is known.
 
     Raises
     ------
     SceneError
-        If the text is not TOML, or has no place for what is asked, or if a handle is dropped where
+        If the text is not TOML, if the change is impossible in it, or if a handle is dropped where
         it cannot be; nothing is changed then.
     UnknownNameError
         If there is no such handle, kind or effect.
@@ -116,14 +117,15 @@ def changed(
     return _written(original, tree, label, valid=kinds[0] in VALID)
 
 
-def _written(original: Original, after: Tree, label: str, *, valid: bool) -> Changed:
-    """The text with the values `after`; SceneError if they are not valid, but have to be."""
+def _written(original: Original, tree: Tree, label: str, *, valid: bool) -> Changed:
+    """The text with the values `tree`; SceneError if they have to be valid and are not."""
+    # Faults that the text has already do not prevent a change.
     known = {fault.key for fault in document_of_tree(original.tree).faults}
-    values = document_of_tree(after)
+    values = document_of_tree(tree)
     impossible = [fault for fault in values.faults if fault.key not in known]
     if impossible:
         raise SceneError(impossible)
-    text = written_into(original.text, after)
+    text = written_into(original.text, tree)
     if len(text.encode()) > SCENE.size:
         raise refusal(f"the scene would be larger than {SCENE.size:,} bytes")
     if original.known is None and not valid:
@@ -145,8 +147,8 @@ def _written(original: Original, after: Tree, label: str, *, valid: bool) -> Cha
 def _by_keys(original: Original, arguments: Mapping[str, Any]) -> tuple[Tree, str]:
     """`edits`: values by key, None to remove the key.
 
-    A segment whose span changes takes from the next one, or gives to it, so that the turn stays
-    whole; choices come with what goes with them.
+    If the span of one segment changes, its neighbour changes by the opposite amount, so that the
+    spans still add up to a turn. Choices are made with their companions.
     """
     edits = _edits(arguments["edits"])
     tree = with_companions(original, with_edits(original.tree, edits), edits)
@@ -154,12 +156,12 @@ def _by_keys(original: Original, arguments: Mapping[str, Any]) -> tuple[Tree, st
 
 
 def _dragged(original: Original, arguments: Mapping[str, Any]) -> tuple[Tree, str]:
-    """`handle`: the name of one, dropped at `to`, in steps of `step`."""
+    """`handle`: the name of a handle, dropped at `to`, in steps of `step`."""
     handle, edits = dragged(
         original.design, arguments["handle"], arguments.get("to"), arguments.get("step")
     )
     tree = with_edits(original.tree, edits)
-    # What a joint takes from the segment behind it goes without saying.
+    # The label leaves out the span of the following segment, which changes with any joint.
     label_edits = {key: edits[key] for key in handle.keys if key in edits}
     label = change_label(label_edits, _units(tree, label_edits)) if label_edits else handle.name
     return tree, label
@@ -192,21 +194,21 @@ CHANGES: Final[Mapping[str, Callable[[Original, Mapping[str, Any]], tuple[Tree, 
     "cure": _cured,
     "sized": _sized,
 }
-"""Kinds of changes by the names of their arguments; each gives the values after it and a label."""
+"""Kinds of changes by the names of their arguments; each returns the new values and a label."""
 
 VALID: Final = ("handle",)
-"""Those that are refused if the scene would not be valid: a handle stays where it last could be."""
+"""Changes that are refused if the scene would become invalid: a handle then stays where it is."""
 
 
 # -- what goes with a change -----------------------------------------------------------------------
 
 
-def _edits(asked: Any) -> dict[str, Any]:
-    if not isinstance(asked, Mapping) or not 0 < len(asked) <= MOST:
+def _edits(request: Any) -> dict[str, Any]:
+    if not isinstance(request, Mapping) or not 0 < len(request) <= MOST:
         raise refusal(f"an edit has 1 to {MOST} values by key")
-    if not all(isinstance(key, str) and len(key) <= LONGEST for key in asked):
+    if not all(isinstance(key, str) and len(key) <= LONGEST for key in request):
         raise refusal(f"a key is text of at most {LONGEST} characters")
-    return dict(asked)
+    return dict(request)
 
 
 def _units(tree: Tree, edits: Mapping[str, Any]) -> dict[str, str]:
@@ -215,28 +217,33 @@ def _units(tree: Tree, edits: Mapping[str, Any]) -> dict[str, str]:
     return {key: fields.unit(parse_path(key) or ()) for key in edits}
 
 
-def _whole_turn(before: Tree, after: Tree) -> Tree:
-    """The motion after an edit, its turn as whole as before if the span of one segment changed."""
-    old, new = motion_spans(before.get("motion")), motion_spans(after.get("motion"))
+def _whole_turn(old_tree: Tree, new_tree: Tree) -> Tree:
+    """The tree after an edit; if one span has changed, a neighbour makes up for it.
+
+    Only if the spans added up to a turn before, and a neighbour has a span that can change.
+    """
+    old, new = motion_spans(old_tree.get("motion")), motion_spans(new_tree.get("motion"))
     if old is None or new is None or len(old) != len(new) or total(old) != FULL_TURN:
-        return after
+        return new_tree
     changed = [index for index, (one, two) in enumerate(zip(old, new, strict=True)) if one != two]
+    # Only for one changed span there is a neighbour that makes up for it.
     if len(changed) != 1 or len(old) == 1:
-        return after
+        return new_tree
     changed_index = changed[0]
-    motion = after["motion"]
+    motion = new_tree["motion"]
     neighbours = [k for k in (changed_index + 1, changed_index - 1) if 0 <= k < len(motion)]
     taker = next((k for k in neighbours if not is_fixed(motion[k])), None)
     if taker is None:
-        return after
+        return new_tree
     try:
-        span = neighbour_span(before["motion"][changed_index], motion[taker], new[changed_index])
+        # The sum of the two spans stays, so the turn stays whole.
+        span = neighbour_span(old_tree["motion"][changed_index], motion[taker], new[changed_index])
     except GeometryError as error:
         key = f"motion[{changed_index + 1}].{span_key(motion[changed_index])}"
         raise SceneError([Fault(key, "", error.message)]) from error
     key = span_key(motion[taker])
     resized = {**motion[taker], key: styled(span, motion[taker][key])}
-    return {**after, "motion": [*motion[:taker], resized, *motion[taker + 1 :]]}
+    return {**new_tree, "motion": [*motion[:taker], resized, *motion[taker + 1 :]]}
 
 
 # -- labels ---------------------------------------------------------------------------------------
@@ -254,7 +261,7 @@ LONGEST_LABEL: Final = 80
 
 
 def change_label(edits: Mapping[str, Any], units: Mapping[str, str]) -> str:
-    """The name of the change that sets these values, with the units of their keys."""
+    """The label of the change that sets these values; `units` are those of their keys."""
     named = [_named(key, value, units.get(key, "")) for key, value in edits.items()]
     rest = len(named) - NAMED
     label = ", ".join(named[:NAMED]) + (f" and {rest} more" if rest > 0 else "")
@@ -265,6 +272,7 @@ def _named(key: str, value: Any, unit: str) -> str:
     path = parse_path(key) or ()
     title = key_title(path)
     if path[:1] == ("motion",) and len(path) > 1 and isinstance(path[1], int):
+        # Paths count from 0, users from 1.
         title = f"segment {path[1] + 1} {title}"
     if value is None:
         return f"{title} removed"
@@ -290,7 +298,7 @@ def value_text(value: Any) -> str:
 
 
 LAW: Final = "polynomial-345"
-"""Of a new move."""
+"""Law of a new move."""
 
 FALLBACK: Final = "auto"
 """Law of moves that meet without a rest between them."""
@@ -299,19 +307,19 @@ RISE: Final = Decimal(10)
 """Position of a new move in a motion that has none [mm or degrees]."""
 
 LARGEST: Final = 10_000
-"""Segments of a motion."""
+"""Most segments of a motion."""
 
 Motion = list[Any]
 
 
-def changed_segments(original: Original, asked: Any) -> tuple[Tree, str]:
+def changed_segments(original: Original, request: Any) -> tuple[Tree, str]:
     """The tree with one change of a segment, and its label.
 
-    `asked` has the `action`, one of `ACTIONS`, and `at`, the position of the segment, from 0.
+    `request` has the `action`, one of `ACTIONS`, and `at`, the position of the segment, from 0.
     SceneError if it lacks one of these, or the action cannot be done.
     """
-    action = asked.get("action") if isinstance(asked, Mapping) else None
-    index = asked.get("at") if isinstance(asked, Mapping) else None
+    action = request.get("action") if isinstance(request, Mapping) else None
+    index = request.get("at") if isinstance(request, Mapping) else None
     motion = original.tree.get("motion")
     if not isinstance(action, str) or action not in ACTIONS:
         raise refusal(f"a segment is changed by one of {', '.join(ACTIONS)}", "motion")
@@ -336,111 +344,121 @@ def _first_without(faults: Callable[[Tree], tuple[Fault, ...]], trees: Iterable[
     return tried[0]
 
 
-def _insert(motion: Motion, at: int) -> Iterator[Motion]:
-    """A dwell after a segment; that one gives half of its span, or else the next one does."""
-    donors = [k for k in (at, at + 1) if k < len(motion) and _can_give(motion[k])]
+def _insert(motion: Motion, index: int) -> Iterator[Motion]:
+    """Insert a dwell after a segment, which gives half of its span to it, or else the next one
+    does.
+    """
+    donors = [k for k in (index, index + 1) if k < len(motion) and _can_give(motion[k])]
     if not donors or len(motion) >= LARGEST:
-        raise refusal("has no span to give to a new segment", spelled(("motion", at)))
+        raise refusal("has no span to give to a new segment", spelled(("motion", index)))
     remainder, share = _halves(motion[donors[0]])
     extended = [*motion]
     extended[donors[0]] = _with_span(motion[donors[0]], remainder)
-    extended.insert(at + 1, {"dwell": styled(share, 0)})
+    extended.insert(index + 1, {"dwell": styled(share, 0)})
     yield extended
 
 
-def _remove(motion: Motion, at: int) -> Iterator[Motion]:
-    """Its neighbour takes its span, a dwell first."""
-    neighbours = [k for k in (at - 1, at + 1) if 0 <= k < len(motion)]
+def _remove(motion: Motion, index: int) -> Iterator[Motion]:
+    """Remove a segment; a neighbour takes its span, preferably a dwell."""
+    neighbours = [k for k in (index - 1, index + 1) if 0 <= k < len(motion)]
     takers = [k for k in neighbours if not is_fixed(motion[k])]
     takers = [k for k in takers if segment_span(motion[k]) is not None]
     if not takers:
-        raise refusal("no segment beside it can take its span", spelled(("motion", at)))
+        raise refusal("no neighbouring segment can take its span", spelled(("motion", index)))
     taker = next((k for k in takers if "dwell" in motion[k]), takers[0])
     with localcontext(EXACT):
-        whole = _span(motion[taker]) + _span(motion[at])
+        whole = _span(motion[taker]) + _span(motion[index])
     merged = [*motion]
     merged[taker] = _with_span(motion[taker], whole)
-    del merged[at]
+    del merged[index]
     yield from _returning(merged)
 
 
-def _split(motion: Motion, at: int) -> Iterator[Motion]:
-    """Two halves; a move is halfway between them."""
-    segment = motion[at]
+def _split(motion: Motion, index: int) -> Iterator[Motion]:
+    """Split a segment into halves; a move reaches the middle of its stroke between them."""
+    segment = motion[index]
     if "points" in segment or not _can_give(segment) or len(motion) >= LARGEST:
-        raise refusal("cannot be split", spelled(("motion", at)))
+        raise refusal("cannot be split", spelled(("motion", index)))
     first, second = _halves(segment)
     halves = [_with_span(segment, first), _with_span(segment, second)]
     if "dwell" not in segment:
         way = {key: item for key, item in halves[0].items() if key in ("law", "span")}
-        halves[0] = {**way, "to": _midpoint(_level(motion, at), segment.get("to"))}
-    yield [*motion[:at], *halves, *motion[at + 1 :]]
+        halves[0] = {**way, "to": _midpoint(_level(motion, index), segment.get("to"))}
+    yield [*motion[:index], *halves, *motion[index + 1 :]]
     if "dwell" not in segment:
+        # The halves meet without a rest, which the law of the segment may not allow.
         halves = [{**half, "law": FALLBACK} for half in halves]
-        yield [*motion[:at], *halves, *motion[at + 1 :]]
+        yield [*motion[:index], *halves, *motion[index + 1 :]]
 
 
-def _swap(by: int) -> Callable[[Motion, int], Iterator[Motion]]:
+def _swap(step: int) -> Callable[[Motion, int], Iterator[Motion]]:
     def swap(motion: Motion, at: int) -> Iterator[Motion]:
-        if not 0 <= at + by < len(motion):
+        if not 0 <= at + step < len(motion):
             raise refusal("is at the end of the motion", spelled(("motion", at)))
         swapped = [*motion]
-        swapped[at], swapped[at + by] = motion[at + by], motion[at]
+        swapped[at], swapped[at + step] = motion[at + step], motion[at]
         yield swapped
-        if all(_moves(segment) and "to" in segment for segment in (swapped[at], swapped[at + by])):
-            for index in (at, at + by):  # the positions stay, and law and span change places
+        if all(
+            _moves(segment) and "to" in segment for segment in (swapped[at], swapped[at + step])
+        ):
+            for index in (at, at + step):  # the positions stay, and law and span change places
                 swapped[index] = {**swapped[index], "to": motion[index]["to"]}
             yield swapped
 
     return swap
 
 
-def _to_dwell(motion: Motion, at: int) -> Iterator[Motion]:
-    """A rest of the same span."""
-    rest = {"dwell": motion[at][span_key(motion[at])]}
-    yield from _returning([*motion[:at], rest, *motion[at + 1 :]])
+def _to_dwell(motion: Motion, index: int) -> Iterator[Motion]:
+    """Replace a move by a dwell of the same span."""
+    rest = {"dwell": motion[index][span_key(motion[index])]}
+    yield from _returning([*motion[:index], rest, *motion[index + 1 :]])
 
 
-def with_a_point(tree: Tree, at: int) -> Tree:
+def with_a_point(tree: Tree, index: int) -> Tree:
     """The tree with a point in the middle of a segment that goes through points but has none."""
     motion = tree["motion"]
-    segment = motion[at]
+    segment = motion[index]
     span = segment_span(segment)
     if segment.get("law") != "points" or "points" in segment or not span:
         return tree
-    point = {"at": styled(span / 2, 0), "to": _midpoint(_level(motion, at), segment.get("to"))}
-    return {**tree, "motion": [*motion[:at], {**segment, "points": [point]}, *motion[at + 1 :]]}
+    point = {"at": styled(span / 2, 0), "to": _midpoint(_level(motion, index), segment.get("to"))}
+    return {
+        **tree,
+        "motion": [*motion[:index], {**segment, "points": [point]}, *motion[index + 1 :]],
+    }
 
 
 def _returning(motion: Motion) -> Iterator[Motion]:
-    """The motion, and the same with a last move that returns to 0."""
+    """The motion as it is, then with a last move that returns to 0."""
     yield motion
     last = max((k for k, segment in enumerate(motion) if _moves(segment)), default=None)
     if last is not None and motion[last].get("to"):
         yield [*motion[:last], {**motion[last], "to": 0}, *motion[last + 1 :]]
 
 
-def _to_move(motion: Motion, at: int) -> Iterator[Motion]:
-    """A move of the same span; a dwell becomes a move halfway to the next position.
+def _to_move(motion: Motion, index: int) -> Iterator[Motion]:
+    """Replace a segment by a move of the same span; a dwell becomes a move halfway to the next
+    position.
 
-    After the last move, which returns to 0, it becomes a rise and a return.
+    A dwell after the last move, which returns to 0, becomes a rise and a return.
     """
-    segment = motion[at]
-    head = motion[:at]
-    tail = motion[at + 1 :]
+    segment = motion[index]
+    head = motion[:index]
+    tail = motion[index + 1 :]
     span = segment[span_key(segment)]
     if "dwell" not in segment:
         yield [*head, {"law": LAW, "span": span, "to": _number(segment.get("to"))}, *tail]
         return
-    level = _level(motion, at)
+    level = _level(motion, index)
     following = [_number(segment.get("to")) for segment in tail if _moves(segment)]
     if following:
+        # The next move may follow without a rest, which only the fallback allows.
         for law in (LAW, FALLBACK):
             end = _midpoint(level, following[0])
             yield [*head, {"law": law, "span": span, "to": end}, *tail]
         return
     if not _can_give(segment):
-        raise refusal("is too short for a move", spelled(("motion", at)))
+        raise refusal("is too short for a move", spelled(("motion", index)))
     first, second = _halves(segment)
     tops = [abs(Decimal(_number(segment.get("to")))) for segment in motion if _moves(segment)]
     top = max([position for position in tops if position] or [RISE])
@@ -457,8 +475,8 @@ ACTIONS: Final[Mapping[str, tuple[Callable[[Motion, int], Iterator[Motion]], str
     "to-dwell": (_to_dwell, "segment {n} made a dwell"),
     "to-move": (_to_move, "segment {n} made a move"),
 }
-"""What can be done with a segment, with a label each: of the motions made, the first valid one is
-taken."""
+"""Actions on a segment, each with its label: the first valid one of the motions that it yields is
+taken, or the first of all."""
 
 
 def _moves(segment: Any) -> bool:
@@ -480,10 +498,11 @@ def _can_give(segment: Any) -> bool:
 
 
 def _halves(segment: Any) -> tuple[Decimal, Decimal]:
-    """Its span in two, the second in whole degrees if it is long."""
+    """The span of a segment in two parts, the second in whole degrees if it is above one."""
     span = _span(segment)
     with localcontext(EXACT):
         second = span / 2
+        # Above one degree the second part is whole; the first part takes the exact remainder.
         if second > 1:
             second = second.quantize(Decimal(1), ROUND_FLOOR)
         return span - second, second
@@ -494,9 +513,9 @@ def _with_span(segment: Any, span: Decimal) -> Any:
     return {**segment, key: styled(span, segment[key])}
 
 
-def _level(motion: Motion, at: int) -> Any:
+def _level(motion: Motion, index: int) -> Any:
     """The position at the start of a segment, as it is stated."""
-    ends = [segment.get("to") for segment in motion[:at] if _moves(segment)]
+    ends = [segment.get("to") for segment in motion[:index] if _moves(segment)]
     return _number(ends[-1]) if ends else 0
 
 
@@ -506,47 +525,48 @@ def _number(value: Any) -> Any:
 
 
 def _midpoint(start: Any, end: Any) -> Any:
-    """The position in the middle of two; one unit on if they are the same."""
+    """The position midway between two; one unit further if they are equal."""
     first, last = Decimal(_number(start)), Decimal(_number(end))
     middle = (first + last) / 2 if first != last else first + 1
     return styled(middle, end)
 
 
 def total(spans: Sequence[Decimal]) -> Decimal:
-    """Their exact sum."""
+    """The exact sum of spans, without rounding to the precision of the decimal context."""
     with localcontext(EXACT):
         return sum(spans, Decimal(0))
 
 
 # -- mechanisms -----------------------------------------------------------------------------------
-# Other followers and linkages: what both kinds share stays, and the rest is chosen to work.
+# Other followers and linkages: keys that both kinds share keep their values, and the others get
+# values that work.
 #
-# What a kind needs and the scene lacks is taken from the scene that `camgeo new` writes for it,
-# scaled to this one. If the unit of positions changes, they are converted to about the same travel.
-# Keys elsewhere that do not belong to the new mechanism go.
+# They are taken from the scene that `camgeo new` writes for the new kind, scaled to the size of
+# this one. If the unit of positions changes, they are converted to about the same travel. Keys
+# elsewhere that do not belong to the new mechanism are removed.
 
 
 WIDEST: Final = Decimal(60)
-"""Largest swing that a rocker is given [degrees]."""
+"""Largest swing of a rocker after a conversion [degrees]."""
 
 IN_POSITIONS: Final = ("to", "velocity", "acceleration", "jerk")
-"""Keys of a segment, and of a point, that are in the unit of its positions."""
+"""Keys of a segment, and of a point, in the unit of positions."""
 
 ELSEWHERE: Final = ("limits", "effects", "linkage", "units", "follower", "part")
-"""Tables whose keys go if they do not belong to the new mechanism."""
+"""Tables whose keys are removed if they do not belong to the new mechanism."""
 
 OF_PART: Final = ("rim", "groove_depth", "pair")
-"""Those keys of [part], which belong to contacts and conjugate pairs."""
+"""Keys of [part] that are removed then: they belong to contacts and conjugate pairs."""
 
 
-def other_table(original: Original, asked: Any) -> tuple[Tree, str]:
+def other_table(original: Original, request: Any) -> tuple[Tree, str]:
     """The tree with another kind of follower or linkage, and a label.
 
-    `asked` has the `key`, "follower" or "linkage", and the `kind`; None for no linkage. SceneError
-    if it lacks the key, UnknownNameError if there is no such kind.
+    `request` has the `key`, "follower" or "linkage", and the `kind`; None for no linkage.
+    SceneError if it lacks the key, UnknownNameError if there is no such kind.
     """
-    key = asked.get("key") if isinstance(asked, Mapping) else None
-    kind = asked.get("kind") if isinstance(asked, Mapping) else None
+    key = request.get("key") if isinstance(request, Mapping) else None
+    kind = request.get("kind") if isinstance(request, Mapping) else None
     if key == "linkage" and kind is None:
         bare = _convert_positions(original.tree, without(original.tree, ("linkage",)))
         return _first_valid(original, [bare]), "linkage removed"
@@ -559,7 +579,7 @@ def other_table(original: Original, asked: Any) -> tuple[Tree, str]:
 
 
 def _first_valid(original: Original, trees: Iterable[Tree]) -> Tree:
-    """The first tree that is valid once what does not belong to it is gone; else the first."""
+    """The first tree that is valid once misfit keys are removed from it; else the first of all."""
     required = {
         name: {*kind.schema.get("required", ()), "kind"}
         for kinds in (FOLLOWERS, LINKAGES)
@@ -582,7 +602,7 @@ def _first_valid(original: Original, trees: Iterable[Tree]) -> Tree:
 
 
 def _with_suiting_effects(original: Original, tree: Tree) -> Tree:
-    """The tree with other data for the effects whose own do not suit, or without these effects."""
+    """The tree with other data for effects that have become faulty, or without these effects."""
     for fault in original.new_faults(tree):
         path = parse_path(fault.key) or ()
         effects = tree.get(EFFECTS_KEY)
@@ -599,7 +619,7 @@ def _with_suiting_effects(original: Original, tree: Tree) -> Tree:
 
 
 def _other_follower(tree: Tree, kind: str) -> Iterator[Tree]:
-    """The scene with a follower of that kind: first with its own sizes, then with all sizes new."""
+    """The scene with a follower of that kind: first with the present sizes, then with new ones."""
     old = _table(tree, "follower")
     size = _relative_size(tree)
     defaults = _template(kind)["follower"]
@@ -627,12 +647,13 @@ def _other_follower(tree: Tree, kind: str) -> Iterator[Tree]:
             yield from _other_linkage(candidate, linkage)
 
 
-def _arm(required: list[str], kept: Mapping[str, Any]) -> dict[str, Any]:
-    """The arm of a roller for a pivot that stays: so long that roller, pivot and axis make a
-    triangle for every base radius up to twice the arm.
+def _arm(required: list[str], reused: Mapping[str, Any]) -> dict[str, Any]:
+    """The arm of a roller for a pivot that stays: as long as the pivot is away from the cam axis.
+
+    Then roller, pivot and axis form a triangle for every base radius up to twice the arm.
     """
-    pivot = kept.get("pivot")
-    if "arm" not in required or "arm" in kept or not _is_point(pivot):
+    pivot = reused.get("pivot")
+    if "arm" not in required or "arm" in reused or not _is_point(pivot):
         return {}
     return {"arm": rounded(Decimal(math.hypot(*map(float, pivot))))}
 
@@ -643,7 +664,7 @@ def _arm(required: list[str], kept: Mapping[str, Any]) -> dict[str, Any]:
 def _other_linkage(tree: Tree, kind: str) -> Iterator[Tree]:
     """The scene with a linkage of that kind, and a follower that it can drive.
 
-    The motion stays as it is if its unit does; otherwise it goes as far as that of the template.
+    The motion is kept if its unit is; otherwise its stroke becomes that of the template.
     """
     members = LINKAGES[kind].members
     follower = _kind(tree.get("follower"))
@@ -673,38 +694,42 @@ KINDS: Final[Mapping[str, tuple[Mapping[str, Any], Callable[[Tree, str], Iterato
     "follower": (FOLLOWERS, _other_follower),
     "linkage": (LINKAGES, _other_linkage),
 }
-"""Tables that have kinds, with what makes scenes of another kind, the best one first."""
+"""Tables that have kinds, with the function that yields scenes of another kind, the best first."""
 
 
 # -- motions ---------------------------------------------------------------------------------------
 
 
-def _convert_positions(before: Tree, after: Tree) -> Tree:
-    """The scene `after` with positions in its own unit, if the scene `before` has another one: a
-    rocker swings by about the same travel.
+def _convert_positions(old_tree: Tree, new_tree: Tree) -> Tree:
+    """The scene `new_tree` with positions in its own unit, if that of the scene `old_tree` is
+    another.
+
+    The end of the arm travels about as far along its arc as the slider did, or the other way round.
     """
-    angular = is_angular(after)
-    if angular == is_angular(before):
-        return after
-    arms = [_table(tree, "follower").get("arm") for tree in (after, before)]
-    arm = next((length for length in arms if is_number(length)), None) or base_radius(after)
+    angular = is_angular(new_tree)
+    if angular == is_angular(old_tree):
+        return new_tree
+    arms = [_table(tree, "follower").get("arm") for tree in (new_tree, old_tree)]
+    arm = next((length for length in arms if is_number(length)), None) or base_radius(new_tree)
+    # An arc of length s on the arm r is an angle s / r.
     factor = (
         Decimal(math.degrees(1.0)) / Decimal(arm)
         if angular
         else Decimal(arm) / Decimal(math.degrees(1.0))
     )
-    reach = _reach(after)
-    return _with_positions(after, min(factor, WIDEST / reach) if angular and reach else factor)
+    # The swing is limited, however long the stroke was.
+    reach = _reach(new_tree)
+    return _with_positions(new_tree, min(factor, WIDEST / reach) if angular and reach else factor)
 
 
 def _with_reach(tree: Tree, reach: Decimal) -> Tree:
-    """The scene with a motion that goes as far as `reach`."""
+    """The scene with its positions scaled so that the largest one is `reach`."""
     now = _reach(tree)
     return _with_positions(tree, reach / now) if now else tree
 
 
 def _reach(tree: Tree) -> Decimal:
-    """The largest position, as it is stated; 0 without one."""
+    """The largest magnitude of a position, as it is stated; 0 without one."""
     motion = tree.get("motion")
     ends = (
         [segment.get("to") for segment in motion if isinstance(segment, dict)]
@@ -762,25 +787,26 @@ def _is_point(value: Any) -> TypeGuard[list[int | Decimal]]:
 
 
 def _relative_size(tree: Tree) -> Decimal:
-    """How large a scene is, compared with those that `camgeo new` writes."""
+    """The size of a scene relative to those that `camgeo new` writes, by the base radius."""
     return base_radius(tree) / 50
 
 
 def _resized(node: Node, value: Any, size: Decimal) -> Any:
-    """A value of a template, larger by `size` if it is a length or a place."""
+    """A value of a template, times `size` if it is a length or a place."""
     if isinstance(value, list):
         return [_resized(node.get("items", {}), item, size) for item in value]
     return rounded(Decimal(value) * size) if is_length(node) and is_number(value) else value
 
 
 FEW: Final = 3
-"""Significant digits of a value that is made for a scene."""
+"""Significant digits of a value that is computed for a scene."""
 
 
 def rounded(value: Decimal) -> Any:
-    """A number with few digits."""
+    """The number rounded to `FEW` significant digits."""
     if not value:
         return 0
+    # adjusted() is the exponent of the first digit.
     last = Decimal(1).scaleb(value.adjusted() + 1 - FEW)
     return styled(value.quantize(last, ROUND_HALF_EVEN), 0)
 
@@ -790,14 +816,14 @@ def rounded(value: Decimal) -> Any:
 
 
 SPEED: Final = 60
-"""Of a cam that has none [rev/min]."""
+"""Speed for a cam that has none [rev/min]."""
 
 Table = dict[str, Any]
 
 WIRE: Final[Mapping[str, Any]] = {
     "diameter": "0.08", "coil_diameter": "0.6", "active_coils": 6, "free_length": "2",
 }  # fmt: skip
-"""Of a helical spring."""
+"""Wire of a helical spring; lengths as texts, in base radii."""
 
 EXAMPLES: Final[Mapping[str, tuple[Table, ...]]] = {
     "inertia": (
@@ -837,40 +863,40 @@ EXAMPLES: Final[Mapping[str, tuple[Table, ...]]] = {
         {"stiffness": 1000, "damping": Decimal("0.04")},
     ),
 }
-"""Initial tables, of which the first one that suits the machine is taken: lengths as texts, in base
-radii; None for a speed somewhat above that of the cam, and for an end of a spring on a rocker.
-Effects without an entry start empty."""
+"""Initial tables of effects, of which the first that suits the machine is taken. Lengths are texts,
+in base radii; None stands for a speed somewhat above that of the cam, and for an end of a spring on
+a rocker. Effects without an entry start empty."""
 
 SPRING_ENDS: Final = {"anchor": 1.5, "attachment": 0.0}
-"""Ends of a spring on a rocker, see `_end`."""
+"""Offsets of the ends of a spring on a rocker, in base radii, see `_end`."""
 
 FASTER: Final = Decimal("1.05")
-"""No-load speed of a motor, in speeds of the cam."""
+"""No-load speed of a motor, as a multiple of the cam speed."""
 
 THICK: Final = Decimal("0.2")
-"""Thickness of a part without one, in base radii."""
+"""Thickness for a part that states none, in base radii."""
 
 
-def switched(original: Original, asked: Any) -> tuple[Tree, str]:
+def switched(original: Original, request: Any) -> tuple[Tree, str]:
     """The tree with an effect switched on or off, and a label.
 
-    `asked` has its `name`, and whether it is to be `on`. What an effect needs is switched on with
-    it, and what needs it is switched off with it. SceneError if `asked` lacks one of these or the
+    `request` has its `name`, and whether it is to be `on`. What an effect needs is switched on with
+    it, and what needs it is switched off with it. SceneError if `request` lacks one of these or the
     machine cannot have the effect; UnknownNameError if there is no such effect.
     """
-    name = asked.get("name") if isinstance(asked, Mapping) else None
-    if not isinstance(name, str) or not isinstance(asked.get("on"), bool):
+    name = request.get("name") if isinstance(request, Mapping) else None
+    if not isinstance(name, str) or not isinstance(request.get("on"), bool):
         raise refusal("an effect has a name, and is switched on or off")
     if name not in effect_names():
         raise UnknownNameError("effect", name[:60], effect_names())
     title = name.replace("-", " ")
     effects = original.tree.get(EFFECTS_KEY)
-    if asked["on"]:
+    if request["on"]:
         if isinstance(effects, dict) and name in effects:
-            raise refusal("is on", f"{EFFECTS_KEY}.{name}")
+            raise refusal("is on already", f"{EFFECTS_KEY}.{name}")
         return _enable(original, name), f"{title} on"
     if not isinstance(effects, dict) or name not in effects:
-        raise refusal("is off", f"{EFFECTS_KEY}.{name}")
+        raise refusal("is off already", f"{EFFECTS_KEY}.{name}")
     return _disable(original, name), f"{title} off"
 
 
@@ -895,8 +921,8 @@ def _enable(original: Original, name: str) -> Tree:
 
 
 def _alone(tree: Tree, name: str) -> Tree:
-    """The tree with no other effects than those without which there is no `name`: with them all it
-    may take long to compute.
+    """The tree with only the effect `name` and those that it needs: all effects together may take
+    long to compute.
     """
     required, waiting = {name}, [name]
     while waiting:
@@ -931,9 +957,7 @@ def _with_examples(original: Original, tree: Tree, names: tuple[str, ...]) -> It
 
 
 def _fitting(original: Original, tree: Tree, name: str) -> Iterator[Tree]:
-    """The tree with each example of an effect that leaves nothing wrong with it, but for what was
-    wrong before.
-    """
+    """The tree with each example of an effect that causes no new fault in its table."""
     for example in EXAMPLES.get(name, ({},)):
         candidate = _with_table(tree, name, example)
         if not any(_is_effect_key(fault.key, name) for fault in original.new_faults(candidate)):
@@ -941,7 +965,7 @@ def _fitting(original: Original, tree: Tree, name: str) -> Iterator[Tree]:
 
 
 def _is_effect_key(key: str, name: str) -> bool:
-    """Whether a key is of the table of that effect."""
+    """Whether a key belongs to the table of that effect."""
     return (parse_path(key) or ())[:2] == (EFFECTS_KEY, name)
 
 
@@ -957,6 +981,7 @@ def _needs(tree: Tree, effect: Effect) -> Iterator[str]:
             if any(tree_value(tree, parse_path(key) or ()) is not None for key in keys):
                 continue
             first = next((key for key in keys if key not in lacking), None)
+            # One of the `keys` suffices: nothing is added if another one is on the list already.
             if first is None or set(keys) & set(lacking) or first == f"{EFFECTS_KEY}.{effect.name}":
                 continue
             lacking.insert(0, first)
@@ -972,7 +997,7 @@ def _with_table(tree: Tree, name: str, example: Table) -> Tree:
 
 
 def _initial(tree: Tree, key: str, value: Any) -> Any:
-    """What an example states for a key, in the scene's unit."""
+    """The value of an example for a key, in the scene's unit."""
     if isinstance(value, Mapping):
         return {inner: _initial(tree, inner, item) for inner, item in value.items()}
     if isinstance(value, str) and key != "kind":
@@ -985,16 +1010,19 @@ def _initial(tree: Tree, key: str, value: Any) -> Any:
     return rounded(Decimal(speed if is_number(speed) else SPEED) * FASTER)
 
 
-def _end(tree: Tree, beside: float) -> list[Decimal]:
-    """An end of a spring on a rocker: so many base radii beside the middle between pivot and cam
-    axis, on the side of the arm, from which the spring turns it towards the axis.
+def _end(tree: Tree, offset: float) -> list[Decimal]:
+    """An end of a spring on a rocker [x, y], in the scene's unit.
+
+    It lies `offset` base radii to the side of the midpoint between pivot and cam axis, on the side
+    of the arm from which the spring turns it towards the axis; empty without a valid pivot.
     """
     pivot = tree_value(tree, ("follower", "pivot"))
     if not _is_point(pivot):
         return []
     pivot_place = complex(*map(float, pivot))
+    # Times the direction to the pivot, 1j points to the left of it and -1j to the right.
     side = 1j if tree_value(tree, ("follower", "arm_side")) == "cw" else -1j
-    end = 0.5 * pivot_place + beside * float(base_radius(tree)) * side * pivot_place / (
+    end = 0.5 * pivot_place + offset * float(base_radius(tree)) * side * pivot_place / (
         abs(pivot_place) or 1.0
     )
     return [rounded(Decimal(coordinate)) for coordinate in (end.real, end.imag)]
@@ -1010,7 +1038,7 @@ def base_radius(tree: Tree) -> Decimal:
 
 
 def _disable(original: Original, name: str) -> Tree:
-    """Without it, and without the effects that cannot do without it."""
+    """The tree without the effect, and without the effects that need it."""
     tree = original.tree
 
     def may(path: KeyPath) -> bool:
@@ -1021,10 +1049,11 @@ def _disable(original: Original, name: str) -> Tree:
 
 
 # -- companions -----------------------------------------------------------------------------------
-# What goes with a choice: keys that it needs get initial values, keys that contradict it go.
+# Companions of a choice: keys that it needs get initial values, keys that contradict it are
+# removed.
 #
-# Only choices have companions: another law, another flank to run on, another shape of a linkage.
-# Numbers are set as they are.
+# Only choices have companions: another law, another contact, another shape of a linkage. Numbers
+# are set as they are.
 
 
 CONTACT: Final = ("follower", "contact")
@@ -1038,13 +1067,13 @@ OF_CONTACT: Final = (
     ("follower", "side_clearance"), ("follower", "return"), ("follower", "yoke"),
     ("limits", "closing_error"),
 )  # fmt: skip
-"""Keys that not every contact can have."""
+"""Keys that only some kinds of contact can have."""
 
 SAMPLES: Final = 360
 """Points of the pitch curve from which a blank is estimated."""
 
 BLANK_REACH: Final = 1.6
-"""How far a blank reaches beyond the roller's centre, in roller radii."""
+"""How far a blank extends beyond the path of the roller's centre, in roller radii."""
 
 
 def with_companions(original: Original, tree: Tree, edits: Mapping[str, Any]) -> Tree:
@@ -1063,8 +1092,8 @@ def with_companions(original: Original, tree: Tree, edits: Mapping[str, Any]) ->
 
 
 def _with_law(original: Original, tree: Tree, path: KeyPath) -> Tree:
-    """Without the parameters that the law at `path` does not take; a motion through points gets its
-    first point.
+    """The tree without the parameters that the law at `path` does not take; a motion through points
+    gets its first point.
     """
     tree = with_a_point(tree, int(path[1]))
     segment = tree_value(tree, path[:2])
@@ -1073,8 +1102,8 @@ def _with_law(original: Original, tree: Tree, path: KeyPath) -> Tree:
 
 
 def _with_contact(original: Original, tree: Tree) -> Tree:
-    """With a blank around a groove or a ring, and a groove half as deep as the part is thick, and
-    without the keys that a cam of that contact cannot have.
+    """The tree with a blank around a groove or a ring, with a groove half as deep as the part is
+    thick, and without the keys that a cam of that contact cannot have.
     """
     trees = _blanks(original, tree)
     mended = (original.without_misfits(tree, lambda misfit: misfit in OF_CONTACT) for tree in trees)
@@ -1097,7 +1126,7 @@ def _blanks(original: Original, tree: Tree) -> Iterator[Tree]:
 
 
 def _diameter(original: Original) -> Any:
-    """Diameter of a blank with room all around for the roller."""
+    """Diameter of a blank that leaves room for the roller all around, in the scene's unit."""
     try:
         cam = original.design.cam
         phi = np.linspace(0.0, TURN, SAMPLES, endpoint=False)
@@ -1109,23 +1138,23 @@ def _diameter(original: Original) -> Any:
 
 
 # -- original -------------------------------------------------------------------------------------
-# What a change starts from, and the scenes that are tried in making it.
+# The text that a change starts from, and the scenes that are tried while it is made.
 
 
 ROUNDS: Final = 6
-"""How often keys are taken out: without some, others turn out not to belong."""
+"""Rounds in which misfit keys are removed: without some, others turn out to be misfits."""
 
 
 @dataclass(frozen=True)
 class Original:
-    """A text to be changed.
+    """The text that a change starts from.
 
     Attributes
     ----------
     text : TOML.
     tree : its values.
-    file, folder : where it comes from.
-    known : its design, if there is one already.
+    file, folder : its origin, as of `changed`.
+    known : its design, if it has been made already.
     """
 
     text: str
@@ -1136,12 +1165,12 @@ class Original:
 
     @cached_property
     def source(self) -> Source:
-        """Where the files lie that the scene names."""
+        """The origin of the text, which locates the data files that the scene names."""
         return Source.from_file(self.file, self.folder, self.text)
 
     @cached_property
     def design(self) -> Design:
-        """Its design; SceneError if the scene is not valid."""
+        """The design of the text; SceneError if the scene is not valid."""
         return self.known or Design(self.scene(self.tree))
 
     def scene(self, tree: Tree) -> Scene:
@@ -1150,7 +1179,7 @@ class Original:
         return Scene.from_document(document_of_tree(tree), self.source, earlier)
 
     def faults(self, tree: Tree) -> tuple[Fault, ...]:
-        """What is wrong with other values."""
+        """The faults of a scene with other values."""
         try:
             self.scene(tree)
         except SceneError as error:
@@ -1163,13 +1192,14 @@ class Original:
         return frozenset(fault.key for fault in self.faults(self.tree))
 
     def new_faults(self, tree: Tree) -> tuple[Fault, ...]:
-        """What is wrong with other values, at keys that are not `wrong` as it is."""
+        """The faults with other values, except those at keys that are `wrong` already."""
         return tuple(fault for fault in self.faults(tree) if fault.key not in self.wrong)
 
     def unmet(self, tree: Tree, name: str) -> Fault | None:
-        """What the effect `name` lacks in a scene with other values, where only computing it tells.
+        """What the effect `name` lacks in a scene with other values, if that shows only when it is
+        computed.
 
-        None as well if the text as it is has no design: then nothing can be computed.
+        None as well if the original text has no design, because then nothing can be computed.
         """
         if self.known is None:
             return None
@@ -1182,20 +1212,21 @@ class Original:
         return None
 
     def without_misfits(self, tree: Tree, may: Callable[[KeyPath], bool]) -> Tree:
-        """The tree without those of the `new_faults` that may be taken out.
+        """The tree without those keys of the `new_faults` that `may` be removed.
 
-        Some only turn out to be at fault when others are gone.
+        Some turn out to be faulty only when others have been removed.
         """
         for _ in range(ROUNDS):
             paths = {parse_path(fault.key) or () for fault in self.new_faults(tree)}
             misfits = [path for path in paths if path and may(path)]
             if not misfits:
                 break
+            # Inner keys before their tables, which may be misfits as well.
             for path in sorted(misfits, key=len, reverse=True):
                 tree = without(tree, path)
         return tree
 
 
 def refusal(message: str, key: str = "") -> SceneError:
-    """A change that cannot be made, and why."""
+    """The error for a change that cannot be made."""
     return SceneError([Fault(key, "", message)])

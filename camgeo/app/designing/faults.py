@@ -1,4 +1,4 @@
-"""What is wrong in a scene, as data for the page."""
+"""The faults of a scene and the verdict on it, as data for the page."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def faults_as_data(error: CamgeoError, text: str = "") -> list[dict[str, Any]]:
 
 
 def _with_lines(faults: tuple[Fault, ...], text: str) -> tuple[Fault, ...]:
-    """The faults, those that a computation found with the lines of their keys as well."""
+    """The faults, each with the line of its key; those of a computation come without lines."""
     if all(fault.line is not None or not fault.key for fault in faults):
         return faults
     lines = key_lines(text.replace("\r\n", "\n"))  # only a text that is TOML has faults with keys
@@ -40,21 +40,22 @@ def _with_lines(faults: tuple[Fault, ...], text: str) -> tuple[Fault, ...]:
 
 
 # -- verdict --------------------------------------------------------------------------------------
-# The one verdict on a scene that a page shows: what is known of it, and nothing better than that.
+# The one verdict on a scene that a page shows, never better than what is known.
 #
-# It is made of the results of jobs, so that what only the findings or the files meet counts as
-# well.
+# It is made from the results of jobs, so that faults that only the findings or the files reveal
+# count as well.
 
 
 WAITING: Final = "waiting"
 """Severity of a scene whose findings have not come yet."""
 
 UNKNOWN: Final = "unknown"
-"""Severity of a scene of which there is no verdict: a job has no result."""
+"""Severity of a scene without a verdict, because a job has no result."""
 
 Results = Mapping[str, Mapping[str, Any]]
-"""Of the jobs "curves", "findings" and "build" of one text, as far as they are there: `faults`, and
-`verdict` and `findings` of the second; with `refused`, a sentence, there is no result.
+"""Results of the jobs "curves", "findings" and "build" of one text, as far as they have come:
+`faults`, and of the second `verdict` and `findings`. With `refused`, a sentence, a job has no
+result.
 """
 
 

@@ -1,4 +1,4 @@
-"""The form of a scene, right or wrong: tables and segments of the motion with their fields."""
+"""The form of a scene, valid or not: tables and segments of the motion with their fields."""
 
 from __future__ import annotations
 
@@ -29,12 +29,12 @@ Segment = Mapping[str, Any]
 
 
 def span_key(segment: Segment) -> str:
-    """The key of its span."""
+    """The key that states the span of a segment."""
     return "dwell" if "dwell" in segment else "span"
 
 
 def segment_span(segment: Any) -> Decimal | None:
-    """Its span [degrees], exactly as written; None if it has no possible one."""
+    """The span of a segment [degrees], exactly as written; None if it states no possible one."""
     stated = segment.get(span_key(segment)) if isinstance(segment, dict) else None
     return Decimal(stated) if is_number(stated) and 0 <= stated <= FULL_TURN else None
 
@@ -49,13 +49,13 @@ def motion_spans(motion: Any) -> list[Decimal] | None:
 
 
 def joints(spans: Sequence[Decimal]) -> list[Decimal]:
-    """The cam angles at which segments begin, and that of the end."""
+    """The cam angles [degrees] at which the segments begin, and that at which the last one ends."""
     with localcontext(EXACT):
         return list(accumulate(spans, initial=Decimal(0)))
 
 
 def least_span(segment: Segment) -> Decimal:
-    """The shortest span that the segment may have, judged by its own values."""
+    """The shortest span [degrees] that the segment may have, by its own values alone."""
     if "dwell" in segment:
         return Decimal(0)
     points = segment.get("points")
@@ -64,13 +64,13 @@ def least_span(segment: Segment) -> Decimal:
 
 
 def is_fixed(segment: Segment) -> bool:
-    """Whether a file decides its span."""
+    """Whether a file determines the span of the segment."""
     return segment.get("law") == "table"
 
 
 def neighbour_span(first: Segment, second: Segment, span: Decimal) -> Decimal:
-    """The span of the second of two neighbours, whose sum stays, if that of the first is `span`;
-    GeometryError if one has no room.
+    """The span of the second of two neighbours if that of the first becomes `span` and their sum
+    stays; GeometryError if one of them becomes too short.
     """
     old_spans = segment_span(first), segment_span(second)
     assert old_spans[0] is not None  # only valid scenes have handles
@@ -79,7 +79,7 @@ def neighbour_span(first: Segment, second: Segment, span: Decimal) -> Decimal:
         other = old_spans[1] - (span - old_spans[0])
     for segment, new, name in (
         (first, span, "this segment"),
-        (second, other, "the one beside it"),
+        (second, other, "the neighbouring segment"),
     ):
         if new < least_span(segment):
             message = f"leaves no room for {name}: {new.normalize():f} degrees"
@@ -88,18 +88,18 @@ def neighbour_span(first: Segment, second: Segment, span: Decimal) -> Decimal:
 
 
 # -- numbers --------------------------------------------------------------------------------------
-# Numbers of a scene: which there can be, decimal steps, and how they are written.
+# Numbers of a scene: their range, decimal steps, and how they are written.
 
 
 STEPS: Final = (1e-9, 1e6)
-"""Least and greatest step."""
+"""Smallest and largest step."""
 
 LARGEST: Final = 10**12
-"""Magnitude of the numbers of a scene."""
+"""Largest magnitude of the numbers of a scene."""
 
 
 def is_number(value: Any) -> TypeGuard[int | Decimal]:
-    """Whether a value of a scene, right or wrong, is a finite number that a scene can have."""
+    """Whether a value of a scene, valid or not, is a finite number that a scene can have."""
     real = isinstance(value, int | Decimal) and not isinstance(value, bool)
     return real and Decimal(value).is_finite() and -LARGEST <= value <= LARGEST
 
@@ -107,17 +107,20 @@ def is_number(value: Any) -> TypeGuard[int | Decimal]:
 def step_near(step: float) -> Decimal:
     """The greatest power of ten, or 2 or 5 times one, that does not exceed `step`."""
     step = min(max(step, STEPS[0]), STEPS[1])
+    # Slightly more than the step, so that rounding errors do not make a power of ten the next
+    # lower.
     exponent = math.floor(math.log10(step * (1.0 + 1e-12)))
     digits = step / 10.0**exponent * (1.0 + 1e-12)
     return Decimal(max(digit for digit in (1, 2, 5) if digit <= digits)).scaleb(exponent)
 
 
-def styled(value: Decimal, before: Any) -> Any:
-    """An exact number, as it is written to replace `before`."""
+def styled(value: Decimal, previous: Any) -> Any:
+    """An exact number, as it is written to replace `previous`."""
     if not value:
         value = Decimal(0)  # and not -0
-    if value == value.to_integral_value() and not isinstance(before, Decimal):
+    if value == value.to_integral_value() and not isinstance(previous, Decimal):
         return int(value)
+    # normalize() makes 1E+1 of 10, so whole numbers get their digits back.
     plain = value.normalize()
     return plain.quantize(Decimal(1)) if plain == plain.to_integral_value() else plain
 
@@ -129,7 +132,7 @@ Data = dict[str, Any]
 """An object of JSON."""
 
 MOST: Final = 50
-"""Tables of one list, e.g. tools, that a form shows."""
+"""Most tables of one list, e.g. tools, that a form shows."""
 
 EXCLUDED: Final = ("camgeo", "motion")
 """Keys that are not in the form: the first has only one value, and the motion is a plan."""
@@ -233,37 +236,37 @@ POSITIONS: Final = {
 """Keys of a segment in the unit of its positions, with what follows that unit."""
 
 UNITS: Final = {"degrees": "°", "kg/m^3": "kg/m³", "kg m^2": "kg m²"}
-"""Units that are written differently from the schema."""
+"""Spelling of units on the page, where it differs from the schema."""
 
 FEEDS: Final = ("feed", "plunge_feed")
 """Keys of lengths per minute."""
 
 WIDE: Final = 1000.0
-"""Range above which the limits of a number are of no use to a slider."""
+"""Largest range of a slider between the limits of a number; a wider one is of no use."""
 
 FINE: Final = 500.0
 """Least number of steps of a slider."""
 
 ROOM: Final = 1.25
-"""Least factor by which a slider reaches beyond its value."""
+"""Smallest ratio of the reach of a slider to its value."""
 
 FEW: Final = 10.0
-"""Least reach of the slider of a whole number, or of a number that is 0."""
+"""Smallest reach of the slider of a whole number, or of a number that is 0."""
 
 LEAST: Final = 1e-6
-"""Least reach of any slider."""
+"""Smallest reach of any slider."""
 
 LONGEST: Final = 400
-"""Characters of a text, or items of a list, that a field shows."""
+"""Most characters of a text, or items of a list, that a field shows."""
 
 
 class Fields:
-    """The fields of one scene, right or wrong: each by itself, as a form, and by segment of a plan.
+    """The fields of one scene, valid or not: single ones, the form, and those of each segment.
 
     Attributes
     ----------
     document : its values.
-    composed : the schema with the tables that it names.
+    composed : the schema with the tables that the scene states.
     length, position : units of its lengths, and of its motion.
     """
 
@@ -275,7 +278,7 @@ class Fields:
         self.position: str = "°" if _angular(values) else values.unit
 
     def node(self, path: KeyPath) -> Node:
-        """The schema's node for a key; empty if there is none."""
+        """The node of the schema for a key; empty if there is none."""
         node, table = self.composed.root, self.document.plain
         for depth, step in enumerate(path):
             inner: Any = tree_value(table, path[:depth])
@@ -449,7 +452,7 @@ def is_length(node: Node | bool) -> bool:
 
 
 def plain(value: Any) -> Any:
-    """A value for JSON, cut if it is long; None if it cannot be shown."""
+    """A value as JSON data, truncated if it is long; None if it cannot be shown."""
     if isinstance(value, Decimal):
         number = float(value)
         return number if math.isfinite(number) else None
@@ -458,6 +461,7 @@ def plain(value: Any) -> Any:
     if isinstance(value, Mapping):
         return {str(key)[:LONGEST]: plain(value[key]) for key in list(value)[:LONGEST]}
     if isinstance(value, int) and not isinstance(value, bool):
+        # JavaScript represents integers exactly only up to 2^53.
         return value if abs(value) <= 2**53 else float(value) if abs(value) < 1e300 else None
     if isinstance(value, str):
         return value[:LONGEST]
@@ -507,7 +511,10 @@ def _limits(node: Node) -> tuple[float | None, float | None]:
 def slider_range(
     value: float, low: float | None, high: float | None, *, whole: bool = False
 ) -> tuple[float, float, float] | None:
-    """A sensible range about a value, in steps of 1 for a `whole` number; None if there is none."""
+    """A sensible range around a value as (start, end, step), with step 1 for a `whole` number.
+
+    None if there is none.
+    """
     if low is not None and high is not None and high - low <= WIDE:
         start, end = float(low), float(high)
     else:
@@ -530,7 +537,7 @@ def _round_above(value: float) -> float:
 
 
 def key_title(path: KeyPath) -> str:
-    """What a key is called: "roller radius" for follower.roller_radius."""
+    """The title of a key: "roller radius" for follower.roller_radius."""
     words = [str(step) for step in path if isinstance(step, str)]
     if not words:
         return ""
@@ -539,21 +546,21 @@ def key_title(path: KeyPath) -> str:
 
 
 # -- plan -----------------------------------------------------------------------------------------
-# The motion plan as rows: each segment with its fields, for right scenes and wrong ones.
+# The motion plan as rows: each segment with its fields, for valid scenes and invalid ones.
 
 
 MOST_SEGMENTS: Final = 400
-"""Segments of a plan that are shown."""
+"""Most segments of a plan that are shown."""
 
 DATA: Final = ("points", "table")
-"""Laws by data, which are kinds of segments of their own."""
+"""Laws by data; the page treats them as kinds of segments of their own."""
 
 OPTIMISE: Final = "optimise"
-"""Key of what law "auto" minimizes."""
+"""Key of the quantity that law "auto" minimizes."""
 
 
 def _fitting(fields: Iterable[Data], law: Any) -> Iterator[Data]:
-    """The fields that the law takes, and those that are stated although it does not."""
+    """The fields that the law takes, and those that are stated although it does not take them."""
     known = isinstance(law, str) and (law in FAMILIES or law in ALIASES or law == AUTO)
     parameters = law_parameters(law) if known else frozenset(SHAPES)
     for field in fields:

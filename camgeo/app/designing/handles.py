@@ -1,6 +1,6 @@
-"""Handles: what can be dragged on a page, and what a drag changes in the scene.
+"""Handles: points that can be dragged on a page, and what a drag changes in the scene.
 
-A handle knows the inverse: the values with which it is at the place where it is dropped.
+A handle solves the inverse problem: which values put it where it is dropped.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ from camgeo.scene.scene import Scene
 from camgeo.units import MM_PER, TURN
 
 FARTHEST: Final = 1e9
-"""Magnitude of the coordinates of a place, as of a scene."""
+"""Largest magnitude of the coordinates of a place, as in a scene."""
 
 LAST_POSITION: Final = re.compile(r"\[\d+\]$")
 
@@ -57,17 +57,17 @@ class Handle:
 
     Attributes
     ----------
-    name : its own among all of a design.
-    kind : what it is, e.g. "joint" or "pivot".
+    name : unique among the handles of a design.
+    kind : of the point, e.g. "joint" or "pivot".
     space : of its coordinates: "plan", degrees and positions in the panel of the motion plan, or
         "mechanism", mm in the fixed frame at cam angle 0.
     panel : of the figure "motion", in the plan; 0 in the mechanism.
     place : where it is.
     moves : how it can be moved.
-    values : what it changes: the `key` of each, its `label` and `unit`, and its `value` as the
-        scene states it, or what it is if the scene does not state it.
-    edits : the values of the scene with which it is at a place, or as near as it can be, rounded
-        to steps in both directions. GeometryError for a place where it cannot be.
+    values : the values that it changes: the `key` of each, its `label` and `unit`, and its `value`
+        as the scene states it, or else its default.
+    edits : maps a place, and steps in both directions, to the values of the scene that put the
+        handle there, or as near as it can be. GeometryError for a place where it cannot be.
     """
 
     name: str
@@ -85,7 +85,7 @@ class Handle:
         return tuple(dict.fromkeys(LAST_POSITION.sub("", value["key"]) for value in self.values))
 
     def to_data(self) -> dict[str, Any]:
-        """For JSON, without `edits`."""
+        """The handle as JSON data, without `edits`."""
         return {
             "name": self.name,
             "kind": self.kind,
@@ -99,31 +99,31 @@ class Handle:
 
 
 def handles(design: Design) -> Iterator[Handle]:
-    """All handles of a design, those of its motion plan first."""
+    """All handles of a design, those of the motion plan first."""
     yield from _plan_handles(design)
     for grip in _grips(design):
         yield _grip_handle(design.scene, grip)
 
 
 FINEST: Final = 1e-6
-"""Step if none is stated [unit of the scene, degrees]."""
+"""Step if none is stated [length unit of the scene, or degrees]."""
 
 
-def dragged(design: Design, name: str, to: Any, step: Any = None) -> tuple[Handle, Edits]:
-    """The handle `name`, and the values of the scene with it dropped at `to`.
+def dragged(design: Design, name: str, target: Any, step: Any = None) -> tuple[Handle, Edits]:
+    """The handle `name`, and the values of the scene with it dropped at `target`.
 
     Parameters
     ----------
-    to : two coordinates, as those of `Handle.place`.
-    step : to whose multiples values are rounded, in the units of `to`: a number, or one for each
-        direction; None for the finest.
+    target : two coordinates, as those of `Handle.place`.
+    step : values are rounded to multiples of it, in the units of `target`: a number, or one for
+        each direction; None for the finest.
 
     Raises
     ------
     UnknownNameError
         If the design has no such handle.
     SceneError
-        If `to` or `step` is not of that form, or the handle cannot be there.
+        If `target` or `step` is not of that form, or the handle cannot be there.
     """
     handle = next((candidate for candidate in handles(design) if candidate.name == name), None)
     if handle is None:
@@ -131,7 +131,7 @@ def dragged(design: Design, name: str, to: Any, step: Any = None) -> tuple[Handl
             "handle", str(name)[:60], [candidate.name for candidate in handles(design)]
         )
     message = f"a handle is dropped at two numbers, [x, y], -{FARTHEST:g} to {FARTHEST:g}"
-    place = _two(to, -FARTHEST, message)
+    place = _two(target, -FARTHEST, message)
     if step is None:
         step = FINEST
     steps = step if isinstance(step, list | tuple) else (step, step)
@@ -162,6 +162,7 @@ def _plan_handles(design: Design) -> Iterator[Handle]:
     motion = scene.stated.scene.exact["motion"]
     angles = [float(angle) for angle in joints(motion_spans(motion) or ())]
     scale = math.degrees(1.0) if design.drive.unit == "rad" else 1.0 / MM_PER[scene.unit]
+    # No segment begins at the last angle, the end of the turn.
     positions = scale * design.drive.plan.jet(np.radians(angles[:-1]))[0]
     unit = "°" if design.drive.unit == "rad" else scene.unit
     yield from _motion_handles(motion, positions.tolist(), unit)
@@ -181,10 +182,11 @@ def _grip_handle(scene: Scene, grip: Grip) -> Handle:
         else:
             values.append(_value(key, label, "°" if size.arm else unit, present))
 
-    def edits(to: Place, steps: Place) -> Edits:
+    def edits(target: Place, steps: Place) -> Edits:
         changes: dict[str, Any] = {}
+        # Places are in mm, values in the unit of the scene; the finer step holds for both axes.
         step = min(steps) / MM_PER[unit]
-        for key, size in grip.sizes(complex(*to)).items():
+        for key, size in grip.sizes(complex(*target)).items():
             present = _present_value(scene, key, now[key])
             value = _settled(scene, size, step, present)
             if value != present:
@@ -206,34 +208,35 @@ def _present_value(scene: Scene, key: str, now: Size) -> Any:
 
 
 DIGITS: Final = 60
-"""Digits with which a value is rounded: more than the largest number has in the least steps."""
+"""Digits with which a value is rounded: more than the largest number has in the smallest steps."""
 
 
-def snapped(value: float, step: float, before: Any = None) -> Any:
+def snapped(value: float, step: float, previous: Any = None) -> Any:
     """`value` rounded to a step of at most `step`, as a number of a scene.
 
-    It is `before`, the number that was there, if that is within half a step of it. A whole number
-    is an integer unless `before` was written as a decimal number.
+    The number `previous`, which was there, is kept if it is within half a step of `value`. A whole
+    number becomes an integer unless `previous` was written with a decimal point.
     """
     grid = step_near(step)
-    if before is not None and abs(value - float(before)) <= 0.5 * float(grid):
-        return before
+    if previous is not None and abs(value - float(previous)) <= 0.5 * float(grid):
+        return previous
     with localcontext() as context:
         context.prec = DIGITS
         steps = (Decimal(value) / grid).quantize(Decimal(1), ROUND_HALF_EVEN)
-        return styled(steps * grid, before)
+        return styled(steps * grid, previous)
 
 
-def _settled(scene: Scene, size: Size, step: float, before: Any) -> Any:
-    """The value of `size` as the scene states it, rounded."""
+def _settled(scene: Scene, size: Size, step: float, previous: Any) -> Any:
+    """The value of `size` in the unit of the scene, rounded to `step` [that unit]."""
     numbers = _numbers(scene, size)
     if isinstance(numbers, list):
         return [
-            snapped(*arguments) for arguments in zip(numbers, (step, step), before, strict=True)
+            snapped(*arguments) for arguments in zip(numbers, (step, step), previous, strict=True)
         ]
     if size.arm:
+        # The step is a length along the arc on which the grip turns.
         step = max(math.degrees(step * MM_PER[scene.unit] / size.arm), FINEST)
-    return snapped(numbers, step, before)
+    return snapped(numbers, step, previous)
 
 
 def _numbers(scene: Scene, size: Size) -> Any:
@@ -245,7 +248,7 @@ def _numbers(scene: Scene, size: Size) -> Any:
 
 
 def _two(value: Any, least: float, message: str) -> Place:
-    """Two numbers that may come from anywhere, from `least` on; SceneError if they are none."""
+    """Two numbers from `least` to `FARTHEST` in data of any kind; SceneError if they are not."""
     numbers = tuple(value) if isinstance(value, list | tuple) else ()
     real = all(
         isinstance(number, int | float | Decimal) and not isinstance(number, bool)
@@ -259,25 +262,25 @@ def _two(value: Any, least: float, message: str) -> Place:
 # -- grips ----------------------------------------------------------------------------------------
 # Grips of a mechanism: points that can be gripped and moved, and what that changes.
 #
-# Every kind of follower and linkage has its own, at cam angle 0 in the fixed frame. Certain keys of
-# the scene determine where a grip is. It knows the inverse: the values of these keys with which it
-# would be elsewhere.
+# Every kind of follower and linkage has its own grips, at cam angle 0 in the fixed frame. Certain
+# keys of the scene determine where a grip is. The grip inverts that: it returns the values of these
+# keys for another place.
 
 
 Moves = Literal["x", "y", "xy", "radial"]
-"""How a handle moves: along an axis, freely, or on a line or circle of its own, to the point there
-that is nearest to the drop."""
+"""How a handle moves: along an axis, freely, or on a line or circle of its own, to its point
+nearest to the drop."""
 
 
 @dataclass(frozen=True, slots=True)
 class Size:
-    """A value of a scene.
+    """A length, an angle, a point or a range in a scene.
 
     Attributes
     ----------
     value : length [mm] or angle [rad].
-    second : the second of two lengths, for a point or a range.
-    arm : of an angle, distance [mm] at which it turns the grip; 0 for lengths.
+    arm : for an angle, distance [mm] of the grip from its centre of rotation; 0 for lengths.
+    second : the second of two lengths [mm], for a point or a range.
     """
 
     value: float
@@ -285,9 +288,9 @@ class Size:
     second: float | None = None
 
 
-def point(at: complex) -> Size:
-    """The coordinates [mm] of a point."""
-    return Size(at.real, second=at.imag)
+def point(place: complex) -> Size:
+    """The size that states a point [mm]."""
+    return Size(place.real, second=place.imag)
 
 
 Sizes = Mapping[str, Size]
@@ -300,11 +303,11 @@ class Grip:
 
     Attributes
     ----------
-    name : its own among all of the mechanism.
-    kind : what it is, e.g. "pivot" or "roller".
+    name : unique among the grips of the mechanism.
+    kind : of the point, e.g. "pivot" or "roller".
     place : where it is [mm].
     moves : how it can be moved.
-    sizes : the values with which it is at a place [mm], or as near to that as it can move.
+    sizes : maps a place [mm] to the values that put the grip there, or as near as it can move.
         GeometryError for a place where it cannot be.
     """
 
@@ -317,9 +320,9 @@ class Grip:
 
 @singledispatch
 def follower_grips(follower: Follower, yoke: Yoke | None) -> Iterator[Grip]:
-    """The grips of a follower, perhaps with a `yoke`, and then without an offset.
+    """The grips of a follower; with a `yoke` it has no offset.
 
-    None unless they are registered for its class.
+    A class of followers for which none are registered has none.
     """
     del follower, yoke
     yield from ()
@@ -329,11 +332,12 @@ def follower_grips(follower: Follower, yoke: Yoke | None) -> Iterator[Grip]:
 def _(follower: TranslatingRoller, yoke: Yoke | None) -> Iterator[Grip]:
     outward = follower.outward
 
-    def centre(to: complex) -> Sizes:
-        seen = to * outward.conjugate()
+    def centre(target: complex) -> Sizes:
+        seen = target * outward.conjugate()
+        # Seen from the cam axis, along the guide (real) and across it (imaginary).
         if seen.real <= 0.0:
             raise GeometryError("must stay on its side of the cam axis", "follower.base_radius", "")
-        return {"follower.base_radius": Size(abs(to)), "follower.offset": Size(-seen.imag)}
+        return {"follower.base_radius": Size(abs(target)), "follower.offset": Size(-seen.imag)}
 
     yield _base_circle(follower, -outward, yoke)
     if yoke is None:
@@ -346,14 +350,14 @@ def _(follower: TranslatingRoller, yoke: Yoke | None) -> Iterator[Grip]:
 def _(follower: OscillatingRoller, _: Yoke | None) -> Iterator[Grip]:
     pivot, here = follower.pivot, follower.pivot + follower.start_arm
 
-    def centre(to: complex) -> Sizes:
-        arm = to - pivot
+    def centre(target: complex) -> Sizes:
+        arm = target - pivot
         if _side(-pivot, arm) != follower.arm_side:
             raise GeometryError(
                 "must stay on its side of the line from the pivot to the cam axis",
                 "follower.arm_side", "",
             )  # fmt: skip
-        return {"follower.arm": Size(abs(arm)), "follower.base_radius": Size(abs(to))}
+        return {"follower.arm": Size(abs(arm)), "follower.base_radius": Size(abs(target))}
 
     yield _pivot(pivot)
     yield _base_circle(follower, -pivot, None)
@@ -365,8 +369,8 @@ def _(follower: OscillatingRoller, _: Yoke | None) -> Iterator[Grip]:
 def _(follower: TranslatingFlat, yoke: Yoke | None) -> Iterator[Grip]:
     outward = follower.outward
 
-    def face(to: complex) -> Sizes:
-        return _base_radius(follower, (to * outward.conjugate()).real, yoke)
+    def face(target: complex) -> Sizes:
+        return _base_radius(follower, (target * outward.conjugate()).real, yoke)
 
     yield _base_circle(follower, -outward, yoke)
     yield Grip("face", "base-circle", follower.base_radius * outward, "radial", face)
@@ -379,8 +383,8 @@ def _(follower: OscillatingFlat, _: Yoke | None) -> Iterator[Grip]:
     pivot, foot = follower.pivot, follower.pivot + follower.start_arm
     sign = math.copysign(1.0, follower.face_offset)
 
-    def offset(to: complex) -> Sizes:
-        return {"follower.face_offset": Size(sign * abs(to - pivot))}
+    def offset(target: complex) -> Sizes:
+        return {"follower.face_offset": Size(sign * abs(target - pivot))}
 
     yield _pivot(pivot)
     yield _base_circle(follower, -pivot, None)
@@ -393,7 +397,7 @@ def _(follower: OscillatingFlat, _: Yoke | None) -> Iterator[Grip]:
 def return_grips(follower: Follower, mount: Mount, returning: Follower) -> Iterator[Grip]:
     """The grips of the second roller of a conjugate pair, whose main one is `follower`.
 
-    None unless they are registered for the class of that.
+    A class of followers for which none are registered has none.
     """
     del follower, mount, returning
     yield from ()
@@ -403,8 +407,8 @@ def return_grips(follower: Follower, mount: Mount, returning: Follower) -> Itera
 def _(follower: TranslatingRoller, _: Mount, returning: Follower) -> Iterator[Grip]:
     outward = follower.outward
 
-    def centre(to: complex) -> Sizes:
-        seen = to * outward.conjugate()
+    def centre(target: complex) -> Sizes:
+        seen = target * outward.conjugate()
         return {
             "follower.return.spacing": Size(follower.start_height - seen.real),
             "follower.return.offset": Size(-seen.imag),
@@ -419,8 +423,8 @@ def _(follower: TranslatingRoller, _: Mount, returning: Follower) -> Iterator[Gr
 def _(follower: OscillatingRoller, mount: Mount, returning: Follower) -> Iterator[Grip]:
     pivot, arm, now = follower.pivot, returning.start_arm, dict(mount.arguments)["arm_angle"]
 
-    def centre(to: complex) -> Sizes:
-        new_arm = to - pivot
+    def centre(target: complex) -> Sizes:
+        new_arm = target - pivot
         angle = reduce_angle(now + phase(new_arm / arm))
         return {
             "follower.return.arm": Size(abs(new_arm)),
@@ -432,7 +436,7 @@ def _(follower: OscillatingRoller, mount: Mount, returning: Follower) -> Iterato
 
 
 def _pivot(pivot: complex) -> Grip:
-    return Grip("pivot", "pivot", pivot, "xy", lambda to: {"follower.pivot": point(to)})
+    return Grip("pivot", "pivot", pivot, "xy", lambda target: {"follower.pivot": point(target)})
 
 
 def _base_circle(follower: Follower, way: complex, yoke: Yoke | None) -> Grip:
@@ -440,7 +444,7 @@ def _base_circle(follower: Follower, way: complex, yoke: Yoke | None) -> Grip:
     place = follower.base_radius * way / abs(way)
     return Grip(
         "base circle", "base-circle", place, "radial",
-        lambda to: _base_radius(follower, abs(to), yoke),
+        lambda target: _base_radius(follower, abs(target), yoke),
     )  # fmt: skip
 
 
@@ -461,15 +465,15 @@ def _roller(name: str, table: str, centre: complex, follower: Follower) -> Itera
     if follower.roller_radius:
         rim = centre + math.copysign(follower.roller_radius, centre.real)
         key = f"{table}roller_radius"
-        yield Grip(name, "roller", rim, "radial", lambda to: {key: Size(abs(to - centre))})
+        yield Grip(name, "roller", rim, "radial", lambda target: {key: Size(abs(target - centre))})
 
 
 def _guide(follower: Follower, angle: float) -> Grip:
     """The guide, which turns about the cam axis."""
     place = follower.held((0.0, 0.0))[1]
 
-    def turned(to: complex) -> Sizes:
-        new = reduce_angle(angle + phase(to / place))
+    def turned(target: complex) -> Sizes:
+        new = reduce_angle(angle + phase(target / place))
         return {"follower.guide_angle": Size(new, abs(place))}
 
     return Grip("guide", "guide", place, "radial", turned)
@@ -483,18 +487,18 @@ def _face_ends(follower: Follower) -> Iterator[Grip]:
     foot, way = line[0], line[1] - line[0]
     start, end = follower.face
 
-    def first(to: complex) -> Sizes:
-        return {"follower.face": Size(((to - foot) * way.conjugate()).real, second=end)}
+    def first(target: complex) -> Sizes:
+        return {"follower.face": Size(((target - foot) * way.conjugate()).real, second=end)}
 
-    def last(to: complex) -> Sizes:
-        return {"follower.face": Size(start, second=((to - foot) * way.conjugate()).real)}
+    def last(target: complex) -> Sizes:
+        return {"follower.face": Size(start, second=((target - foot) * way.conjugate()).real)}
 
     yield Grip("face start", "face", foot + start * way, "radial", first)
     yield Grip("face end", "face", foot + end * way, "radial", last)
 
 
 def reduce_angle(angle: float) -> float:
-    """The same direction from -2 pi to 2 pi."""
+    """The angle [rad] if it is within -2 pi to 2 pi, else the same direction within -pi to pi."""
     return angle if abs(angle) <= TURN else math.remainder(angle, TURN)
 
 
@@ -508,7 +512,8 @@ def _side(line: complex, arm: complex) -> float:
 
 
 PARALLEL = 1e-6
-"""Largest tilt [rad] of a coupler that counts as parallel to the guide, as its dimensions want."""
+"""Largest tilt [rad] of a coupler that counts as parallel to the guide at the start, as its
+dimensions require."""
 
 ACROSS = "must stay on its side of the shaft"
 
@@ -517,8 +522,8 @@ ACROSS = "must stay on its side of the shaft"
 def linkage_grips(linkage: Linkage, place: complex, outward: complex) -> Iterator[Grip]:
     """The grips of a linkage that takes hold of the follower at `place` [mm].
 
-    `outward` is the direction of the follower's guide, 0 for a rocker. None unless they are
-    registered for its class.
+    `outward` is the direction of the follower's guide, 0 for a rocker. A class of linkages for
+    which none are registered has none.
     """
     del linkage, place, outward
     yield from ()
@@ -529,23 +534,30 @@ def _(linkage: FourBar, place: complex, _: complex) -> Iterator[Grip]:
     seen_pin, seen_tip = (complex(joint[0]) for joint in linkage.joints(np.zeros(1)))
     shaft, pin, tip = place + linkage.shaft, place + seen_pin, place + seen_tip
 
-    def crank(to: complex) -> Sizes:
-        side = (seen_pin.conjugate() * (to - place)).imag
+    def crank(target: complex) -> Sizes:
+        # The cross product of pin and tip, seen from the rocker shaft, whose sign the branch
+        # determines.
+        side = (seen_pin.conjugate() * (target - place)).imag
         if side * linkage.branch >= 0.0:
             raise GeometryError(
                 "must stay on its side of the line from the rocker shaft to the lever's pin",
                 "linkage.branch",
             )
-        return {"linkage.crank": Size(abs(to - place)), "linkage.coupler": Size(abs(pin - to))}
+        return {
+            "linkage.crank": Size(abs(target - place)),
+            "linkage.coupler": Size(abs(pin - target)),
+        }
 
-    def lever(to: complex) -> Sizes:
-        angle = reduce_angle(linkage.lever_angle + phase((to - shaft) / (pin - shaft)))
-        length = abs(to - shaft)
+    def lever(target: complex) -> Sizes:
+        angle = reduce_angle(linkage.lever_angle + phase((target - shaft) / (pin - shaft)))
+        length = abs(target - shaft)
         return {"linkage.lever": Size(length), "linkage.lever_angle": Size(angle, length)}
 
     yield Grip("crank", "joint", tip, "xy", crank)
     yield Grip("lever", "joint", pin, "xy", lever)
-    yield Grip("shaft", "pivot", shaft, "xy", lambda to: {"linkage.shaft": point(to - place)})
+    yield Grip(
+        "shaft", "pivot", shaft, "xy", lambda target: {"linkage.shaft": point(target - place)}
+    )
 
 
 @linkage_grips.register
@@ -553,8 +565,10 @@ def _(linkage: SliderCrank, place: complex, _: complex) -> Iterator[Grip]:
     if linkage.coupler_tilt > PARALLEL:
         return
     pin, tip = (place + complex(joint[0]) for joint in linkage.joints(np.zeros(1)))
-    yield Grip("crank", "joint", tip, "xy", lambda to: _crank(linkage, to - place))
-    yield Grip("slider", "joint", pin, "x", lambda to: _coupler((to - tip).real, (pin - tip).real))
+    yield Grip("crank", "joint", tip, "xy", lambda target: _crank(linkage, target - place))
+    yield Grip(
+        "slider", "joint", pin, "x", lambda target: _coupler((target - tip).real, (pin - tip).real)
+    )
 
 
 @linkage_grips.register
@@ -562,50 +576,53 @@ def _(linkage: SliderDrivenCrank, place: complex, outward: complex) -> Iterator[
     inner = linkage.inner
     if inner.coupler_tilt > PARALLEL:
         return
+    # Multiplied by it, coordinates along and across the guide become those of the fixed frame.
     turn = outward * inner.slider_sense
     seen_pin, seen_tip = (complex(joint[0]) for joint in inner.joints(np.zeros(1)))
     shaft = place - turn * seen_pin
 
-    def crank(to: complex) -> Sizes:
+    def crank(target: complex) -> Sizes:
         # How far the pictured rod reaches along the guide depends on the stroke, and so on these.
-        across = ((to - place) * turn.conjugate()).imag
+        across = ((target - place) * turn.conjugate()).imag
         return _crank(inner, complex(seen_tip.real, -across))
 
     yield Grip("crank", "pivot", shaft, "radial", crank)
 
 
 def _crank(linkage: SliderCrank, tip: complex) -> Sizes:
-    """The crank of which the `tip` [mm] is seen from its shaft, with the guide above it."""
+    """The crank whose tip is at `tip` [mm] from its shaft, with the guide along x above it."""
     if tip.imag <= 0.0:
         raise GeometryError(ACROSS, "linkage.crank_deflection")
+    # The deflection is counted from the perpendicular to the guide; the scene states which way it
+    # leans.
     lean = linkage.slider_side if linkage.leans_away else -linkage.slider_side
     deflection = math.atan2(-lean * tip.real if linkage.mirrored else lean * tip.real, tip.imag)
     length = abs(tip)
     return {"linkage.crank": Size(length), "linkage.crank_deflection": Size(deflection, length)}
 
 
-def _coupler(reach: float, before: float) -> Sizes:
-    """The coupler that reaches that far along the guide [mm], on the side on which it did."""
-    if reach * before <= 0.0:
+def _coupler(reach: float, present: float) -> Sizes:
+    """The coupler that reaches `reach` [mm] along the guide, on the same side as `present`."""
+    if reach * present <= 0.0:
         raise GeometryError("must stay on its side of the crank's tip", "linkage.coupler")
     return {"linkage.coupler": Size(abs(reach))}
 
 
 # -- joints ---------------------------------------------------------------------------------------
-# Handles of the motion plan: its joints, and the points that motions by data go through.
+# Handles of the motion plan: its joints, and the points of motions through points.
 
 
 MOST: Final = 400
-"""Handles of a plan; of a longer one only the first ones have any."""
+"""Most handles of a plan; in a longer one only the first points have handles."""
 
 
 def _motion_handles(
     motion: list[dict[str, Any]], positions: Sequence[float], unit: str
 ) -> Iterator[Handle]:
-    """The movable points of a valid motion, from its segments as stated and where each starts
-    [`unit`].
+    """The movable points of a valid motion, from its segments as stated and the `positions`
+    [`unit`] at which they start.
 
-    The first joint cannot move: the motion starts at 0.
+    The first joint cannot move, because the motion starts at 0.
     """
     spans = motion_spans(motion)
     assert spans is not None  # it is valid
@@ -614,6 +631,7 @@ def _motion_handles(
     count = 0
     level: tuple[int, Any] | None = None
     for index, segment in enumerate(motion):
+        # After a segment of zero span a joint coincides with the previous one.
         if index and count < MOST and (spans[index - 1] or index == 1):
             joint = _joint(motion, index, angles, level, last, positions[index], unit)
             if joint is not None:
@@ -629,7 +647,7 @@ def _motion_handles(
 def _joint(
     motion: list[dict[str, Any]],
     index: int,
-    at: list[Decimal],
+    angles: list[Decimal],
     level: tuple[int, Any] | None,
     last: int,
     position: float,
@@ -637,13 +655,13 @@ def _joint(
 ) -> Handle | None:
     """The joint at which the segment `index` begins; None if it cannot move.
 
-    `level` is the last segment before it that is not a dwell, with the position stated for its end;
-    `position` is the value of that.
+    `level` is the last segment before it that is not a dwell, with the stated position of its end;
+    `position` is that position as a number.
     """
     first, second = motion[index - 1], motion[index]
     fixed = is_fixed(first) or is_fixed(second)
     mover, stated_end = level if level is not None else (-1, 0)
-    # A file says where a table ends; the last move has to return to 0.
+    # A file determines where a table ends, and the last move has to return to 0.
     rises = stated_end is not None and mover >= 0 and mover != last
     moves: Moves | None = ("y" if rises else None) if fixed else ("xy" if rises else "x")
     if moves is None:
@@ -660,7 +678,7 @@ def _joint(
     def edits(place: Place, steps: Place) -> Edits:
         changes: dict[str, Any] = {}
         if not fixed:
-            start, now, end = at[index - 1 : index + 2]
+            start, now, end = angles[index - 1 : index + 2]
             with localcontext(EXACT):
                 # No nearer to its neighbours than a step, unless it is now.
                 grid = step_near(steps[0])
@@ -677,7 +695,7 @@ def _joint(
         return changes
 
     height = position if stated_end is None else float(stated_end)
-    place = float(at[index]), height
+    place = float(angles[index]), height
     return _handle(motion, f"joint {index + 1}", "joint", place, moves, keys, unit, edits)
 
 
@@ -699,6 +717,7 @@ def _point(
         with localcontext(EXACT):
             grid = step_near(steps[0])
             new = Decimal(snapped(place[0] - float(start), steps[0], now))
+            # At least one step from its neighbours, unless it is nearer to them already.
             new = min(max(new, min(low + grid, now)), max(high - grid, now))
         changes: dict[str, Any] = {} if new == now else {angle_key: styled(new, stated["at"])}
         changes[position_key] = snapped(place[1], steps[1], stated["to"])
@@ -714,26 +733,26 @@ def _handle(
     motion: list[dict[str, Any]],
     name: str,
     kind: str,
-    at: Place,
+    place: Place,
     moves: Moves,
     keys: Mapping[str, str],
     unit: str,
     edits: Callable[[Place, Place], Edits],
 ) -> Handle:
-    """The handle of a point of a motion, whose `edits` may state what is so already.
+    """The handle of a point of a motion; those of its `edits` that change nothing are left out.
 
-    `keys` are those of the scene that it changes, with their names.
+    `keys` are the keys of the scene that it changes, with their labels.
     """
 
     def stated(key: str) -> Any:
         return tree_value({"motion": motion}, parse_path(key) or ())
 
-    def differing(to: Place, steps: Place) -> Edits:
-        changes = edits(to, steps)
+    def differing(target: Place, steps: Place) -> Edits:
+        changes = edits(target, steps)
         return {key: value for key, value in changes.items() if value is not stated(key)}
 
     values = tuple(
         _value(key, label, unit if key.endswith(".to") else "°", stated(key))
         for key, label in keys.items()
     )
-    return Handle(name, kind, "plan", PLAN, at, moves, values, differing)
+    return Handle(name, kind, "plan", PLAN, place, moves, values, differing)

@@ -1,4 +1,4 @@
-"""The one door of what the designer computes: a job to JSON data, pictures among them."""
+"""The only entry to the computations of the designer: from a job to JSON data, with pictures."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ from camgeo.scene.values import (
 from camgeo.units import MM_PER, TURN, in_unit, listed
 
 # -- recent ----------------------------------------------------------------------------------------
-# What jobs leave for those that follow: the last design, for scenes that are edits of it.
+# Results that jobs reuse: the last design, for scenes that are edits of it.
 
 
 class Recent:
@@ -82,7 +82,7 @@ class Recent:
         return known[1]
 
     def last(self, name: str) -> Any:
-        """What was made last under a name, see `cached`; None if nothing was."""
+        """The last result of that name, see `cached`; None if there is none."""
         known = self._cache.get(name)
         return None if known is None else known[1]
 
@@ -99,9 +99,7 @@ class Recent:
             self._design.scene.restate(error)
 
     def note_scene(self, job: Job, scene: Scene) -> None:
-        """Take note of the scene of a job: an edit of the last one, which shares with that what it
-        leaves as it was.
-        """
+        """Remember the scene of a job, an edit of the last one that shares its unchanged parts."""
         if self._design is not None and (job.file, job.folder) == self._place[1:]:
             self._remember(job, self._sharing(scene, self._design))
 
@@ -111,8 +109,8 @@ class Recent:
         return design
 
     def _sharing(self, scene: Scene, earlier: Design) -> Design:
-        """The design of a scene that is an edit; with the drive of the earlier one if it moves as
-        that does.
+        """The design of an edited scene; it has the drive of the earlier one if their motions
+        agree.
         """
         design = Design(scene)
         if _moves_alike(scene, earlier.scene):
@@ -120,7 +118,7 @@ class Recent:
         return design
 
     def _new_design(self, job: Job) -> Design:
-        """The design; what the edit leaves as it was is that of the last one."""
+        """The design of the job's scene, which shares unchanged parts with the last one."""
         earlier = self._design
         if earlier is None or (job.file, job.folder) != self._place[1:]:
             return Design(parse_scene(job.text, job.file, job.folder or None))
@@ -134,9 +132,7 @@ class Recent:
         return document(encode_scene(job.text))
 
     def edited(self, job: Job, edits: Mapping[str, Any]) -> Scene:
-        """The scene of a job, which may have faults, with other values; SceneError if it has some
-        then.
-        """
+        """The scene of a job with other values; SceneError unless these make it valid."""
         values = document_of_tree(with_edits(self.document(job).exact, edits))
         return Scene.from_document(values, Source.from_file(job.file, job.folder or None, job.text))
 
@@ -145,17 +141,18 @@ def _same(one: Any, other: Any) -> bool:
     return one is other or (isinstance(one, str) and one == other)
 
 
-def _grafted(found: Document, earlier: Scene) -> Document:
-    """The document with those tables of the `earlier` scene that are equal to its own: what is
-    built of a table is built again only if it is another one.
+def _grafted(scene_values: Document, earlier: Scene) -> Document:
+    """The document with its tables replaced by equal ones of the `earlier` scene.
+
+    What has been built from a table is then recognized and not built again.
     """
     then = earlier.stated.scene.exact
     # What Python prints tells 1 from true, and 1.0 from 1.00.
     exact: dict[str, Any] = {
         key: then[key] if key in then and repr(then[key]) == repr(value) else value
-        for key, value in found.exact.items()
+        for key, value in scene_values.exact.items()
     }
-    return replace(found, exact=exact)
+    return replace(scene_values, exact=exact)
 
 
 def _moves_alike(scene: Scene, other: Scene) -> bool:
@@ -170,11 +167,11 @@ def _moves_alike(scene: Scene, other: Scene) -> bool:
 
 
 # -- arguments ------------------------------------------------------------------------------------
-# The arguments of jobs, checked at their door.
+# The arguments of jobs, which are checked when they are read.
 
 
 class Arguments:
-    """The arguments of a job; each method raises JobError unless the argument is as it must be."""
+    """The arguments of a job; each method raises JobError unless the argument is of its type."""
 
     def __init__(self, job: Job) -> None:
         self._given = job.arguments
@@ -229,13 +226,13 @@ class Arguments:
 
 
 # -- painting --------------------------------------------------------------------------------------
-# What is painted while the designer edits: the turning mechanism, and diagrams.
+# Pictures while the designer edits: the turning mechanism, and diagrams.
 #
-# Lines have as few points as are seen, see `thinned`.
+# Lines have only as many points as can be seen, see `thinned`.
 
 
 def curves(job: Job, recent: Recent) -> dict[str, Any]:
-    """The scene as pictures, and all that can be changed in it.
+    """The pictures of the scene, and everything that can be changed in it.
 
     With faults there are no pictures; form and plan are there as long as the text is TOML.
     """
@@ -252,9 +249,7 @@ def curves(job: Job, recent: Recent) -> dict[str, Any]:
 
 
 def _moved(job: Job, recent: Recent) -> dict[str, Any]:
-    """Of the `curves` what moves in a drag: without the fields of the scene, and without a diagram
-    that is the last one.
-    """
+    """The parts of `curves` that move in a drag: no fields, and no diagram that has not changed."""
     previous = recent.last("motion")
     pictures = painted(design := recent.design(job), recent, moving=True)
     if previous is not None and recent.last("motion") is previous:
@@ -270,13 +265,14 @@ def _held(design: Design) -> dict[str, Any]:
 
 
 def change(job: Job, recent: Recent) -> dict[str, Any]:
-    """The text with the change that the arguments ask for, its name, and the `curves` of the text.
+    """The text after the change that the arguments request, its label, and the `curves` of the
+    text.
 
     A change that cannot be made leaves the text as it is: `refused` says why, in a sentence. One
     after which the scene is not valid is made, and `faults` say what is wrong.
 
-    With the argument `moving`, for a change that is one of many, `moving` is true if the scene is
-    valid, and of the `curves` there is only what differs or is soon made, see `_moved`.
+    With the argument `moving`, for one of many changes during a drag, `moving` is true if the scene
+    is valid, and of the `curves` there is only what differs or is computed quickly, see `_moved`.
     """
     try:
         design = recent.design(job)
@@ -297,19 +293,19 @@ def change(job: Job, recent: Recent) -> dict[str, Any]:
     return {"text": outcome.text, "label": outcome.label, **curves(next_job, recent)}
 
 
-def _stated(found: Document, recent: Recent) -> dict[str, Any]:
+def _stated(values: Document, recent: Recent) -> dict[str, Any]:
     # Joints are dragged more often than anything else, and the form does not show them.
-    fields = repr({key: value for key, value in found.exact.items() if key != "motion"})
-    named = found.exact_value(("effects",))
+    fields = repr({key: value for key, value in values.exact.items() if key != "motion"})
+    named = values.exact_value(("effects",))
     return {
-        "form": recent.cached("form", (fields,), lambda: Fields(found).form()),
-        "plan": Fields(found).plan(),
+        "form": recent.cached("form", (fields,), lambda: Fields(values).form()),
+        "plan": Fields(values).plan(),
         "effects": sorted(named) if isinstance(named, dict) else [],
     }
 
 
 def painted(design: Design, recent: Recent, *, moving: bool = False) -> dict[str, Any]:
-    """A design as pictures; if it is `moving`, as of `camgeo.pictures.mechanism.animation`.
+    """The pictures of a design; for `moving` see `camgeo.pictures.mechanism.animation`.
 
     `animation` is None if there is no disc or the mechanism has no position somewhere; a diagram
     that cannot be computed is left out: the findings say why.
@@ -342,7 +338,7 @@ def effect_charts(design: Design) -> list[dict[str, Any]]:
 
 
 def _wanted(design: Design, recent: Recent) -> Iterator[Callable[[], dict[str, Any]]]:
-    """What makes each diagram that is soon made."""
+    """A function for each diagram that is computed quickly."""
     scene, drive = design.scene, design.drive
     moved = design.name, scene.unit, drive, scene.lift_unit
     chart = partial(_chart, "motion", MOTION_TITLE, partial(motion_diagram, design))
@@ -363,41 +359,44 @@ def _chart(name: str, title: str, make: Callable[[], Figure]) -> dict[str, Any]:
     }
 
 
-def _reading(found: CurveExtremes) -> dict[str, Any]:
-    """Extremes as they are read, and their cam angles in degrees."""
+def _reading(reading: CurveExtremes) -> dict[str, Any]:
+    """Extremes as texts, and their cam angles in degrees."""
     return {
-        "name": plain(found.name),
-        "low": format_value(found.low),
-        "low_at": round(math.degrees(found.low_angle), 3),
-        "high": format_value(found.high),
-        "high_at": round(math.degrees(found.high_angle), 3),
-        "limits": [[name, format_value(value)] for name, value in found.limits],
+        "name": plain(reading.name),
+        "low": format_value(reading.low),
+        "low_at": round(math.degrees(reading.low_angle), 3),
+        "high": format_value(reading.high),
+        "high_at": round(math.degrees(reading.high_angle), 3),
+        "limits": [[name, format_value(value)] for name, value in reading.limits],
     }
 
 
 # -- packing --------------------------------------------------------------------------------------
-# Pictures as JSON data, their long lists of numbers packed: digits take longer to write and to
-# read than all else that is done for a frame of a drag.
+# Pictures as JSON data, with long lists of numbers packed in binary form: writing and reading
+# digits would take longer than everything else that is done for a frame of a drag.
 
 
 FEWEST: Final = 32
-"""Numbers that are packed; fewer are a list."""
+"""Fewest numbers that are packed; fewer stay a list."""
 
 PACKING_ERROR: Final = 1e-6
-"""By which packed numbers may be off, relative to the extent of theirs along each axis."""
+"""Largest error of packed numbers, relative to the extent of their array along each axis."""
 
 ROUNDING: Final = 2.0**-24
 LEAST: Final = 2.0**-150
-"""Most by which a single float is off, relative to its value and at all."""
+"""Largest rounding error of a 32-bit float, relative to its value, and for numbers near 0 absolute.
+"""
 
 LARGEST: Final = float(np.finfo(np.float32).max)
-"""Beyond it there is no single float."""
+"""Largest 32-bit float."""
 
 
 def packed(picture: Figure | Animation) -> dict[str, Any]:
-    """As `picture.to_data()`, with long arrays packed: in `numbers`, in base 64, all of them as
-    binary numbers in the order of the array, of the type `packed`, "f4" or "f8", the lowest byte
-    first; `shape` is that of the array. A gap is not a number.
+    """The picture as `picture.to_data()`, with long arrays packed.
+
+    A packed array has its elements in `numbers`, in base 64, as little-endian binary numbers of the
+    type `packed`, "f4" or "f8", in the order of the array; `shape` is that of the array. A gap in a
+    line is NaN.
     """
     data: dict[str, Any] = figure_data(picture, _packed)
     return data
@@ -409,6 +408,7 @@ def _packed(array: FloatArray) -> Any:
     rows = array.reshape(-1, array.shape[-1] if array.ndim > 1 else 1)
     low, high = np.fmin.reduce(rows), np.fmax.reduce(rows)  # leave gaps out
     size = np.maximum(-low, high)
+    # 32 bits suffice where their rounding is too small to be seen and nothing overflows.
     fine = np.maximum(ROUNDING * size, LEAST) <= PACKING_ERROR * (high - low)
     kind = "f4" if bool(np.all(fine & (size <= LARGEST))) else "f8"
     text = _text(array.astype(f"<{kind}").tobytes())
@@ -416,7 +416,7 @@ def _packed(array: FloatArray) -> Any:
 
 
 # -- making ---------------------------------------------------------------------------------------
-# What the designer makes of a scene: its files, its solids, and the smallest cam.
+# What the designer makes from a scene: its files, its solids, and the smallest cam.
 
 
 BASE_RADIUS: Final = "follower.base_radius"
@@ -424,7 +424,7 @@ BASE_RADIUS: Final = "follower.base_radius"
 
 
 def build(job: Job, recent: Recent) -> dict[str, Any]:
-    """The files of the scene, the bytes that `camgeo build` writes; none of them is written.
+    """The files of the scene with the bytes that `camgeo build` would write; none is written.
 
     Argument `formats`: names of writers; by default those of the scene. Without an outline there
     are no files, and `findings` say why. Deviations are in the unit of the scene.
@@ -470,7 +470,7 @@ def solid(job: Job, recent: Recent) -> dict[str, Any]:
 
 
 def size(job: Job, recent: Recent) -> dict[str, Any]:
-    """The smallest cam, and the `edits` of the scene that make it; none if there is no such scene.
+    """The smallest cam, and the `edits` of the scene that give it; empty if there is no such scene.
 
     Optional arguments: `transmission_angle` [degrees], `radius_ratio`, `radius_of_curvature` and
     `arm`, the shortest and the longest [unit of the scene].
@@ -502,24 +502,26 @@ def size(job: Job, recent: Recent) -> dict[str, Any]:
     }
 
 
-def _sentence(found: CamSize) -> str:
-    """The smallest base radius, and what else changes with it."""
-    if found.best.written is None:
-        only_just = "The requirement can only just be met: no scene surely keeps it."
-        return in_unit(found.best.infeasible or only_just, found.scene.unit)
-    unit = MM_PER[found.scene.unit]
-    now = found.best.written.base_radius / unit
-    sentence = f"The smallest base radius is {now:.6g} {found.scene.unit}"
-    if found.present is not None:
-        sentence += f" instead of {found.present.base_radius / unit:.6g} {found.scene.unit}"
+def _sentence(answer: CamSize) -> str:
+    """A sentence on the smallest base radius and other changes, or on why there is none."""
+    if answer.best.written is None:
+        only_just = (
+            "No scene is certain to meet the requirements: they are met only at the exact limit."
+        )
+        return in_unit(answer.best.infeasible or only_just, answer.scene.unit)
+    unit = MM_PER[answer.scene.unit]
+    now = answer.best.written.base_radius / unit
+    sentence = f"The smallest base radius is {now:.6g} {answer.scene.unit}"
+    if answer.present is not None:
+        sentence += f" instead of {answer.present.base_radius / unit:.6g} {answer.scene.unit}"
     others = [
-        f"{key} = {json.dumps(value)}" for key, value in found.edits.items() if key != BASE_RADIUS
+        f"{key} = {json.dumps(value)}" for key, value in answer.edits.items() if key != BASE_RADIUS
     ]
     return f"{sentence}, with {listed(others)}." if others else f"{sentence}."
 
 
 def _rating(name: str, rating: Rating, unit: float) -> dict[str, Any]:
-    """Lengths in the unit of the scene, angles in degrees."""
+    """The sizes of a cam; lengths in the unit of the scene, angles in degrees."""
     return {
         "name": name,
         "base_radius": rating.base_radius / unit,
@@ -534,7 +536,7 @@ def _text(data: bytes) -> str:
 
 
 # -- judging --------------------------------------------------------------------------------------
-# What is found in a scene: findings with next steps and where they are, and cures.
+# Findings on a scene with their next steps and places, and remedies.
 
 
 KEYS: Final[Mapping[str, str]] = {
@@ -553,7 +555,7 @@ KEYS: Final[Mapping[str, str]] = {
     "linkage-branch": "linkage",
     "format": "output.formats",
 }
-"""Key of the scene that a finding is about, by the name of the finding or its beginning."""
+"""Key of the scene that a finding concerns, by the name of the finding or its beginning."""
 
 KINDS: Final[Mapping[str, str]] = {
     "undercut": "undercut",
@@ -568,7 +570,7 @@ RANGE: Final = 33
 
 
 def findings(job: Job, recent: Recent) -> dict[str, Any]:
-    """The findings, what to do about them, where they are, and the diagrams of effects.
+    """The findings with their next steps and places, remedies, and the diagrams of effects.
 
     Argument `machining`: whether milling programs are planned and simulated too; true by default.
     """
@@ -585,10 +587,10 @@ def findings(job: Job, recent: Recent) -> dict[str, Any]:
     }
 
 
-def _finding(each: Advised) -> dict[str, Any]:
-    finding = each.finding
+def _finding(entry: Advised) -> dict[str, Any]:
+    finding = entry.finding
     return {
-        "about": each.subject,
+        "about": entry.subject,
         "name": finding.name,
         "severity": finding.severity,
         "verdict": finding.verdict,
@@ -601,7 +603,7 @@ def _finding(each: Advised) -> dict[str, Any]:
         if finding.cam_angle is None
         else _finite(math.degrees(finding.cam_angle)),
         "key": _key(finding.name),
-        "step": each.step,
+        "step": entry.step,
     }
 
 
@@ -619,20 +621,22 @@ def _cure(index: int, cure: Cure) -> dict[str, Any]:
     return {"sentence": sentence, "works": cure.works, "index": index, "key": cure.key}
 
 
-def _places(found: Check) -> Iterator[dict[str, Any]]:
-    """Where the findings that are not "ok" are on the discs at cam angle 0 [mm]: a point, or for a
-    range of the cam angle the middle of that piece of the flank, and `points` along it.
+def _places(checked: Check) -> Iterator[dict[str, Any]]:
+    """The places on the discs, at cam angle 0 [mm], of findings that are not "ok".
+
+    A place is a point; for a range of the cam angle it is the middle of that piece of the flank,
+    with `points` along it.
     """
-    if not found.curves:
+    if not checked.curves:
         return
-    for finding in found.findings:
+    for finding in checked.findings:
         if finding.severity == "ok":
             continue
         angles = _angles(finding)
         if angles is None:
             continue
         name = finding.name.removeprefix(f"{RETURN}: ")
-        disc = list(found.curves.values())[-1 if name != finding.name else 0]
+        disc = list(checked.curves.values())[-1 if name != finding.name else 0]
         flank = next((side for side in Flank if name.endswith(f"-{side}")), None)
         curve = disc.flanks[0][1] if flank is None else disc.curve(flank)
         try:
@@ -655,15 +659,16 @@ def _places(found: Check) -> Iterator[dict[str, Any]]:
 
 
 def _angles(finding: Finding) -> np.ndarray[Any, np.dtype[np.float64]] | None:
-    """Cam angles [rad] of its place; None if it concerns the whole turn."""
+    """Cam angles [rad] of the place of a finding; None if it concerns the whole turn."""
     if finding.cam_range is not None:
         start, end = finding.cam_range
+        # A range that passes cam angle 0 ends below its start.
         return np.linspace(start, end if end > start else end + TURN, RANGE)
     return None if finding.cam_angle is None else np.array([finding.cam_angle])
 
 
 # -- offers ---------------------------------------------------------------------------------------
-# What the designer offers: laws that fit a segment, scenes to start from, and effects.
+# Choices that the designer offers: laws that fit a segment, scenes to start from, and effects.
 
 
 FACTS: Final = {
@@ -671,8 +676,9 @@ FACTS: Final = {
     "C_a": (("least_acceleration", "largest_acceleration"), ("acceleration", "deceleration")),
     "C_j": (("least_jerk", "largest_jerk"), ("jerk", "braking_jerk")),
 }
-"""By its symbol what is shown of a law: its extremes over the whole move, which are those of the
-motion, whatever parts the law has, and the characteristic values that are unbounded if they are."""
+"""Figures of a law by symbol: names of its extremes over the whole move, which are those of the
+motion whatever parts the law has, and the characteristic values that are unbounded if the extremes
+are."""
 
 
 def laws(job: Job, recent: Recent) -> dict[str, Any]:
@@ -699,8 +705,8 @@ def laws(job: Job, recent: Recent) -> dict[str, Any]:
 
 
 def _edits(name: str, stated: Any, key: str) -> Iterator[dict[str, Any]]:
-    """Edits that give the segment that law: first with its parameters as they are, then without
-    those that only other laws have.
+    """Edits that give the segment the law: first with its present parameters, then without those
+    that the law does not take.
     """
     yield {f"{key}.law": name}
     law_options = {option.name for option in FAMILIES[name].options}
@@ -719,11 +725,14 @@ def _law(job: Job, recent: Recent, edits: dict[str, Any], segment: int) -> Law |
 
 
 def _law_in_plan(law: Law, plan: MotionPlan, segment: int) -> Law:
-    """The law for the task that it has in the plan: from or to a rest where the velocity jumps."""
+    """The law with the task that it has in the plan.
+
+    Where the velocity jumps at a joint, the move begins or ends like one from or to a rest.
+    """
     ends = []
     for class_, angle in zip(task_ends(law.task), plan.joints_deg[segment:], strict=False):
         place = math.radians(float(angle % FULL_TURN))
-        joint = min(joints(plan), key=lambda each: abs(each.cam_angle - place))
+        joint = min(joints(plan), key=lambda candidate: abs(candidate.cam_angle - place))
         ends.append("R" if joint.order < 1 else class_)
     return replace(law, task="-".join(ends))
 
@@ -755,7 +764,7 @@ def templates(_: Job, __: Recent) -> dict[str, Any]:
 
 
 def effects(_: Job, __: Recent) -> dict[str, Any]:
-    """What can be computed beyond the geometry."""
+    """The effects that can be computed beyond the geometry."""
     declared = [find_effect(name) for name in effect_names()]
     return {
         "effects": [
@@ -769,7 +778,7 @@ def effects(_: Job, __: Recent) -> dict[str, Any]:
 
 
 Work = Callable[[Job, Recent], dict[str, Any]]
-"""Does a job; JobError if its arguments are wrong, any other CamgeoError tells faults."""
+"""Does a job; JobError if its arguments are wrong, any other CamgeoError states faults."""
 
 WORK: Final[Mapping[str, Work]] = {
     "curves": curves,
@@ -782,7 +791,7 @@ WORK: Final[Mapping[str, Work]] = {
     "templates": templates,
     "effects": effects,
 }
-"""What is done for each kind of job."""
+"""The function for each kind of job."""
 
 
 def run(job: Job, recent: Recent | None = None) -> dict[str, Any]:
@@ -790,11 +799,12 @@ def run(job: Job, recent: Recent | None = None) -> dict[str, Any]:
 
     Parameters
     ----------
-    recent : what earlier jobs left to be used again; it changes the time alone.
+    recent : results of earlier jobs for reuse; they affect the time only.
 
     Returns
     -------
-    With `faults`, a list that is empty if the scene is valid: what is wrong in it never raises.
+    The result with `faults`, a list that is empty if the scene is valid: faults of a scene are
+    never raised.
 
     Raises
     ------
@@ -814,7 +824,7 @@ def run(job: Job, recent: Recent | None = None) -> dict[str, Any]:
 
 
 def prepared() -> Callable[[Job], dict[str, Any]]:
-    """What does jobs one after the other, warm: imported, and tried with a small scene."""
+    """A function that does jobs one after the other, warmed up with a small scene."""
     text = template(TEMPLATE_KINDS[0])
     for kind in ("curves", "findings"):
         run(Job(kind, text))
@@ -823,33 +833,35 @@ def prepared() -> Callable[[Job], dict[str, Any]]:
 
 
 # -- thinned ---------------------------------------------------------------------------------------
-# Figures with as few points as are seen: for the browser, which draws them anew with every change.
+# Figures with only as many points as can be seen, for the browser, which redraws them with every
+# change.
 #
-# A thinned line goes through some of the points of the line, and each of the others is within a
+# A thinned line passes through some of the points of the line, and each of the others is within a
 # distance of it on paper: `READ` in diagrams, `SEEN` in an animation. Coordinates are rounded by at
-# most a quarter of that. So where the line was within d of a curve, the thinned one is within d and
-# 1.25 times that distance.
+# most a quarter of that. So where the line was within d of a curve, the thinned one is within d
+# plus 1.25 times that distance.
 
 
 READ: Final = 1.0 / 3200.0
-"""Distance [inch] so small that numbers read off a line of a diagram are right to a few parts in
-ten thousand of the height of its panel."""
+"""Distance [inch] with which values read off a diagram are accurate to a few ten-thousandths of the
+height of its panel."""
 
 SEEN: Final = 1.0 / 1600.0
 """Distance [inch] that nobody sees, an eighth of a dot of 200 per inch."""
 
 SHARE: Final = 0.25
-"""Of that, by which coordinates are rounded at most, along each axis by 1 / sqrt(2) of it."""
+"""Largest share of these distances by which rounding moves a point; 1 / sqrt(2) of it per axis."""
 
 AIM: Final = 0.7
-"""Share of the distance that points are placed for; what is farther off gets more of them."""
+"""Share of the distance for which points are placed at first; chords that are off by more get
+further points."""
 
 
 Scale = tuple[float, float]
 
 
 def thinned(figure: Figure) -> Figure:
-    """The figure with fewer points, and shorter numbers."""
+    """The figure with fewer points and shorter numbers; panels with logarithmic axes are kept."""
     plain = [not (panel.x.log or panel.y.log) for panel in figure.panels]
     linear = [panel for panel, is_plain in zip(figure.panels, plain, strict=True) if is_plain]
     scales = [_scale(panel, figure.size) for panel in linear]
@@ -866,7 +878,7 @@ PAPER: Final = 8.0
 
 
 def thinned_turn(turn: Animation) -> Animation:
-    """The animation likewise, `PAPER` wide or high."""
+    """The animation with fewer points and shorter numbers, for a picture `PAPER` wide or high."""
     extent = turn.high - turn.low
     scale = PAPER / max(extent.real, extent.imag)
     digits = _digits((scale, scale), SEEN)[0]
@@ -880,12 +892,12 @@ def thinned_turn(turn: Animation) -> Animation:
 def _thinned(
     panels: Sequence[Sequence[Any]], scales: Sequence[Scale], most: float
 ) -> list[tuple[Any, ...]]:
-    """The marks of panels likewise, all at once; what is neither line nor area stays.
+    """The marks of panels with fewer points; marks that are neither lines nor areas stay.
 
     Parameters
     ----------
     scales : of each panel, inches on paper per unit of each axis.
-    most : distance by which points are off on paper [inch].
+    most : largest distance of a point from its thinned line on paper [inch].
     """
     both = list(zip(panels, scales, strict=True))
     lines = [
@@ -917,7 +929,7 @@ def _scale(panel: Panel, size: tuple[float, float]) -> Scale:
 
 
 def _digits(scale: tuple[float, float], most: float) -> tuple[int, int]:
-    """Decimals of both coordinates."""
+    """Decimals of both coordinates with which rounding stays within its share of `most`."""
     step = 2.0 * SHARE * most / math.sqrt(2.0)
     return math.ceil(math.log10(scale[0] / step)), math.ceil(math.log10(scale[1] / step))
 
@@ -930,12 +942,13 @@ def _rounded(points: FloatArray, digits: tuple[int, int]) -> FloatArray:
 def _select_points(
     lines: Iterable[tuple[FloatArray, Scale]], most: float
 ) -> list[slice | IntArray]:
-    """Which points of each of `lines` are kept, both ends among them."""
+    """Indices of the points of each of `lines` that are kept, both ends among them."""
     selections: list[slice | IntArray] = []
     long: list[tuple[int, ComplexArray]] = []
     for number, (points, scale) in enumerate(lines):
         selections.append(slice(None))
         if len(points) > CURVE_POINTS + 1 and bool(np.all(np.isfinite(points))):
+            # On paper, x and y as one complex number: a view of the same memory.
             long.append((number, (points * np.array(scale)).view(np.complex128)[:, 0]))
     if long:
         ends = np.cumsum([0, *(len(points) for _, points in long)])
@@ -947,17 +960,18 @@ def _select_points(
 
 
 def thin_lines(points: ComplexArray, ends: IntArray, most: float) -> IntArray:
-    """Numbers, ascending, of points of several lines through which a polygon is near all of them.
+    """Indices, ascending, of those points of several lines whose polygon is near all points.
 
     Parameters
     ----------
     points : (n,) of all lines, one line after the other.
     ends : where each line begins, and n.
-    most : distance of any point from the chord across it.
+    most : largest distance of any point from its chord.
     """
     chosen = _placed(points, ends, AIM * most)
     while True:
         distance = _chord_distances(points, chosen)
+        # The largest distance over each chord; where it is too large, its point is kept as well.
         worst = np.maximum.reduceat(distance, chosen)
         wrong = np.nonzero(worst > most)[0]
         if not len(wrong):
@@ -968,26 +982,33 @@ def thin_lines(points: ComplexArray, ends: IntArray, most: float) -> IntArray:
 
 
 def _placed(points: ComplexArray, ends: IntArray, aim: float) -> IntArray:
-    """Points about as dense as a smooth curve needs: a chord over m steps is off by m^2 |d| / 8, d
-    the second difference of the points.
+    """Indices of points about as dense as a smooth curve needs.
+
+    A chord over m steps is off by m^2 |d| / 8, where d is the second difference of the points.
     """
     bend = np.zeros(len(points))
     bend[1:-1] = np.abs(points[2:] - 2.0 * points[1:-1] + points[:-2])
+    # Second differences at the ends mix points of two lines.
     bend[ends[:-1]] = bend[ends[1:] - 1] = 0.0
     density = np.minimum(np.sqrt(bend / (8.0 * aim)), 1.0)
     # Whatever its bends, each line keeps more than CURVE_POINTS points.
     for first, last in pairwise(ends):
         density[first:last] = np.maximum(density[first:last], (CURVE_POINTS + 4.0) / (last - first))
+    # A point is chosen wherever the integral of the density passes a whole number.
     stations = np.floor(np.cumsum(density))
     chosen = np.nonzero(np.diff(stations, prepend=-1.0) > 0.0)[0]
     return np.union1d(chosen, np.concatenate((ends[:-1], ends[1:] - 1)))
 
 
-def _chord_distances(points: ComplexArray, kept: IntArray) -> FloatArray:
-    """(n,) distance of each point from the chord across it; 0 between two lines."""
-    number = np.repeat(np.arange(len(kept)), np.diff(np.append(kept, len(points))))
-    start = points[kept]
+def _chord_distances(points: ComplexArray, chosen: IntArray) -> FloatArray:
+    """(n,) distance of each point from the chord between the kept points around it; 0 between two
+    lines.
+    """
+    # The chord of each point, from the kept point before it to the next one.
+    number = np.repeat(np.arange(len(chosen)), np.diff(np.append(chosen, len(points))))
+    start = points[chosen]
     way = np.append(start[1:], start[-1:]) - start
+    # Not 0, so that equal points give no division by 0; their share of the way does not matter.
     square = np.maximum(way.real**2 + way.imag**2, np.finfo(np.float64).tiny)
     along = points - start[number]
     share = np.clip((along * way.conj()[number]).real / square[number], 0.0, 1.0)
