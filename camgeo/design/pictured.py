@@ -48,7 +48,7 @@ class TrimmedStretch:
 
     Attributes
     ----------
-    flank : the one that is cut off.
+    flank : the flank that is cut off.
     start, end : cam angles [rad] of the flank at the corner, start in [0, 2 pi), end above it.
     course : (n,) complex [mm], the flank between them, which is not on the disc; it begins and ends
         at the corner.
@@ -73,7 +73,7 @@ class PicturedCam(Pickled):
     ----------
     cam : the cam.
     returning : the follower on the return disc of a conjugate pair; None if there is none.
-    known : pages that a writer has drawn: its formats show the same.
+    known : pages that a writer has drawn already, as its formats show the same.
     """
 
     cam: Cam
@@ -92,7 +92,9 @@ class PicturedCam(Pickled):
 
     @property
     def linkage_joint(self) -> tuple[complex, complex]:
-        """Where a linkage takes hold of the follower at lift 0 [mm], see `Follower.linked_at`."""
+        """Joint of linkage and follower at lift 0 [mm], and the direction outward from there, see
+        `Follower.linked_at`.
+        """
         return self.cam.follower.linked_at(self._farthest)
 
     @property
@@ -102,11 +104,11 @@ class PicturedCam(Pickled):
         return max(lift_range(self.cam.drive.motion), key=lambda each: reach * each)
 
     def mechanism_sketch(self, phi: float) -> MechanismSketch[complex]:
-        """The mechanism at the cam angle `phi` [rad]: its links and joints."""
+        """The links and joints of the mechanism at the cam angle `phi` [rad]."""
         return self.mechanism_sketches(np.array([phi])).at(0)
 
     def mechanism_sketches(self, phi: FloatArray) -> MechanismSketch[Places]:
-        """The same at cam angles `phi` (n,) [rad]."""
+        """The links and joints of the mechanism at cam angles `phi` (n,) [rad]."""
         cam, follower, linkage = self.cam, self.cam.follower, self.cam.drive.linkage
         motion, ends = cam.drive.motion, self._face_ends
         lift = motion.jet(phi)[0]
@@ -114,6 +116,7 @@ class PicturedCam(Pickled):
         sketch = follower.sketch(lift, self._farthest, ends).of_table("follower")
         if self.returning is not None:
             both = (follower, self.returning)
+            # How far the frame between both rollers must reach, over the whole stroke.
             reach = max(abs(roller.traced_point(lift_end)) for roller in both for lift_end in lifts)
             first = follower.traced(lift)
             sketch += self.returning.return_sketch(first, lift, reach).of_table("follower.return")
@@ -133,7 +136,9 @@ class PicturedCam(Pickled):
 
     @property
     def trimmed_stretches(self) -> tuple[TrimmedStretch, ...]:
-        """Where the flanks in use are cut off; empty also if what is left is unknown."""
+        """The stretches of the flanks in use that are cut off; none of a flank of which it is
+        unknown what remains.
+        """
         stretches: list[TrimmedStretch] = []
         for flank in self.cam.contact.flanks:
             try:
@@ -145,7 +150,7 @@ class PicturedCam(Pickled):
 
     @property
     def _face_ends(self) -> tuple[float, float]:
-        """Where a flat face begins and ends [mm]: as the scene states, else as contact requires.
+        """The ends of a flat face [mm]: as the scene states, else as the contact requires.
 
         Zeros for a roller, which has no face.
         """
@@ -162,7 +167,7 @@ class PicturedCam(Pickled):
 
 
 def _trimmed_stretches(curve: WorkingCurve, outline: Outline, flank: Flank) -> list[TrimmedStretch]:
-    """What is cut off at the corners of `outline`, the real outline of the flank `curve`.
+    """The stretches that are cut off at the corners of `outline`, the real outline of `curve`.
 
     Empty for a knife edge: the corners of its flank are those of the pitch curve, not cuts.
     """
@@ -175,8 +180,9 @@ def _trimmed_stretches(curve: WorkingCurve, outline: Outline, flank: Flank) -> l
 def _trimmed_stretch(envelope: Envelope, corner: Pivot, flank: Flank) -> TrimmedStretch:
     start = corner.before % TURN
     first, last = envelope.place_of(start, "left"), envelope.place_of(corner.after % TURN)
-    last += envelope.total if last < first else 0.0
-    # Both sides of the roller's turns, to include the ends of their arcs.
+    last += envelope.total if last < first else 0.0  # the stretch passes cam angle 0
+    # Both ends of the roller's turns about corners of the pitch curve, so that their arcs are
+    # whole.
     turns = [*envelope.starts, *(envelope.starts + envelope.total)]
     inside = [place for place in turns if first < place < last]
     places = np.unique(np.append(np.linspace(first, last, SAMPLES)[1:-1], inside))

@@ -62,7 +62,7 @@ from camgeo.record import Pickled
 from camgeo.units import TURN
 
 DISTANCES = "distances"
-"""Key of fits from which distances are taken."""
+"""Key of the fits from which distances are taken."""
 
 FitKind = TypeVar("FitKind", Fit, SplineFit)
 
@@ -158,7 +158,10 @@ class CurveBoundary(Pickled, CheckedFields):
         tolerance: float,
         drawn: Callable[[FitKind], Contour],
     ) -> FitKind:
-        """The fit; its contour as lines and arcs, `drawn`, does not cross itself."""
+        """The fit of the path, computed or known already; GeometryError if it crosses itself.
+
+        `drawn` gives its contour as lines and arcs, by which that is tested.
+        """
         if (fit, tolerance) not in self.known:
             with self.ledger.entry(f"{what} of {self.name}"):
                 new_fit = fit(self.path, tolerance)
@@ -190,7 +193,7 @@ class CurveBoundary(Pickled, CheckedFields):
         return CurveBoundary(f"path of the cutter along the {self.name}", self.hole, path)
 
     def inset(self, distance: float, name: str) -> CurveBoundary:
-        """See `camgeo.part.part.Boundary`; its fits go into the same ledger."""
+        """See `camgeo.part.part.Boundary`; fits of the parallel are recorded in the same ledger."""
         if any(pivot.distance == 0.0 for pivot in self.path.pivots):
             raise GeometryError(
                 f"the {self.name} has a corner, along which there is no parallel", "part", self.name
@@ -217,10 +220,11 @@ class CurveBoundary(Pickled, CheckedFields):
         return nearest if nearest > 0.0 and self.path.encloses_axis else 0.0
 
     def surely_around(self, radius: float) -> bool:
-        """True if bounds show that it goes round the cam axis farther than `radius` [mm] from it.
+        """True if bounds show that the boundary goes round the cam axis and stays farther than
+        `radius` [mm] from it.
 
         False is inconclusive; `nearest` decides then. A roller centre that stays on one side goes
-        round the axis, and with it a whole parallel that is nearer to it than the axis.
+        round the axis, and so does a whole parallel that is nearer to the centre than the axis is.
         """
         if not self.path.is_whole or not self.path.stretches:
             return False
@@ -232,7 +236,9 @@ class CurveBoundary(Pickled, CheckedFields):
 def once(
     known: dict[Any, Any], contour: Contour | SplineContour, find: Callable[[], float]
 ) -> float:
-    """The deviation of `contour`, found now or known for the same numbers from another start."""
+    """The deviation of `contour`, computed by `find` unless it is `known` for the same contour,
+    whose start may be another one.
+    """
     key = hashlib.blake2b(contour_bytes(contour)).digest()
     if key not in known:
         known[key] = find()
@@ -241,7 +247,7 @@ def once(
 
 
 def contour_bytes(contour: Contour | SplineContour) -> bytes:
-    """All numbers of a contour; of lines and arcs the same wherever it begins."""
+    """All numbers of a contour as bytes; of lines and arcs the same bytes wherever it begins."""
     if isinstance(contour, SplineContour):
         return b"".join(
             strand.knots.tobytes() + strand.controls.tobytes()
@@ -249,6 +255,7 @@ def contour_bytes(contour: Contour | SplineContour) -> bytes:
             else np.array([strand.start, strand.end, strand.sweep, strand.centre]).tobytes()
             for strand in contour.strands
         )
+    # The vertex that is first by X, then by Y, becomes the start.
     first = -int(np.lexsort((contour.vertices.imag, contour.vertices.real))[0])
     # + 0.0 turns -0.0 into 0.0
     rolled = (np.roll(values + 0.0, first) for values in (contour.vertices, contour.sweeps))
@@ -263,6 +270,7 @@ def corner_radius(contour: Contour) -> float | None:
     areas within parallels are analytic in d down to -(r + p) / 2, below -r / 2.
     """
     is_corner = corners(contour)
+    # A piece ends at a corner if its start, or the start of the next one, is a corner.
     radii = contour.radii[(is_corner | np.roll(is_corner, -1)) & (contour.sweeps != 0.0)]
     return float(np.min(radii)) if len(radii) else None
 
@@ -276,7 +284,7 @@ class ExactBoundary(Pickled, CheckedFields):
     exact : the outline.
     core : for a bore with keyway, the circle that a round cutter makes; None if that is the whole
         outline.
-    known : the deviations already found, by contour.
+    known : the deviations already computed, by contour.
     """
 
     name: Name
@@ -291,13 +299,13 @@ class ExactBoundary(Pickled, CheckedFields):
 
     @property
     def is_round(self) -> bool:
-        """Whether what a round cutter makes is a circle."""
+        """Whether the core, or the outline if it has none, is a circle."""
         circle = self.core or self.exact
         return circle.arc_count == len(circle) and not np.any(circle.centres != circle.centres[0])
 
     @property
     def round_radius(self) -> float:
-        """Radius [mm] of what a round cutter makes; GeometryError if that is not a circle."""
+        """Radius [mm] of the core, or of the outline; GeometryError if that is not a circle."""
         circle = self.core or self.exact
         if not self.is_round:
             raise GeometryError(f"the {self.name} is not round", key="part", value=self.name)
@@ -317,7 +325,7 @@ class ExactBoundary(Pickled, CheckedFields):
         return corner_radius(self.exact)
 
     def inset(self, distance: float, name: str) -> ExactBoundary:
-        """See `camgeo.part.part.Boundary`; of a circle, or with the corners mitred."""
+        """See `camgeo.part.part.Boundary`; corners of outlines other than circles are mitred."""
         if self.core is not None or not self.is_round:
             displacement = distance if self.hole else -distance
             return ExactBoundary(
@@ -392,6 +400,8 @@ def _radii(contour: Contour) -> list[float]:
         contour.vertices, contour.ends, contour.sweeps, contour.centres, strict=True
     ):
         radii += (abs(start), abs(end))
+        # A line has its nearest point at the foot of the axis, an arc its extremes where the ray
+        # through its centre meets it, if these lie between the ends.
         if sweep == 0.0:
             chord = end - start
             share = -(start * np.conj(chord)).real / abs(chord) ** 2
@@ -411,7 +421,7 @@ def _radii(contour: Contour) -> list[float]:
 
 
 MAX_CHORDS = 2_000_000
-"""Chords at most."""
+"""Most chords of a contour."""
 
 
 WIDEST = 1.6
@@ -429,6 +439,7 @@ def chord_fit(exact: Contour, tolerance: float) -> Fit:
         steps = 4.0 * np.arcsin(np.sqrt(np.minimum(tolerance / (2.0 * radii), 0.5)))
     counts = np.where(radii > 0.0, np.ceil(np.abs(exact.sweeps) / np.minimum(steps, WIDEST)), 1)
     index, number = grouped(counts.astype(np.intp))
+    # `index` is the piece of each chord, `number` counts the chords within it; a line has one.
     arm = exact.vertices[index] - exact.centres[index]
     turned = exact.centres[index] + arm * np.exp(1j * exact.sweeps[index] * number / counts[index])
     vertices = np.where(exact.sweeps[index] == 0.0, exact.vertices[index], turned)
@@ -460,8 +471,10 @@ def fewest_chord_fit(exact: Contour, tolerance: float) -> Fit:
 
 
 def matching_chords(contours: Sequence[Contour], tolerance: float) -> list[ComplexArray]:
-    """(n,) complex [mm] polygons within `tolerance` [mm] of contours with the same kinds of pieces,
-    such as parallels, as many pieces along each: vertices that belong together have the same index.
+    """(n,) complex [mm] vertices of a polygon within `tolerance` [mm] of each contour.
+
+    The contours must have the same kinds of pieces, as parallels have. Corresponding vertices have
+    the same index: along an arc all polygons have as many as the one that needs most.
     """
     chains: list[list[ComplexArray]] = [[] for _ in contours]
     for k, sweep in enumerate(contours[0].sweeps):
@@ -477,7 +490,11 @@ def matching_chords(contours: Sequence[Contour], tolerance: float) -> list[Compl
 
 
 def _along_arc(contour: Contour, k: int, count: int, radius: float, sweep: float) -> ComplexArray:
-    """(count,) vertices of the chords of an arc, the first one its start."""
+    """(count,) vertices of the chords of the arc `k`, without its end.
+
+    The first one is the start of the arc; the inner ones lie off it, so that the chords deviate to
+    both sides.
+    """
     start, centre = contour.vertices[k], contour.centres[k]
     offset = arc_offset(count, radius, sweep)
     turned = arc_angles(count, radius, sweep, offset)[1:-1]
@@ -487,8 +504,10 @@ def _along_arc(contour: Contour, k: int, count: int, radius: float, sweep: float
 
 
 def _circle_chords(exact: Contour, tolerance: float) -> Fit:
-    """At least three chords, none over more than `WIDEST`; their vertices lie r tan^2(pi/(2 n)) off
-    the circle.
+    """At least three chords of a whole circle, none over more than `WIDEST`.
+
+    The n vertices lie r tan^2(pi/(2 n)) outside the circle, as far as the middles of the chords lie
+    inside it.
     """
     centre, radius = complex(exact.centres[0]), float(exact.radii[0])
     count = _checked(circle_count(tolerance, radius, WIDEST), tolerance)
@@ -537,29 +556,29 @@ def _shares_first_circle(exact: Contour) -> BoolArray:
 
 
 COARSEST: Final = 0.004
-"""Of the fits of an outline, as a share of the height of capital letters: strokes are an eighth of
-it wide."""
+"""Coarsest tolerance of the fits of an outline, as a share of the height of capital letters:
+strokes are an eighth of it wide."""
 
 LEAST_GAP: Final = 0.01
-"""By which outlines must at least lie apart, as a share of the height of capital letters."""
+"""Least distance of outlines, as a share of the height of capital letters."""
 
 
 FAR: Final = 1.5
-"""Of the distances at which letters can touch, beyond which they need not be compared; it covers
-how far arcs bulge beyond their ends."""
+"""Multiple of the distance at which letters can touch, beyond which they are not compared; it
+covers how far arcs bulge beyond their ends."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Letter:
-    """A letter in place.
+    """A letter of an engraved text, in its place.
 
     Attributes
     ----------
-    character : which it is.
-    place : its middle [mm], at half the height of capital letters.
-    boundaries : its outlines, holes and what stands within them, by which it is cut.
-    contours : these as lines and arcs.
-    deviation : of these [mm].
+    character : the character.
+    place : middle of the letter [mm], at half the height of capital letters.
+    boundaries : outlines of the letter, holes and what stands within them, by which it is cut.
+    contours : the boundaries as lines and arcs.
+    deviation : largest deviation of the contours [mm].
     """
 
     character: str
@@ -570,12 +589,12 @@ class Letter:
 
     @property
     def where(self) -> str:
-        """Which letter, and where it is."""
+        """The letter and its place in words."""
         return f'"{self.character}" at X {self.place.real:.4g}, Y {self.place.imag:.4g} mm'
 
 
 def place_letters(texts: Sequence[Engraving]) -> tuple[tuple[Letter, ...], ...]:
-    """The letters of each text.
+    """The letters of each text in their places.
 
     Raises
     ------
@@ -596,7 +615,7 @@ def place_letters(texts: Sequence[Engraving]) -> tuple[tuple[Letter, ...], ...]:
 
 
 def _near(letters: Sequence[Letter]) -> list[tuple[int, int]]:
-    """The pairs of letters that may touch, by their numbers, in order."""
+    """The pairs of letters that may touch, by their indices, in order."""
     places = np.array([letter.place for letter in letters])
     reaches = np.array(
         [
@@ -661,7 +680,7 @@ def _places(text: Engraving, key: str) -> Iterator[tuple[str, complex, complex]]
 
 
 def _ink(text: str, starts: ComplexArray) -> tuple[float, float]:
-    """Where what is drawn of a straight text begins and ends, in heights of capital letters."""
+    """Where the strokes of a straight text begin and end, in heights of capital letters."""
     ends = [
         (start + float(np.min(outline.real)), start + float(np.max(outline.real)))
         for character, start in zip(text, starts.tolist(), strict=True)
@@ -678,7 +697,7 @@ def _letter(
     text: Engraving,
     key: str,
 ) -> Letter:
-    """A letter of its outlines, by turns holes and what stands within them."""
+    """A letter made of its outlines: holes, and islands that stand within them."""
     coarsest = COARSEST * text.height
     outline_boundaries = [
         LetterBoundary(f"{name} outline {number}", True, outline, coarsest)
@@ -710,7 +729,7 @@ def _letter(
 
 
 ARCS: Final = "unchecked arcs"
-"""Key of fits that may cross themselves."""
+"""Key of the fits that may cross themselves."""
 
 CLAMPED: Final = np.repeat((0.0, 1.0), 4)
 """Knots of a spline of one cubic."""
@@ -719,18 +738,19 @@ SHARPNESS: Final = 0.005
 """Largest share of a measured distance that is due to the arcs by which it is measured."""
 
 FIRST: Final = 2.5e-4
-"""Tolerance of these arcs to begin with, as a share of the coarsest one of fits."""
+"""First tolerance of these arcs, as a share of the coarsest tolerance of fits."""
 
 FINEST: Final = 1e-10
-"""How near to the outline these arcs come at most, as a share of its distance from the cam axis,
-and no nearer than a proof needs."""
+"""Last tolerance of these arcs, as a share of the outline's distance from the cam axis; it is not
+below what a proof needs."""
 
 FOREIGN: Final = 1e-5
-"""Tolerance of the arcs by which splines of others are measured, as a share of the coarsest one."""
+"""Tolerance of the arcs by which other programs' splines are measured, as a share of the coarsest
+tolerance of fits."""
 
 CLOSE: Final = 1e-3
-"""Distance of the points of two outlines, as a share of their size, up to which they are taken to
-have been written as one and the same; beyond it they are compared as curves."""
+"""Distance of the control points of two outlines, as a share of their length, up to which they
+count as the same curves, compared point by point; beyond it they are compared as curves."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -743,7 +763,7 @@ class LetterBoundary(Pickled):
         middle one lies halfway. Counter-clockwise once made.
     coarsest : tolerance [mm] beyond which fits become no coarser, so that the narrow strokes of a
         letter, and letters side by side, stay apart.
-    known : the fits already made, by form and tolerance, and the deviations already found.
+    known : the fits already made, by form and tolerance, and the deviations already computed.
     """
 
     name: Name
@@ -769,7 +789,7 @@ class LetterBoundary(Pickled):
 
     @property
     def curve(self) -> SplineContour:
-        """The same outline: each quadratic curve as a cubic, which has the same points."""
+        """The same outline with each quadratic curve as a cubic, which has the same points."""
         if "curve" not in self.known:
             cubics = elevated(self.pieces)
             self.known["curve"] = SplineContour(
@@ -831,8 +851,10 @@ class LetterBoundary(Pickled):
         return known
 
     def _chords(self, tolerance: float) -> Fit:
-        """A quadratic curve leaves the chord of 1/n of it by at most 1/(4 n^2) of the distance
-        between its middle point and that of its chord, and at the same share of both.
+        """Straight pieces with vertices at equal steps of each curve's parameter.
+
+        A quadratic curve deviates from the chord of 1/n of it by at most 1/n^2 of the distance at
+        its middle, which is a quarter of |start - 2 middle + end|.
         """
         start, middle, end = self.pieces.T
         bend = 0.25 * np.abs(start - 2.0 * middle + end)
@@ -862,6 +884,7 @@ class LetterBoundary(Pickled):
             by_arcs = approximating_arcs(contour, FOREIGN * self.coarsest)
             return self._deviation(by_arcs.contour) + by_arcs.apart
         share, finest = FIRST * self.coarsest, max(FINEST * self.curve.reach, ENOUGH)
+        # The arcs of the outline are refined until they matter little for the distance measured.
         while True:
             fine = self._arcs(share)
             reached = distance_between(fine.contour, contour)
@@ -900,8 +923,8 @@ class LetterBoundary(Pickled):
         return min(self._radii()) if around else 0.0
 
     def _radii(self) -> list[float]:
-        """Distances from the cam axis of the ends of pieces, and where they are least or largest
-        in between: where x x' = 0, a cubic.
+        """Distances from the cam axis of the ends of pieces, and of the places in between where the
+        distance is extreme: there the point is square to its derivative, which is a cubic equation.
         """
         start, middle, end = self.pieces.T
         a, b = start - 2.0 * middle + end, 2.0 * (middle - start)
@@ -928,14 +951,18 @@ def _curve_points(pieces: ComplexArray, t: FloatArray) -> ComplexArray:
 
 
 def _control_point_distance(one: SplineContour, other: SplineContour) -> float:
-    """Largest distance [mm] of the control points of two outlines of as many strands of the same
-    kinds; infinite of others. Curves lie within it, for each point is a mean of these.
+    """Largest distance [mm] of corresponding control points of two outlines; infinite unless both
+    have the same number of strands, of the same kinds.
+
+    The curves are no farther apart, as each point of one is a weighted mean of its control points.
     """
     kinds = [[type(strand) for strand in contour.strands] for contour in (one, other)]
     count = len(one.strands)
     if len(other.strands) != count:
         return math.inf
     starts = np.array([complex(strand.start) for strand in other.strands])
+    # The other outline may begin elsewhere: its strand that starts nearest corresponds to the
+    # first.
     first = int(np.argmin(np.abs(starts - one.strands[0].start)))
     if kinds[0] != kinds[1][first:] + kinds[1][:first]:
         return math.inf

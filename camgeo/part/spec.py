@@ -44,10 +44,10 @@ class Pair(CheckedFields, path="part.pair."):
 
     Attributes
     ----------
-    gap : between the faces that look at each other [mm].
-    spacer : diameter of the round body between them [mm].
-    upper : which disc is above, one of `DISCS`.
-    roller_width : of the wider roller, each in the middle of its disc [mm]; None if not known.
+    gap : distance between the faces of the discs that look at each other [mm].
+    spacer : diameter of the round body between the discs [mm].
+    upper : the disc that is above, one of `DISCS`.
+    roller_width : width of the wider roller, each in the middle of its disc [mm]; None if unknown.
 
     Raises
     ------
@@ -74,18 +74,18 @@ LETTER: Final = " letter "
 CIRCLE: Final = "circle"
 STRAIGHT: Final = "straight"
 COURSES: Final = (CIRCLE, STRAIGHT)
-"""What the line of a text follows."""
+"""The lines along which a text can run."""
 
 OUTWARD: Final = "outward"
 INWARD: Final = "inward"
 SENSES: Final = (OUTWARD, INWARD)
-"""Where the tops of letters point, seen from the cam axis."""
+"""The directions in which the tops of letters can point, seen from the cam axis."""
 
 MOST_LETTERS: Final = 100
-"""Characters of a text."""
+"""Most characters of a text."""
 
 MOST_TEXTS: Final = 20
-"""Texts of a part."""
+"""Most texts of a part."""
 
 SHAPED: Final = ("R", "AL", "AN")
 """Directions of characters that are written from right to left, in shapes that depend on their
@@ -109,9 +109,10 @@ def text_to_engrave(key: str, value: Any) -> str:
         )
     for character in text:
         known = f"U+{ord(character):04X}"
+        # Combining marks (M), and controls, formats and code points without a meaning (C).
         if unicodedata.category(character)[0] in "MC":
             raise GeometryError(
-                f"{known} in it is no character of its own, so it cannot be engraved",
+                f"{known} in it is not a character of its own, so it cannot be engraved",
                 key,
                 shown(value),
             )
@@ -130,12 +131,13 @@ class Engraving:
 
     Attributes
     ----------
-    text : in composed characters (NFC).
-    height : of capital letters [mm].
-    depth : below the upper face [mm].
-    radius : distance of its middle, at half the height of capital letters, from the cam axis [mm].
-    angle : direction of its middle from the x axis at cam angle 0 [rad], counter-clockwise, -2 pi
-        to 2 pi.
+    text : the text, in composed characters (NFC).
+    height : height of capital letters [mm].
+    depth : depth below the upper face [mm].
+    radius : distance of the text's middle, at half the height of capital letters, from the cam axis
+        [mm].
+    angle : direction of the text's middle from the x axis at cam angle 0 [rad], counter-clockwise,
+        -2 pi to 2 pi.
     along : one of `COURSES`: letters stand on a circle about the cam axis, or on a straight line.
     tops : one of `SENSES`: where the tops of the letters point, at the middle of the text.
     turn : of a straight text, the direction in which it is read, from the x axis at cam angle 0
@@ -170,13 +172,13 @@ class Engraving:
 
 
 def text_name(boundary: str) -> str:
-    """Name of the text to which the boundary of that name belongs; empty if it is of none."""
+    """Name of the text to which the boundary called `boundary` belongs; empty if to none."""
     text, letter, _ = boundary.partition(LETTER)
     return text if letter and text.startswith(ENGRAVING) else ""
 
 
 def read_engravings(tables: Iterable[Mapping[str, Any]], name: str) -> tuple[Engraving, ...]:
-    """The texts of converted tables, in mm and rad; that of one without a text is `name`.
+    """The engravings of converted tables, in mm and rad; a table without a text engraves `name`.
 
     Raises
     ------
@@ -213,7 +215,7 @@ SIDES: Final = (UPPER, LOWER, BOTH)
 
 
 MOST_HOLES: Final = 100
-"""On one circle."""
+"""Most holes on one circle."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -239,8 +241,9 @@ class Keyway(CheckedFields, path="part.keyway."):
 
     @classmethod
     def by_standard(cls, bore: float, angle: float = 0.0) -> Self:
-        """By DIN 6885-1, deep form, for a bore of that diameter [mm]; raises GeometryError with key
-        "part.keyway.standard" if the table has no such bore.
+        """The keyway by DIN 6885-1, deep form, for a bore of the diameter `bore` [mm].
+
+        Raises GeometryError with key "part.keyway.standard" if the table has no such bore.
         """
         row = din_6885_1(bore)
         return cls(row.width, row.depth, angle)
@@ -248,7 +251,7 @@ class Keyway(CheckedFields, path="part.keyway."):
 
 @dataclass(frozen=True, slots=True)
 class DShaft(CheckedFields, path="part.d_shaft."):
-    """DShaft side of the bore for a D-shaft, parallel to the cam axis.
+    """The flat side of the bore for a D-shaft, parallel to the cam axis.
 
     Attributes
     ----------
@@ -368,12 +371,12 @@ class Holes:
 
     Attributes
     ----------
-    count : from 1 to `MOST_HOLES`.
+    count : number of holes, from 1 to `MOST_HOLES`.
     circle : diameter of the circle through their middles [mm].
-    hole : diameter of each [mm].
-    angle : direction of the first from the x axis at cam angle 0 [rad], counter-clockwise, -2 pi to
-        2 pi.
-    counterbore : of each at its upper end; None for none.
+    hole : diameter of each hole [mm].
+    angle : direction of the first hole from the x axis at cam angle 0 [rad], counter-clockwise,
+        -2 pi to 2 pi.
+    counterbore : counterbore at the upper end of each hole; None for none.
 
     Raises
     ------
@@ -400,7 +403,7 @@ class Holes:
 
     @property
     def middles(self) -> tuple[complex, ...]:
-        """Of the holes [mm]."""
+        """Middles of the holes [mm]."""
         step = TURN / self.count
         return tuple(
             cmath.rect(0.5 * self.circle, self.angle + number * step)
@@ -410,7 +413,8 @@ class Holes:
 
 LEAST_DENSITY: Final = 1e-6 / KG_M3
 MOST_DENSITY: Final = 1e6 / KG_M3
-"""As in scenes [t/mm^3]: any that occurs, with room for one that stands for a slice or a shell."""
+"""Range of densities in scenes [t/mm^3]: that of all materials, with room for one that stands for a
+slice or a shell."""
 
 
 Density = Annotated[float, partial(number, least=LEAST_DENSITY, most=MOST_DENSITY, unit="t/mm^3")]
@@ -492,7 +496,8 @@ class PartSpec:
         if self.d_shaft is not None:
             key = "part.d_shaft"
             if self.keyway is not None:
-                raise GeometryError("a bore has a keyway or is for a D-shaft, not both", key=key)
+                message = "a bore has either a keyway or a flat for a D-shaft, not both"
+                raise GeometryError(message, key=key)
             assert self.bore is not None  # see above
             across, half = self.d_shaft.across, 0.5 * self.bore
             number(f"{key}.across", across, above=half, below=self.bore, unit="mm")
@@ -507,9 +512,11 @@ class PartSpec:
                 number(f"{key}[{place}].depth", text.depth, below=self.thickness, unit="mm")
 
     def alone(self, disc: str) -> PartSpec:
-        """The main or the return disc (of `camgeo.part.spec.DISCS`) of a pair in one piece,
-        without the hub; of other parts all of it. Only the upper disc has texts, which a gap would
-        hide, and counterbores, as bolts go in from above.
+        """The specification of one disc, named as in `DISCS`, of a pair in one piece, without the
+        hub; for any other part the whole specification.
+
+        Only the upper disc has texts, which a gap would hide, and counterbores, as bolts go in from
+        above.
         """
         if self.pair is None:
             return self
@@ -544,7 +551,7 @@ class PartSpec:
 
 
 KEY: Final = "part.chamfers"
-"""Of their table in the scene."""
+"""Key of the table of chamfers in the scene."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -553,8 +560,8 @@ class Chamfer(CheckedFields, path=f"{KEY}."):
 
     Attributes
     ----------
-    width : on the face, and along the wall [mm].
-    edges : of which ends of the wall, one of `SIDES`.
+    width : width on the face and height along the wall [mm].
+    edges : the ends of the wall that have it, one of `SIDES`.
 
     Raises
     ------
@@ -572,10 +579,10 @@ class Chamfers:
 
     Attributes
     ----------
-    outline : the flanks; of a groove only their upper edges.
-    rim, bore : both ends.
-    hub : the outer edge of each.
-    bolt_circle, lightening_holes : the edges of the holes on the faces.
+    outline : along the flanks; of a groove only along their upper edges.
+    rim, bore : at both ends.
+    hub : along the outer edge of each hub.
+    bolt_circle, lightening_holes : along the edges of the holes on the faces.
     """
 
     outline: Chamfer | None = None
@@ -586,8 +593,10 @@ class Chamfers:
     lightening_holes: Chamfer | None = None
 
     def on_one_side(self, side: str, *, hub: bool) -> Chamfers:
-        """Those of a disc of a pair in one piece without its hub: where the other disc follows, and
-        where there is a hub on its outer `side`, its bore has no edge.
+        """The chamfers of one disc of a pair in one piece, without those of its hub.
+
+        The bore has no edge where the other disc follows, nor on the outer `side` if there is a
+        `hub`.
         """
         bore = self.bore
         if bore is not None:
@@ -603,11 +612,11 @@ class Chamfers:
 
 
 class Row(NamedTuple):
-    """A row of the table.
+    """A row of the table of DIN 6885-1.
 
     Attributes
     ----------
-    largest : diameter of shaft and bore up to which it holds, that included [mm].
+    largest : largest diameter of shaft and bore for which it holds [mm].
     width : b of key and keyway [mm].
     depth : t2 of the keyway in the hub [mm].
     """

@@ -108,7 +108,7 @@ def test_what_speaks_of_other_files_is_removed_with_them(tmp_path: Path) -> None
     assert write(b"2", ours=False) == sorted(with_account)
     assert told == []
     assert write(b"3") == sorted(FILES)
-    assert told == ["account.json of the files before: removed"]
+    assert told == ["account.json of the previous files was removed"]
 
 
 def test_a_link_to_nothing_is_not_overwritten(tmp_path: Path) -> None:
@@ -240,7 +240,7 @@ def test_a_damaged_journal_is_not_followed(journal: str, tmp_path: Path) -> None
     before = everything(tmp_path)
     with pytest.raises(OutputError, match=f"which are in {STAGING}, cannot be put back"):
         settle(folder)
-    assert "put back by the next camgeo build or verify there" in refusal(folder)
+    assert "next camgeo build or verify there will put the old files back" in refusal(folder)
     assert everything(tmp_path) == before
 
 

@@ -49,7 +49,8 @@ SPREAD: Final = 1.3
 """Each cell ends so many times as far from the present value as the one before it."""
 
 LOST: Final = 1e-6
-"""The first one where there is no mechanism, as beside the value at which a roller stands still."""
+"""First step, as a fraction of the scale, across values without a mechanism, which are few: at one
+of them the roller centre stands still."""
 
 BEYOND: Final = 1e-7
 """A window narrower than this fraction of the scale is none: in the middle of it the cam has a cusp
@@ -65,7 +66,7 @@ HOPS: Final = 200
 """Most places of the cam on the way to a window; five are usual."""
 
 TRIALS: Final = 60
-"""Most values that are judged."""
+"""Most values of the knob that are judged."""
 
 EDGE: Final = 1e-3
 """First cell of a place's margin, as a fraction of the scale; its neighbours grow with the
@@ -76,15 +77,15 @@ CURVED: Final = 3.0
 stays below 0."""
 
 Excess = Mapping[str, float]
-"""By how much limits are exceeded, by their names: positive where one is broken, infinite where it
-is not known by how much."""
+"""By how much limits are exceeded, by their names: positive where one is broken, infinite where the
+amount is unknown."""
 
 UNKNOWN: Final[Excess] = {"": math.inf}
-"""That something is broken."""
+"""Something is broken, by an unknown amount."""
 
 STRAIGHT: Final = 0.03
-"""By such a share of its distance from the nearer end a root between two values may be wrong, as
-an excess is not quite linear."""
+"""Error of a secant's root as a share of its distance from the nearer end, as an excess is not
+quite linear."""
 
 MarginCurve = Callable[[FloatArray], FloatArray]
 """(n,) values of a size -> (n,) margins at one place of the cam."""
@@ -96,7 +97,7 @@ def holds(excess: Excess) -> bool:
 
 
 class Knob(Protocol):
-    """A size that may change."""
+    """A dimension or span that may change."""
 
     @property
     def start(self) -> float:
@@ -104,7 +105,7 @@ class Knob(Protocol):
 
     @property
     def scale(self) -> float:
-        """What a change of it is compared with."""
+        """The length or span with which a change is compared."""
 
     def make(self, value: float, /) -> Discs:
         """The discs with another value; GeometryError where there are none."""
@@ -118,15 +119,16 @@ class Knob(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Way:
-    """A range of a size, and what must hold there.
+    """The search from a knob's present value to an `end`, with all that must hold at the result.
 
     Attributes
     ----------
-    knob : the size, which goes from its present value to `end`.
-    conditions : at each place of the cam.
-    judged : the verdict on a value that keeps the conditions.
-    rounded : the value beside another that a designer would take, on which the verdict is asked
-        for if it keeps the conditions.
+    knob : the dimension or span that changes.
+    end : the last value that is tried.
+    conditions : the conditions at each place of the cam.
+    judged : returns the excess at a value that keeps the conditions.
+    rounded : rounds a value as a designer would; the rounded value is judged in place of the exact
+        one if it keeps the conditions.
     """
 
     knob: Knob
@@ -148,10 +150,14 @@ class Way:
             return None
         bad: float | None = None
         x, step, crossed = knob.start, FIRST, False
+        # x: where the search goes on; bad: the last value that was judged and failed. Once a flank
+        # has crossed itself, its neck is examined first, which spares the verdict as long as the
+        # neck is too narrow.
         for _ in range(TRIALS):
             limit = self.border(x)
             if limit is None:
                 return None
+            # At the limit itself a margin is 0; just beyond it all of them should be positive.
             inside = limit + away * min(BEYOND, abs((self.end - limit) / away))
             wide = self._past_neck(inside) if crossed else None
             if not self.keeps(inside):
@@ -192,7 +198,7 @@ class Way:
         return None
 
     def keeps(self, value: float) -> bool:
-        """Whether the conditions hold."""
+        """Whether the conditions hold at `value`."""
         try:
             return self.knob.worst(value, self.conditions) is None
         except GeometryError:
@@ -201,14 +207,16 @@ class Way:
     def _enclosed(self, bad: float, good: float) -> float:
         """The limit between a value that is not accepted and one that is.
 
-        By the secant of what is exceeded, a little to the side of the farther end, so that both
-        ends move; by halves where that does not help.
+        The secant of the excess gives the next value, moved a little towards the farther end, so
+        that both ends move; where that does not shorten the range enough it is bisected.
         """
         bad_excess, good_excess = self.judged(bad), self.judged(good)
         narrow, halve = NARROW * self.knob.scale, False
         while (width := abs(good - bad)) > narrow:
             exceeded = {name: value for name, value in bad_excess.items() if value > 0.0}
             share = 0.5
+            # A limit broken at the bad end must be known at the good one, or there is no secant.
+            # The largest share is the root of the limit that is kept last.
             known = all(
                 value < math.inf and name in good_excess for name, value in exceeded.items()
             )
@@ -227,8 +235,8 @@ class Way:
         return good
 
     def _past_neck(self, value: float) -> float | None:
-        """Where the narrowest neck of discs that cross themselves is as wide as the roller, or up
-        to where it is known to be narrower; None if they do not, or if nothing is known.
+        """The value at which the narrowest neck becomes as wide as the roller, or up to which it is
+        known to be narrower; None if the discs do not cross themselves, or nothing is known.
         """
         try:
             neck = self.knob.make(value).narrowest()
@@ -262,8 +270,8 @@ class Way:
 def first_root(along: MarginCurve, start: float, end: float, scale: float) -> float | None:
     """The first value from `start` to `end` at which a margin, negative at first, vanishes.
 
-    Cells in which it might reach 0 are halved: those where the parabola through three values, made
-    more curved, does.
+    Cells in which the margin might reach 0 are halved: those in which the parabola through three
+    values reaches it after its curvature has been multiplied by `CURVED`.
     """
     edges = _edges(start, end, scale)
     values = along(edges)
@@ -271,6 +279,7 @@ def first_root(along: MarginCurve, start: float, end: float, scale: float) -> fl
     if values[0] >= 0.0:
         return start
     while True:
+        # Only cells before the first change of sign can contain the first root.
         across = np.flatnonzero(values >= 0.0)
         left = int(across[0]) - 1 if len(across) else len(settled)
         cells = np.flatnonzero(~settled[:left])
@@ -294,7 +303,7 @@ def _bracketed(along: MarginCurve, low: float, high: float) -> float:
 
 
 def _edges(start: float, end: float, scale: float) -> FloatArray:
-    """Ends of cells from `start` to `end`, which grow with their distance."""
+    """(n,) ends of cells from `start` to `end`, whose lengths grow with their distance."""
     reach = abs(end - start)
     first = min(EDGE * scale, reach)
     if first == 0.0:
@@ -307,7 +316,11 @@ def _edges(start: float, end: float, scale: float) -> FloatArray:
 
 
 def _highest(low: FloatArray, middle: FloatArray, high: FloatArray) -> FloatArray:
-    """(n,) the largest value of the parabolas through three values, `CURVED` times as curved."""
+    """(n,) largest value in each cell of the parabola through its three values, if it were `CURVED`
+    times as curved.
+    """
+    # In t from -1 to 1 the parabola through both ends that is raised by `most` in the middle is
+    # top + slope t - fall t^2.
     bend, slope = 0.5 * (low + high) - middle, 0.5 * (high - low)
     most = CURVED * np.abs(bend)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -331,12 +344,12 @@ Range = tuple[float, float]
 
 @dataclass(frozen=True, slots=True)
 class Condition(ABC):
-    """A limit at each cam angle.
+    """A limit that must hold at each cam angle.
 
     Attributes
     ----------
     names : beginnings of the names of the findings that report where it is broken.
-    vital : whether there is no disc then.
+    vital : whether there is no disc where it is broken.
     """
 
     names: ClassVar[tuple[str, ...]]
@@ -350,22 +363,25 @@ class Condition(ABC):
     def margins(
         self, curve: PitchCurve, cams: Sequence[Cam], phi: FloatArray, side: Side
     ) -> FloatArray:
-        """(n,) what has the sign of the margins at `phi` (n,) [rad], and no poles, on `curve`,
-        which is that of `cams`: one for each place, or one for all.
+        """(n,) numbers with the signs of the margins at `phi` (n,) [rad], but without poles.
+
+        `curve` is the pitch curve of the `cams`, of which there is one for each place or one for
+        all.
         """
 
     def place_margins(
         self, curve: PitchCurve, cams: Sequence[Cam], phi: float, count: int
     ) -> FloatArray:
-        """(count,) see `at`, all at `phi` [rad]: at a break the smaller one."""
+        """(count,) margins at one place `phi` [rad], see `margins`; at a break the smaller one."""
         places = np.full(count, phi)
         both = [self.margins(curve, cams, places, side) for side in SIDES]
         return np.asarray(np.minimum(*both))
 
     def cam_margins(self, cams: Sequence[Cam | None], phi: float) -> FloatArray:
-        """(n,) the same of `cams` of one motion; -1 where there is no mechanism."""
+        """(n,) margins at `phi` [rad] of `cams` with one motion; -1 where there is no mechanism."""
         margins = np.full(len(cams), -1.0)
         kinds: dict[Hashable, list[int]] = {}
+        # Cams whose followers are alike are computed at once.
         for k, cam in enumerate(cams):
             if cam is not None:
                 kinds.setdefault(alike(cam.follower), []).append(k)
@@ -379,9 +395,11 @@ class Condition(ABC):
 
 @dataclass(frozen=True, slots=True)
 class Bend(Condition):
-    """1 + d kappa of the flanks in use: neither cusp nor local undercut, with the play of a groove.
+    """1 + d kappa > 0 on the flanks in use: neither cusp nor local undercut, with the play of a
+    groove.
 
-    With `ratio` the rule r_R <= ratio r_K: the same, of a roller r_R/ratio without play.
+    With `ratio` it is the rule r_R <= ratio r_K, which is the same for a roller of radius r_R/ratio
+    without play.
     """
 
     names: ClassVar[tuple[str, ...]] = UNDERCUT
@@ -406,6 +424,8 @@ class Bend(Condition):
         relative = curve.relative_jet(phi, side, order=2)
         bend = curve.follower.curvature(relative, np.ones_like(phi), curve.rotation)
         speed = np.hypot(relative.u, relative.v)
+        # 1 + d kappa has a pole where the speed |Z'| vanishes, |Z'|^3 + d |Z'|^3 kappa has none;
+        # the base radius makes it a number.
         distances = np.array([self._distances(cam) for cam in cams]).T
         size = np.array([cam.follower.base_radius for cam in cams])
         return np.asarray(np.min(speed**3 + distances * bend, axis=0) / size**3)
@@ -413,7 +433,7 @@ class Bend(Condition):
 
 @dataclass(frozen=True, slots=True)
 class Ratio(Bend):
-    """See `Bend`."""
+    """The rule of thumb r_R <= ratio r_K, see `Bend`."""
 
     names = ("radius-ratio",)
     vital = False
@@ -421,7 +441,7 @@ class Ratio(Bend):
 
 @dataclass(frozen=True, slots=True)
 class Angle(Condition):
-    """The transmission angle beyond its `limit` [rad]."""
+    """The transmission angle is at least its `limit` [rad]."""
 
     names = ("transmission-angle",)
 
@@ -435,13 +455,14 @@ class Angle(Condition):
         self, curve: PitchCurve, _: Sequence[Cam], phi: FloatArray, side: Side
     ) -> FloatArray:
         relative = curve.relative_jet(phi, side, order=1)
+        # tan mu = |u| / |v|, so mu > limit where |u| cos(limit) > |v| sin(limit).
         u, v = np.abs(relative.u), np.abs(relative.v)
         return np.asarray(u * math.cos(self.limit) - v * math.sin(self.limit))
 
 
 @dataclass(frozen=True, slots=True)
 class Convex(Condition):
-    """The radius of curvature under a flat face, as a fraction of the base radius."""
+    """The radius of curvature under a flat face is positive; margins are fractions of r_G."""
 
     names = (CONVEXITY,)
     vital = True
@@ -471,7 +492,8 @@ CONDITIONS: Final[Mapping[str, Callable[[float, float], dict[str, Condition]]]] 
     },
     "face": lambda angle, _: {"convexity": Convex(), "transmission angle": Angle(angle)},
 }
-"""What must hold, by the fault where it does not, and by what touches the cam."""
+"""The conditions by the name of the fault that breaks them, by what touches the cam; made for the
+least transmission angle [rad] and the largest r_R/r_K that are allowed."""
 
 
 def place_range(extremes: Extremes, angles: Range) -> tuple[int, int]:
@@ -532,14 +554,17 @@ class Neck:
 
 
 def _square_chord(pitch: PitchCurve, first: float, second: float) -> tuple[float, float] | None:
-    """Ends [rad] of a nearby shortest chord, by Newton's method; None if it does not converge."""
+    """Ends [rad] of a shortest chord near the cam angles `first` and `second`, by Newton's method;
+    None if it does not converge.
+    """
     angles = np.array([first, second])
     for _ in range(STEPS):
         if abs(math.remainder(float(angles[1] - angles[0]), math.tau)) < TOGETHER:
             return None
         point, slope, bend = pitch.jet(angles)[:3]
         chord = np.conj(complex(point[1] - point[0]))
-        # Half the square of the chord's length, its gradient and its Hessian.
+        # Half the square of the chord's length is minimised; gradient and Hessian by the two
+        # angles.
         sign = np.array([-1.0, 1.0])
         gradient = sign * (chord * slope).real
         speed = np.abs(slope)
@@ -550,6 +575,7 @@ def _square_chord(pitch: PitchCurve, first: float, second: float) -> tuple[float
         if min(diagonal) <= 0.0 or diagonal[0] * diagonal[1] <= mixed**2:  # no minimum: go downhill
             diagonal, mixed = speed**2, 0.0
         crosswise = diagonal[::-1] * gradient - mixed * gradient[::-1]
+        # Cramer's rule for the two unknowns.
         step = crosswise / (diagonal[0] * diagonal[1] - mixed**2)
         longest = float(np.max(np.abs(step)))
         if longest == 0.0:
@@ -572,10 +598,9 @@ class Discs(tuple[Cam, ...]):
         return self[0].drive.plan
 
     def sized(self, number: int = 0, **sizes: float) -> Discs:
-        """The same with other dimensions of the follower of disc `number`, as its table states
-        them.
+        """The discs with other dimensions of the follower of disc `number`, named as in its table.
 
-        A return roller follows the main one in what is not stated for it. GeometryError if the
+        A return roller takes from the main one what is not stated for it. GeometryError if the
         dimensions are impossible.
         """
         main, *others = self
@@ -591,7 +616,7 @@ class Discs(tuple[Cam, ...]):
         return Discs(changed)
 
     def moved(self, plan: MotionPlan) -> Discs:
-        """The same with another motion plan."""
+        """The discs with another motion plan."""
         main, *others = self
         main = main.moved(plan)
         return Discs((main, *(replace(cam, drive=main.drive, ledger=Ledger()) for cam in others)))
@@ -602,8 +627,8 @@ class Discs(tuple[Cam, ...]):
         return math.radians(float(first)), math.radians(float(last))
 
     def segment_index(self, angle: float) -> int:
-        """Index of the segment that contains the cam angle [rad]; the last with a length if none
-        does.
+        """Index of the segment that contains the cam angle [rad]; if rounding leaves it in none, of
+        the last segment with a length.
         """
         last = 0
         for number, segment in enumerate(self.plan.segments):
@@ -619,7 +644,7 @@ class Discs(tuple[Cam, ...]):
         self, conditions: Conditions, segment: int | None = None
     ) -> tuple[Condition, int, float] | None:
         """The first of the `conditions` that a disc breaks, the number of the disc, and the cam
-        angle [rad] where it is worst; None if all are kept. A `segment` is all that is looked at.
+        angle [rad] where it is worst; None if all are kept. With `segment` only that is looked at.
 
         GeometryError if there is no such mechanism: it does not close, its roller covers the cam
         axis, its guide touches the base circle, or its roller centre stands still.
@@ -655,7 +680,7 @@ class Discs(tuple[Cam, ...]):
         return min(necks, key=lambda neck: neck.clearance, default=None)
 
     def followed(self, neck: Neck) -> Neck | None:
-        """The same neck of other discs; None if it cannot be followed."""
+        """The neck of these discs that corresponds to `neck`; None if it cannot be followed."""
         return self._neck(neck.disc, self._angle(neck.first), self._angle(neck.second))
 
     def _neck(self, number: int, first: float, second: float) -> Neck | None:
@@ -669,6 +694,8 @@ class Discs(tuple[Cam, ...]):
             return None
         point, slope = pitch.jet(np.array(ends))[:2]
         chord = complex(point[1] - point[0])
+        # The normals towards the inside of the curve, those at the second end reversed, so that
+        # both have a positive part along the chord where it lies inside.
         inward = 1j * pitch.rotation * slope / np.abs(slope) * np.array([1.0, -1.0])
         facing = (np.conj(chord) * inward).real
         # The flank lies in the chord at both its ends, or at neither.
@@ -689,9 +716,9 @@ class Discs(tuple[Cam, ...]):
     def faulty_segments(self, condition: Condition) -> tuple[int, ...]:
         """Indices in the plan of the segments that are at fault.
 
-        Those in which the condition is broken; if there are none, those whose flanks cross each
-        other, without the dwells if there is a move among them: the move next to a dwell is what
-        can change.
+        These are the segments in which the condition is broken. If there are none, they are those
+        whose flanks cross each other, without the dwells if there is a move among them: the move
+        next to a dwell is what can change.
         """
         extremes = [condition.margin_extremes(cam) for cam in self]
 

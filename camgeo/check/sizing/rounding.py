@@ -1,8 +1,8 @@
 """The sizes that a designer writes down: rounded up, to the side on which every limit is kept.
 
 The base radius is the next one with a sensible number of decimals at which the checks find nothing
-wrong. Its second dimension is chosen in the middle of what the limits leave there, with as many
-additional decimals as necessary.
+wrong. The second dimension is chosen in the middle of the range that the limits leave at that base
+radius, with as many additional decimals as necessary.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ DECIMALS: Final = 4
 """Decimals of a length from 1 to 10,000 mm, in mm: a tenth of what a good machine resolves."""
 
 SMALL, LARGE = 4, 7
-"""Decimals after the first digit of a smaller, and of a larger length."""
+"""Decimals after the first digit of a length below 1 mm, and of one above 10,000 mm."""
 
 STEPS: Final = (0, 1, 2, 5, 20, 100, 1000)
 """Units of the last digit by which the base radius exceeds the limit, tried in turn. The first
@@ -46,7 +46,7 @@ TRIES: Final = 4
 """Most places tried for a base radius; each takes into account what the previous one broke."""
 
 NEAR: Final = 1e-11
-"""A limit that exceeds a number with so many decimals by less than this fraction counts as it."""
+"""A limit that exceeds a rounded number by less than this fraction counts as equal to it."""
 
 WIDTH, ZOOM, ZOOMS, WAYS = 0.1, 8.0, 12, 65
 """Search for the direction with the most room: half the first range [rad], by how much the next one
@@ -62,7 +62,7 @@ class RoundedMechanism:
 
     Attributes
     ----------
-    lengths : of the follower, by their scene's keys, in the scene's unit.
+    lengths : lengths of the follower by their scene's keys, in the scene's unit.
     cam : the cam with these lengths.
     """
 
@@ -73,7 +73,11 @@ class RoundedMechanism:
     def from_sizing(
         task: Placing, sizing: Sizing, ratio: float, present: float | None, unit: float
     ) -> RoundedMechanism | None:
-        """The answer with its sizes rounded up, and the arm if it is not the `present` one [mm]."""
+        """The answer of a sizing with its sizes rounded up; None if there is none, or none sound.
+
+        The arm is among the lengths if it is not the `present` one [mm]. `unit` is that of the
+        scene [mm].
+        """
         if sizing.answer is None:
             return None
         if isinstance(task, FaceTask):
@@ -96,7 +100,7 @@ def decimal_exponent(length: float, unit: float) -> int:
 
 
 def upward(length: float, exponent: int, unit: float) -> Decimal:
-    """The next multiple of the last decimal from `length` [mm] on, in the unit."""
+    """The next multiple of the last decimal, 10**`exponent`, from `length` [mm] on, in the unit."""
     exact = Decimal(length / unit * (1.0 - NEAR))
     return exact.quantize(Decimal(1).scaleb(exponent), ROUND_CEILING)
 
@@ -114,7 +118,7 @@ def sound(cam: Cam, angle: float, ratio: float) -> bool:
 
 
 def _counts(finding: Finding) -> bool:
-    """Whether a finding is bad, and depends on the size."""
+    """Whether a finding is bad and depends on the size."""
     return finding.severity not in ("ok", "warning") and not finding.name.startswith(SHOCK_FINDINGS)
 
 
@@ -125,8 +129,8 @@ def rounded(
 
     Parameters
     ----------
-    now : conditions that decide near `place`.
-    angle, ratio : required.
+    now : the conditions that decide near `place`.
+    angle, ratio : required transmission angle [rad] and r_R/r_K.
     unit : mm per unit of the scene.
     """
     base = abs(place - task.start)
@@ -155,9 +159,10 @@ def _with_second(
     exponent: int,
     unit: float,
 ) -> RoundedMechanism | None:
-    """With a base radius, in the unit, and the second dimension near that of `place`.
+    """The mechanism with a base radius, in the unit, and the second dimension near that of `place`.
 
-    It has as many decimals as the `required` angle and ratio take; None if none suffice.
+    The second dimension gets as many decimals as the `required` angle and ratio take; None if no
+    number of decimals suffices.
     """
     for more in range(MORE + 1):
         last = Decimal(1).scaleb(exponent - more)
@@ -174,7 +179,7 @@ def _with_second(
 
 
 def _near(length: float, last: Decimal, unit: float) -> float:
-    """A length [mm] to its last decimal, in the unit; 0, and not -0."""
+    """A length [mm] rounded to its last decimal, in the unit; never -0."""
     return float(Decimal(length / unit).quantize(last, ROUND_HALF_EVEN)) + 0.0
 
 
@@ -217,7 +222,7 @@ def _roomiest(task: Task, now: Conditions, place: complex, radius: float) -> com
 def rounded_face(
     task: FaceTask, place: complex, angle: float, least: float, unit: float
 ) -> RoundedMechanism | None:
-    """The next base radius from that of `place` on; None if no rounded one is sound.
+    """The mechanism with the next base radius from that of `place` on; None if none is sound.
 
     A face with ends is made as long as the contact requires. `least` is the smallest radius of
     curvature allowed [mm].
@@ -238,7 +243,7 @@ def rounded_face(
 
 
 def _long_enough(mechanism: RoundedMechanism, unit: float) -> RoundedMechanism:
-    """`made` with its face, if that has ends, as long as the contact requires."""
+    """The mechanism with its face, if that has ends, as long as the contact requires."""
     face = mechanism.cam.follower.face
     if face is None:
         return mechanism
@@ -272,14 +277,15 @@ def _long_enough(mechanism: RoundedMechanism, unit: float) -> RoundedMechanism:
 
 
 ARMS = 7
-"""Number tried first, in equal ratios from the shortest to the longest that can be better."""
+"""Number of arms tried first, in equal ratios from the shortest to the longest that can be
+better."""
 
 SECTIONS = 14
 """Golden sections of the two intervals about the best of them: to 1e-3 of an interval."""
 
 ROUNDS = 150
-"""The sections end when the sizings of all arms have taken so many rounds: where global undercut
-decides, one takes a dozen, and the best arm is found less closely."""
+"""The sections end when the sizings of all arms have taken this many rounds: where global undercut
+decides, one sizing takes a dozen, and the best arm is approached less closely."""
 
 CLOSE = 1e-3
 """If an arm longer than the shortest by this fraction is no better, the shortest is the best."""
@@ -368,7 +374,7 @@ def size_with_arm(
 
 
 def rated(cam: Cam) -> Rating | None:
-    """What a cam results in; None if there is no such mechanism."""
+    """The rating of a cam as it is; None if there is no such mechanism."""
     rating: Rating | None
     if cam.follower.has_pitch_curve:
         task = Task.from_cam(cam)
@@ -387,11 +393,13 @@ def sized(
     arms: tuple[float, float] | None,
     unit: float,
 ) -> list[tuple[Placing, Sizing]]:
-    """The smallest base circle on each side, that of the cam first, with its sizing.
+    """The tasks of both sides of a rocker, or of the one of a guide, each with its sizing.
+
+    The side of the present cam comes first.
 
     Parameters
     ----------
-    angle, ratio, radius : limits as for `Sizing.solve`, and as for `FaceTask.size`.
+    angle, ratio, radius : limits as for `Sizing.solve` and `FaceTask.size`.
     arms : the shortest and the longest arm of a rocker [mm], to look for its arm too.
     unit : of written lengths [mm].
 
@@ -413,7 +421,7 @@ def sized(
 def _with_stated_arm(
     side: Task, angle: float, ratio: float, arms: tuple[float, float], unit: float
 ) -> tuple[Task, Sizing]:
-    """The sizing with an arm of the decimals with which it is written."""
+    """The sizing with the best arm, rounded to the decimals with which it is written."""
     task, sizing = size_with_arm(side, angle, ratio, *arms)
     best_arm = task.follower.arm
     last = Decimal(1).scaleb(decimal_exponent(best_arm, unit))

@@ -30,7 +30,8 @@ from camgeo.numeric.extremes import Extreme
 from camgeo.units import TURN
 
 ACTIVE = 1e-9
-"""A condition this close to its limit is active: in rad for the angle, absolute for the ratio."""
+"""A condition this close to its limit is active: in rad for the angle, as a difference of ratios
+for r_R/r_K."""
 
 SAME = 1e-7
 """Cam angles [rad] closer than this are the same."""
@@ -39,7 +40,7 @@ TOUCHES = 1e-7
 """A point within this fraction of |d| of being covered decides, if nothing else is as close."""
 
 AXIS_MARGIN = 1e-9
-"""Fraction by which the roller stays beside the cam axis."""
+"""Fraction of its radius by which the roller stays clear of the cam axis."""
 
 ARM_SIDES: Final = {1: "ccw", -1: "cw"}
 """The side of an arm, as in scenes."""
@@ -65,16 +66,17 @@ class Active:
 
 @dataclass(frozen=True, slots=True)
 class Rating:
-    """What a place of the cam axis results in.
+    """The properties of the cam with its axis at one place.
 
     Attributes
     ----------
-    place : see `Task` [mm].
-    follower : with the cam axis there.
-    transmission_angle : the smallest [rad], with its cam angle [rad].
-    radius_ratio : the largest r_R/r_K, with its cam angle [rad]; 0 for a flat face.
-    radius_of_curvature : the smallest of the outline under a flat face [mm], with its cam angle.
-    face : where on a flat face the contact begins and ends [mm], with their cam angles.
+    place : the place of the cam axis [mm], see `Task`.
+    follower : the follower with the cam axis there.
+    transmission_angle : smallest transmission angle [rad], with its cam angle [rad].
+    radius_ratio : largest r_R/r_K, with its cam angle [rad]; 0 for a flat face.
+    radius_of_curvature : smallest radius of curvature of the outline under a flat face [mm], with
+        its cam angle.
+    face : first and last position of the contact on a flat face [mm], with their cam angles.
     """
 
     place: complex
@@ -91,18 +93,18 @@ class Rating:
 
     @property
     def arm_side(self) -> str | None:
-        """That of a rocker, as in scenes; None on a guide."""
+        """The arm side of a rocker, as in scenes; None on a guide."""
         side = getattr(self.follower, "arm_side", None)
         return None if side is None else ARM_SIDES[side]
 
     @property
     def contact(self) -> tuple[float, float] | None:
-        """From where to where the contact runs on a flat face [mm]."""
+        """First and last position of the contact on a flat face [mm]; None for a roller."""
         return None if self.face is None else (self.face[0].value, self.face[1].value)
 
     @staticmethod
     def from_place(task: Task, place: complex) -> Rating | None:
-        """What the cam axis at `place` results in; None if there is no such mechanism."""
+        """The rating of the cam with its axis at `place`; None if there is no such mechanism."""
         try:
             curve = task.pitch_curve(place)
             angle = transmission_angle_extremes(curve).smallest()
@@ -114,23 +116,24 @@ class Rating:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sizing:
-    """The answer.
+    """The smallest base circle for given limits, and how it was determined.
 
     Attributes
     ----------
-    angle, ratio : what was required; mu [rad] and r_R/r_K.
-    construction : Flocke's; None for a flat face, and where no size will do.
-    flocke : its proposal rated; None if its region is empty.
-    for_angle : the smallest base circle for the transmission angle alone; None if there is none.
-    answer : that for both; None if there is none.
-    active : the conditions that decide it, at most two except by symmetry.
+    angle, ratio : the required transmission angle mu [rad] and r_R/r_K.
+    construction : Flocke's construction; None for a flat face, and where no size will do.
+    flocke : rating of the construction's proposal; None if its region is empty.
+    for_angle : rating of the smallest base circle for the transmission angle alone; None if there
+        is none.
+    answer : rating of the smallest base circle for all limits; None if there is none.
+    active : the conditions that decide the answer, at most two except by symmetry.
     nearest_angle : largest transmission angle [rad] that can be kept, if the required one cannot.
-    nearest_ratio : smallest r_R/r_K of a grid of places, if the required one was not found.
-    none_below : base radius [mm] below which there certainly is no place for all of it.
-    reach : largest base radius [mm] searched for both; None if the answer is exact.
+    nearest_ratio : smallest r_R/r_K of a grid of places, if no place kept the required one.
+    none_below : base radius [mm] below which there certainly is no place that keeps all limits.
+    reach : largest base radius [mm] searched for all limits; None if the answer is exact.
     radius : smallest radius of curvature required of the outline under a flat face [mm].
     hopeless : why no size at all will do; None if it is a matter of size.
-    rounds : of exchange that the search took; 0 without one.
+    rounds : rounds of exchange that the search took; 0 if it took none.
     examined : the conditions that decide near the answer of a roller.
     """
 
@@ -152,12 +155,12 @@ class Sizing:
 
     @property
     def exact(self) -> bool:
-        """Whether the answer is exact to rounding; else `none_below` says what is proved."""
+        """Whether the answer is exact up to rounding; else `none_below` is what is proved."""
         return self.answer is not None and self.reach is None
 
     @staticmethod
     def solve(task: Task, angle: float, ratio: float) -> Sizing:
-        """Flocke's proposal and the smallest base circle.
+        """Rate Flocke's proposal and determine the smallest base circle of a roller follower.
 
         Parameters
         ----------
@@ -195,6 +198,7 @@ class Sizing:
                 "there is nothing to size: the follower does not move", key="motion"
             )
         for_angle = Rating.from_place(task, place)
+        # If the place that the angle alone decides keeps the rest too, it is the exact answer.
         if for_angle is not None and meets(task, place, tangent, ratio):
             now = conditions(task, tangent, ratio, extreme_angles(task, place, tangent, ratio)[0])
             return replace(
@@ -237,7 +241,7 @@ def require_angle(angle: float) -> None:
 def active_conditions(
     task: Task, rating: Rating, angle: float, ratio: float, covers: Covers | None = None
 ) -> tuple[Active, ...]:
-    """The conditions that are at their limits, by cam angle; of pairs one of their angles."""
+    """The conditions that are at their limits, each with its cam angle; of pairs the first one."""
     curve = task.pitch_curve(rating.place)
     angles = transmission_angle_extremes(curve)
     active = [
@@ -284,6 +288,7 @@ MOST = 80
 """Most rounds; a dozen is usual."""
 
 BISECTIONS = 26
+"""Bisections of the largest transmission angle: to about 1e-6 degrees."""
 
 
 def smallest_place(task: Task, tangent: float) -> complex | None:
@@ -308,6 +313,7 @@ def smallest_place(task: Task, tangent: float) -> complex | None:
                     bounds = np.concatenate((bounds, more[1]))
         if not broken:
             return place
+        # Both sides of a smooth place give the same half-plane.
         rows = np.unique(np.column_stack((normals.real, normals.imag, bounds)), axis=0)
         normals, bounds = rows[:, 0] + 1j * rows[:, 1], rows[:, 2]
         nearest = nearest_point(normals, bounds, task.start)
@@ -354,6 +360,7 @@ def nearest_point(normals: ComplexArray, bounds: FloatArray, start: complex) -> 
     first, second = np.triu_indices(len(normals), 1)
     n1, n2, c1, c2 = normals[first], normals[second], bounds[first], bounds[second]
     area = n1.real * n2.imag - n1.imag * n2.real
+    # Parallel borders have no crossing; the divisor 1 only avoids a warning.
     crossing = np.abs(area) > ROUNDING
     area = np.where(crossing, area, 1.0)
     vertices = ((c1 * n2.imag - c2 * n1.imag) + 1j * (c2 * n1.real - c1 * n2.real)) / area
@@ -378,7 +385,7 @@ def nearest_point(normals: ComplexArray, bounds: FloatArray, start: complex) -> 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Flocke:
-    """The construction and its proposal.
+    """Flocke's construction and its proposal.
 
     Attributes
     ----------
@@ -391,7 +398,7 @@ class Flocke:
     place: complex | None
 
     def row_limits(self, rows: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """As `row_limits`, for this region."""
+        """Lower and upper end of Re P in rows of this region, as for the function `row_limits`."""
         low, high = np.full(len(rows), -np.inf), np.full(len(rows), np.inf)
         for normal, bound in zip(self.normals, self.bounds, strict=True):
             rest = bound - normal.imag * rows
@@ -403,7 +410,7 @@ class Flocke:
 
 
 def flocke(task: Task, tangent: float) -> Flocke:
-    """The construction for a transmission angle of atan(`tangent`)."""
+    """Flocke's construction for a transmission angle of atan(`tangent`)."""
     lifts = np.repeat(lift_range(task.motion), 2)
     rates = np.tile(_velocity_range(task), 2)
     terms = task.lift_terms(np.stack((lifts, rates, np.zeros_like(lifts))))
@@ -418,7 +425,7 @@ def flocke(task: Task, tangent: float) -> Flocke:
 
 
 def _velocity_range(task: Task) -> tuple[float, float]:
-    """Smallest and largest s' [mm or 1/rad] over the turn."""
+    """Smallest and largest s' [mm/rad or rad/rad] over the turn."""
 
     def velocity(phi: FloatArray, side: Side) -> FloatArray:
         return np.asarray(task.motion.jet(phi, side, 1)[1])
@@ -438,6 +445,8 @@ def _velocity_range(task: Task) -> tuple[float, float]:
 
 
 SAMPLES = 65
+"""Cam angles per piece at which bounds are sampled."""
+
 SECTIONS, STEPS = 8, 12
 """A bracket is divided into sections; the two about the best cut form the next one."""
 
@@ -468,6 +477,7 @@ def row_limits(task: Task, tangent: float, rows: FloatArray) -> tuple[FloatArray
                 high = np.minimum(high, -ends)
             else:
                 low = np.maximum(low, ends)
+    # Rows in which u is not positive at cam angle 0 have no place.
     start = task.terms(np.zeros(1))
     low = np.where(rows < start.p[0], low, np.inf)
     return low, high
@@ -484,6 +494,7 @@ def _bound(
     factor = (tangent + 1j) * terms.turn
     along, across = factor.real.reshape(phi.shape), factor.imag.reshape(phi.shape)
     constant = (tangent * terms.q - terms.p).reshape(phi.shape)
+    # u >= T v is Re(conj(n) P) >= c, so along Re P >= rest, whose sign decides which bound it is.
     rest = constant + across * rows
     used = np.broadcast_to(along < 0.0 if upper else along > 0.0, rest.shape)
     bounds = np.full(rest.shape, -np.inf)
@@ -519,7 +530,8 @@ def _refined(
 def ratio_map(task: Task, columns: FloatArray, rows: FloatArray, most: float) -> FloatArray:
     """(rows, columns) largest r_R/r_K for the sign that matters, for a picture.
 
-    On a grid of cam angles; `most` where it is larger or the roller centre stands still.
+    It is taken on a grid of cam angles, and is `most` where it is larger or the roller centre
+    stands still.
     """
     places = columns + 1j * rows[:, np.newaxis]
     now = conditions(task, 0.0, most, sample_angles(task))
@@ -545,7 +557,7 @@ REACH, ROOM = 40.0, 4.0
 r_R/ratio. Far out the pitch curve is nearly a circle, and r_K nearly the base radius."""
 
 DIRECTIONS, RADII = 61, 81
-"""Size of the grid of places on which the smallest ratio is sought if none is small enough."""
+"""Size of the grid of places whose smallest ratio is reported if none is small enough."""
 
 ZOOM, FINEST = 8.0, 1e-12
 """Each step encloses the direction eight times closer, down to this [rad]."""
@@ -554,18 +566,21 @@ MOST_STEPS = 40
 """Most steps; a step that ends at the end of its range moves the range, and widens it."""
 
 LEAST_WIDTH, LEAST_SHARE = 1e-6, 1e-4
+"""Least range of directions [rad], and of radii as a share of the first range, of a later
+search."""
+
 AGAIN = 4.0, 100.0
-"""Range of directions and of radii of a later search: these multiples of the last move, at least
-these, and at most those of the first one."""
+"""Range of directions and of radii of a later search, as multiples of the last move; at least those
+above, and at most those of the first search."""
 
 WIDTH = 1e-2
-"""Half the range of directions [rad] about the last place in which the next one is sought."""
+"""Half the range of directions [rad] about the last place that is searched for the next one."""
 
 STRAY = 1e-3
 """If the nearest place is this fraction beyond the bound of the cells, they are searched again."""
 
 BELOW, ABOVE = 0.06, 0.03
-"""Range about the last radius in which the next one is sought at first; a third of it each step."""
+"""Range about the last radius that is searched for the next one; each step takes a third of it."""
 
 DIGITS = 1e-12
 """Width of the last halves of a range of radii, as a fraction of the first range."""
@@ -595,17 +610,17 @@ def worst_ratio(task: Task, place: complex) -> tuple[float, float]:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Nearest:
-    """The place of the smallest base circle for all conditions.
+    """The place with the smallest base circle that keeps all conditions.
 
     Attributes
     ----------
-    place : [mm]; None if none was found.
+    place : the place [mm]; None if the search has no result.
     bound : base radius [mm] below which there certainly is no place; infinite if there is none up
         to the largest one searched.
     least_ratio : without a place, the smallest r_R/r_K of a grid of places that keep the
         transmission angle; infinite if there are none.
     reach : largest base radius [mm] searched.
-    rounds : of the exchange that it took.
+    rounds : rounds of exchange that the search took.
     examined : all cam angles, and pairs of them, that were examined.
     """
 
@@ -618,11 +633,11 @@ class Nearest:
 
 
 def smallest_with_bends(task: Task, tangent: float, ratio: float, least: float) -> Nearest:
-    """The smallest base circle for mu and r_R/r_K, without undercut.
+    """The place with the smallest base circle for mu and r_R/r_K, without undercut.
 
     Parameters
     ----------
-    tangent : T of the transmission angle.
+    tangent : T = tan mu.
     ratio : largest r_R/r_K.
     least : base radius [mm] below which there is no place.
     """
@@ -667,7 +682,9 @@ def _place(task: Task, theta: float, radius: float) -> complex:
 def _outward(
     task: Task, theta: float, radius: float, tangent: float, ratio: float, reach: float
 ) -> complex | None:
-    """The first place farther out in a direction that meets everything; None if none is met."""
+    """The first place farther out in the direction `theta` [rad] that meets all conditions, in
+    growing steps; None if there is none up to `reach` [mm].
+    """
     step = STEP
     while radius * (1.0 + step) < reach:
         place = _place(task, theta, radius * (1.0 + step))
@@ -678,7 +695,7 @@ def _outward(
 
 
 def meets(task: Task, place: complex, tangent: float, ratio: float) -> bool:
-    """Whether the cam axis at `place` meets all conditions over the whole turn, to rounding."""
+    """Whether the cam axis at `place` meets all conditions over the whole turn, up to rounding."""
     try:
         broken = extreme_angles(task, place, tangent, ratio)[1]
     except GeometryError:
@@ -725,9 +742,10 @@ def _least_ratio(task: Task, now: Conditions, least: float, reach: float) -> flo
 def _enclosed(
     task: Task, now: Conditions, start: Start, least: float, share: float = 1.0
 ) -> tuple[float, float]:
-    """Direction and base radius of the smallest circle near `start`; infinite if there is none.
+    """Direction [rad] and base radius [mm] of the smallest circle near `start`; an infinite radius
+    if there is none.
 
-    `share` is that of the range of radii to begin with.
+    `share` is the fraction of the full range of radii with which the search begins.
     """
     best, radius, width = start
     for _ in range(MOST_STEPS):
@@ -756,11 +774,13 @@ def _enclosed(
 def _nearest_along(
     task: Task, now: Conditions, theta: FloatArray, scan: FloatArray, halvings: int
 ) -> FloatArray:
-    """(k,) smallest base radius within `scan` in each direction; infinite if there is none."""
+    """(k,) smallest base radius [mm] within `scan` in each direction; infinite if there is none."""
     ways = np.exp(1j * theta)
     met = now.met((task.start + scan * ways[:, np.newaxis]).ravel()).reshape(len(theta), -1)
     some = np.any(met, axis=1)
     first = np.argmax(met, axis=1)
+    # The limit lies between the first radius that meets all conditions and the one before it; where
+    # the first radius of the scan does, both are the same and nothing is bisected.
     good, bad = scan[first], scan[np.maximum(first - 1, 0)]
     for _ in range(halvings):
         middle = 0.5 * (good + bad)
@@ -798,6 +818,8 @@ GAP = 2e-4
 """A place nearer by less than this fraction is left to the search along directions."""
 
 MOST_CELLS = 12_000
+"""Most cells of one level; the farthest beyond that are dropped, and bound what is proved."""
+
 MOST_RUNS = 4
 """Neighbourhoods of the nearest places that are searched further."""
 
@@ -814,8 +836,9 @@ class Neighbourhoods:
 
     Attributes
     ----------
-    starts : one for each, empty if the middle of no cell meets the conditions.
-    bound : base radius [mm] below which every place breaks a condition; infinite if all do.
+    starts : one start of a search in each, the nearest first; empty if the middle of no cell meets
+        the conditions.
+    bound : base radius [mm] below which every place breaks a condition; infinite if all places do.
     """
 
     starts: tuple[Start, ...]
@@ -829,12 +852,15 @@ def nearest_cells(
     reach: float,
     directions: tuple[float, float] = (-math.pi, 0.0),
 ) -> Neighbourhoods:
-    """The places nearest to `start` that meet `now`, from `least` to `reach` [mm], in some
-    `directions` [rad]; in a single one the cells have no width.
+    """The neighbourhoods of the places nearest to `start` that meet the conditions `now`.
+
+    They lie from `least` to `reach` [mm] away, in a range of `directions` [rad]; if the range is a
+    single direction the cells have no width.
     """
     first, last = directions
     count = FIRST_DIRECTIONS if first < last else 1
     rows = max(1, math.ceil(math.log(reach / least) * FIRST_DIRECTIONS / math.pi))
+    # Half the height of a cell in the logarithm of the distance, in which cells are square.
     height = 0.5 * math.log(reach / least) / rows
     width = 0.5 * (last - first) / count
     theta = first + width * (2.0 * np.arange(count) + 1.0)
@@ -845,6 +871,8 @@ def nearest_cells(
     for _ in range(LEVELS):
         radius = np.exp(depth)
         places = start + radius * np.exp(1j * theta)
+        # A bound on half the diagonal of a cell: its far side is exp(height) times as long as its
+        # middle.
         half = radius * math.exp(height) * math.hypot(width, height)
         left = ~excluded(now, places, half)
         theta, depth, radius, places = theta[left], depth[left], radius[left], places[left]
@@ -912,8 +940,8 @@ def _excluded(now: Conditions, places: ComplexArray, half: FloatArray) -> BoolAr
 
 
 def local_conditions(now: Conditions, place: ComplexArray, half: float) -> Conditions:
-    """`now` without the cam angles and the pairs at which all places within `half` [mm] of `place`
-    (1,) meet it.
+    """The conditions `now` without the cam angles and pairs at which all places within `half` [mm]
+    of `place` (1,) meet them.
 
     At least one cam angle remains.
     """
@@ -941,7 +969,7 @@ def local_conditions(now: Conditions, place: ComplexArray, half: float) -> Condi
 
 
 def _starts(good: FloatArray, best: float, width: float) -> tuple[Start, ...]:
-    """Runs of neighbouring directions whose places are about as near as the nearest."""
+    """Starts in runs of neighbouring directions whose places are about as near as the nearest."""
     near = good[:, good[1] <= (1.0 + 4.0 * GAP) * best]
     if not near.shape[1]:
         return ()
@@ -970,16 +998,16 @@ BLOCK_OF_PLACES = 4_000_000
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Conditions:
-    """All conditions at a set of cam angles.
+    """All conditions on a place of the cam axis at a set of cam angles.
 
     Attributes
     ----------
-    terms : at these cam angles.
-    tangent : of the transmission angle.
+    terms : the terms at these cam angles.
+    tangent : tangent of the transmission angle.
     roller : r_R [mm].
-    ratio : the largest r_R/r_K.
-    signs : of the curvatures that count.
-    half : see `Task.half`.
+    ratio : largest r_R/r_K.
+    signs : signs of the curvatures that count.
+    half : distance [mm] of the roller centre from the cam axis, see `Task.half`.
     covers : pairs of cam angles; None if global undercut is left out.
     """
 
@@ -997,7 +1025,7 @@ class Conditions:
         return len(self.terms.q) + (0 if self.covers is None else len(self.covers.first))
 
     def met(self, places: ComplexArray) -> BoolArray:
-        """(k,) whether the places (k,) meet all of them."""
+        """(k,) whether the places (k,) meet all conditions."""
         parts = np.array_split(places, 1 + len(places) * self.count // BLOCK_OF_PLACES)
         return np.concatenate([self._met(part) for part in parts])
 
@@ -1031,8 +1059,8 @@ class Conditions:
         return np.asarray(np.nan_to_num(np.min(margins, axis=0), nan=-np.inf))
 
     def with_more(self, task: Task, phi: FloatArray, covers: Covers) -> Conditions:
-        """The same and the conditions at the cam angles `phi` (n,) [rad] and of the pairs `covers`
-        of the `task`.
+        """These conditions and those of the `task` at the cam angles `phi` (n,) [rad] and of the
+        pairs `covers`.
         """
         more = conditions(task, self.tangent, self.ratio, phi, covers).terms
         every = covers if self.covers is None else self.covers + covers
