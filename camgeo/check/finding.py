@@ -268,7 +268,7 @@ def rounded_beyond(value: float, digits: int, *, upward: bool, steps: int = 0) -
 
 
 def forbidding(findings: Iterable[Finding]) -> tuple[Finding, ...]:
-    """Those of the findings that rule out the disc."""
+    """The findings among `findings` that rule out the disc."""
     return tuple(finding for finding in findings if finding.severity in NO_OUTLINE)
 
 

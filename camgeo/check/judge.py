@@ -65,7 +65,7 @@ class Judgement(Pickled, Displayed):
 
     Attributes
     ----------
-    drive : what moves the follower.
+    drive : drive of the follower: motion plan, linkage and speed.
     cams : the cam; for a conjugate pair the main and the return one, with that drive; empty without
         a follower.
     limits : the limits of the scene.

@@ -341,8 +341,10 @@ def _two_piece_finding(main: Product, spec: PartSpec) -> Finding:
     # Turned by a small angle, the pair opens or squeezes by the travel per radian times that angle.
     if steepest.value > 0.0:
         angle = math.degrees(limit / steepest.value)
-        play = f"the rollers have {limit:g} mm of play or squeeze"
-        statement = f"{statement}; {angle:.3g} deg off, {play} {at_cam_angles(steepest.place)}"
+        statement += (
+            f"; if it is off by {angle:.3g} deg, the rollers have {limit:g} mm of play or squeeze"
+            f" {at_cam_angles(steepest.place)}"
+        )
     features, bolts = _angle_features(spec), spec.bolt_circle
     doubt = ""
     if not features:

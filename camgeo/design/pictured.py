@@ -87,7 +87,7 @@ class PicturedCam(Pickled):
 
     @property
     def follower_sketch(self) -> FollowerSketch:
-        """Where the follower is guided or pivoted."""
+        """The guide or pivot of the follower, and the ends of a flat face."""
         return FollowerSketch(*self.cam.follower.held(self._face_ends))
 
     @property
@@ -101,7 +101,7 @@ class PicturedCam(Pickled):
     def _farthest(self) -> float:
         """The lift [mm or rad] at which the follower is farthest from the cam."""
         reach = self.cam.follower.reach
-        return max(lift_range(self.cam.drive.motion), key=lambda each: reach * each)
+        return max(lift_range(self.cam.drive.motion), key=lambda lift: reach * lift)
 
     def mechanism_sketch(self, phi: float) -> MechanismSketch[complex]:
         """The links and joints of the mechanism at the cam angle `phi` [rad]."""

@@ -239,6 +239,7 @@ def find_disc(discs: Sequence[Product], stem: str) -> Product:
     """
     main, *others = with_pair(discs)
     stem = stem.removesuffix(SHEET_SUFFIX)
+    # The design itself may have a name that looks like that of a program.
     stem = stem if stem == main.name else ONE_PROGRAM.sub("", stem)
     marks = [(disc, disc.name.removeprefix(main.name)) for disc in others if stem != main.name]
     return next((disc for disc, mark in marks if stem.lower().endswith(mark)), main)

@@ -113,7 +113,7 @@ class TabulatedCam(Pickled):
 
     Attributes
     ----------
-    drive : what moves the follower.
+    drive : drive of the follower: motion plan, linkage and speed.
     scene : the scene, with the unit of lengths in the table, and the step.
     cam : the cam; None if there is no follower.
     columns : returns the effects over the cam angle.
@@ -185,6 +185,7 @@ def stated_table(whole: Table, spec: CsvSpec, unit: LengthUnit) -> Table:
 
     Raises GeometryError with the key of a column that does not exist.
     """
+    # Without any option besides the step the table is as it is.
     if spec == CsvSpec(spec.step):
         return whole
     columns = whole.columns
@@ -374,9 +375,9 @@ def _timed(motion: JetOfMotion, course: TimeCourse) -> JetOfMotion:
     return lambda phi, side: in_time(motion(phi, side), course, phi)
 
 
-def _row(motion: JetOfMotion, order: int, shown: Callable[[FloatArray], FloatArray]) -> Quantity:
-    """The derivative of a motion of that order, converted by `shown`."""
-    return lambda phi, side: shown(motion(phi, side)[order])
+def _row(motion: JetOfMotion, order: int, convert: Callable[[FloatArray], FloatArray]) -> Quantity:
+    """The derivative of a motion of that order, converted by `convert`."""
+    return lambda phi, side: convert(motion(phi, side)[order])
 
 
 def _length(unit: LengthUnit, motion: JetOfMotion) -> Columns:

@@ -134,7 +134,7 @@ def write_set(
         place = name if name in files else "into it"
         outcome = "nothing was written"
         if interrupted(folder):
-            outcome = "the next camgeo build or verify there will put the old files back"
+            outcome = "the old files are put back by the next camgeo build or verify there"
         message = f"{folder}: cannot write {place}: {unreadable(error)}; {outcome}"
         raise OutputError(message) from error
     finally:  # after Ctrl-C too
@@ -266,7 +266,7 @@ def _refuse_overwriting(folder: Path, files: Mapping[str, bytes], *, force: bool
 
 
 def _outdated(folder: Path, files: Mapping[str, bytes], accounts: Accounts) -> tuple[str, ...]:
-    """Those of the accounts in `folder` that do not hold with `files`."""
+    """Names of the accounts in `folder` that no longer hold once `files` are written."""
     paths = [folder / name for name in files]
     if all(path.is_file() and path.read_bytes() == files[path.name] for path in paths):
         return ()

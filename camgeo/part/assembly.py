@@ -453,7 +453,7 @@ def require_room(
             if least_distance(whole, pieces) <= fit.deviation + max(
                 letter.deviation for letter in letters
             ):
-                letter = min(letters, key=lambda each: _letter_distance(each, pieces))
+                letter = min(letters, key=lambda letter: _letter_distance(letter, pieces))
                 raise GeometryError(
                     f"must lie clear of the {boundary.name}, which the {letter.where} touches",
                     key=key,
@@ -514,8 +514,8 @@ def build_pair(
     Parameters
     ----------
     paths : the real outlines of main disc and return disc.
-    spec : of the part, with the pair and a thickness.
-    tolerance : as of `camgeo.part.assembly.build_part`.
+    spec : the specification of the part, with the pair and a thickness.
+    tolerance : as for `build_part`.
     ledger : records fits of the flanks.
 
     Raises
@@ -538,6 +538,7 @@ def build_pair(
     other = tuple(_return_layers(*parts.values()))
     main = parts[MAIN].layers
     upper, lower = (main, other) if pair.upper == MAIN else (other, main)
+    # The upper disc has its upper face at height 0 as it is; only the lower disc moves.
     down = spec.thickness + pair.gap
     lower = tuple(replace(layer, z0=layer.z0 - down, z1=layer.z1 - down) for layer in lower)
     circle = ExactBoundary(SPACER, hole=False, exact=Contour.circle(0.5 * pair.spacer))
@@ -679,6 +680,7 @@ def bore_outline(diameter: float, keyway: Keyway | None) -> Contour:
     corners = np.array(
         [reach - 1j * half, bottom - 1j * half, bottom + 1j * half, reach + 1j * half]
     )
+    # The mouth of the slot takes this angle of the bore.
     opening = 2.0 * math.asin(half / radius)
     vertices = corners * cmath.exp(1j * keyway.angle)
     sweeps = np.array([0.0, 0.0, 0.0, 2.0 * math.pi - opening])
@@ -797,6 +799,7 @@ def _bevels(part: Part, name: str, chamfer: Chamfer, tolerance: float) -> Iterat
         if not ends:
             continue
         high = wall.z1 - wall.z0
+        # Some of the wall must be left between two chamfers, or below one.
         if len(ends) * width >= high:
             raise GeometryError(
                 f"must be less than {high / len(ends):.6g} mm, of a wall of {high:.6g} mm with"
@@ -857,6 +860,7 @@ def _require_parallel(boundary: CurveBoundary, width: float, key: str) -> None:
             key=key,
             value=value,
         )
+    # All stretches of an outline lie on one curve.
     curve = boundary.path.stretches[0].curve
     sign = 1.0 if boundary.hole else -1.0
     limit, angle = _smallest_radius(curve, sign)

@@ -114,7 +114,7 @@ class CurveBoundary(Pickled, CheckedFields):
         )
 
         fit = fit_arcs if effort == "fast" else fewest_arcs
-        return self._simple_fit("arcs", fit, tolerance, lambda found: found.contour)
+        return self._simple_fit("arcs", fit, tolerance, lambda fitted: fitted.contour)
 
     def distance_fit(self, tolerance: float) -> Fit:
         """See `camgeo.part.part.Boundary`; raises ToleranceError."""
@@ -129,7 +129,7 @@ class CurveBoundary(Pickled, CheckedFields):
         from camgeo.geometry.contour.fewest_chords import fewest_chords  # a check has the fast fit
 
         fit = fit_polyline if effort == "fast" else fewest_chords
-        return self._simple_fit("chords", fit, tolerance, lambda found: found.contour)
+        return self._simple_fit("chords", fit, tolerance, lambda fitted: fitted.contour)
 
     def sampled(self, tolerance: float) -> Contour:
         """See `camgeo.geometry.contour.chords.sampled_polyline`."""
@@ -148,7 +148,7 @@ class CurveBoundary(Pickled, CheckedFields):
             "cubics",
             fit,
             tolerance,
-            lambda found: approximating_arcs(found.contour, tolerance).contour,
+            lambda fitted: approximating_arcs(fitted.contour, tolerance).contour,
         )
 
     def _simple_fit(
@@ -156,16 +156,16 @@ class CurveBoundary(Pickled, CheckedFields):
         what: str,
         fit: Callable[[Path, float], FitKind],
         tolerance: float,
-        drawn: Callable[[FitKind], Contour],
+        as_arcs: Callable[[FitKind], Contour],
     ) -> FitKind:
         """The fit of the path, computed or known already; GeometryError if it crosses itself.
 
-        `drawn` gives its contour as lines and arcs, by which that is tested.
+        `as_arcs` gives its contour as lines and arcs, by which that is tested.
         """
         if (fit, tolerance) not in self.known:
             with self.ledger.entry(f"{what} of {self.name}"):
                 new_fit = fit(self.path, tolerance)
-            require_simple(drawn(new_fit), self.name)
+            require_simple(as_arcs(new_fit), self.name)
             self.known[fit, tolerance] = new_fit
         known: FitKind = self.known[fit, tolerance]
         return known
@@ -189,6 +189,7 @@ class CurveBoundary(Pickled, CheckedFields):
 
     def offset(self, distance: float) -> CurveBoundary:
         """See `camgeo.part.part.Boundary`; the cutter rolls around corners on arcs."""
+        # The side without material is inside a hole, and outside anything else.
         path = self.path.offset(-distance if self.hole else distance)
         return CurveBoundary(f"path of the cutter along the {self.name}", self.hole, path)
 
@@ -336,7 +337,7 @@ class ExactBoundary(Pickled, CheckedFields):
         return ExactBoundary(name, self.hole, circle)
 
     def moments(self, tolerance: float) -> Moments:
-        """In closed form, see `camgeo.part.part.Boundary`."""
+        """See `camgeo.part.part.Boundary`; in closed form."""
         return self.exact.moments.counter_clockwise()
 
     def second_moments(self, tolerance: float) -> SecondMoments:
@@ -617,6 +618,7 @@ def place_letters(texts: Sequence[Engraving]) -> tuple[tuple[Letter, ...], ...]:
 def _near(letters: Sequence[Letter]) -> list[tuple[int, int]]:
     """The pairs of letters that may touch, by their indices, in order."""
     places = np.array([letter.place for letter in letters])
+    # Radii of circles about the letters, in which the ends of all pieces lie.
     reaches = np.array(
         [
             max(
@@ -656,6 +658,7 @@ def _places(text: Engraving, key: str) -> Iterator[tuple[str, complex, complex]]
     moved = [0.0, *(kerning(*pair) for pair in pairwise(text.text))]
     starts = np.cumsum(moved) + np.concatenate(([0.0], np.cumsum(advances)[:-1]))
     first, last = _ink(text.text, starts)
+    # Middles of the characters along the line, from the middle of what is drawn of the text.
     sizes = text.height * (starts + 0.5 * np.array(advances) - 0.5 * (first + last))
     ray = cmath.exp(1j * text.angle)
     outward = text.tops == OUTWARD
@@ -666,6 +669,7 @@ def _places(text: Engraving, key: str) -> Iterator[tuple[str, complex, complex]]
         for character, size in zip(text.text, sizes.tolist(), strict=True):
             yield character, text.radius * ray + size * way, way
         return
+    # The circle on which the letters are nearest to the cam axis, by their feet or their tops.
     radius = text.radius - 0.5 * text.height
     if text.height * (last - first) >= TURN * radius:
         raise GeometryError(
@@ -784,6 +788,7 @@ class LetterBoundary(Pickled):
                 "must be quadratic curves, end to end and closed", "part", self.name
             )
         if Moments.of_quadratics(pieces).area < 0.0:
+            # Both the order of the curves and the points of each are reversed.
             pieces = pieces[::-1, ::-1]
         object.__setattr__(self, "pieces", frozen(pieces, np.complex128))
 
@@ -821,7 +826,7 @@ class LetterBoundary(Pickled):
         return self._fit("polyline", tolerance)
 
     def sampled(self, tolerance: float) -> Contour:
-        """The same straight pieces."""
+        """The straight pieces of `polyline`."""
         return self.polyline(tolerance).contour
 
     def spline(self, tolerance: float, effort: Effort = "fewest") -> SplineFit:

@@ -419,7 +419,7 @@ class ScaledBoundary(Pickled, CheckedFields):
     Attributes
     ----------
     unscaled : the boundary itself.
-    factor : by which it is larger.
+    factor : ratio of the scaled boundary to the boundary itself.
     """
 
     unscaled: BoundaryField
@@ -437,7 +437,7 @@ class ScaledBoundary(Pickled, CheckedFields):
 
     def arcs(self, tolerance: float, effort: Effort = "fewest") -> Fit:
         """See `camgeo.part.part.Boundary`."""
-        return self._fit(lambda own: self.unscaled.arcs(own, effort), tolerance)
+        return self._fit(lambda finer: self.unscaled.arcs(finer, effort), tolerance)
 
     def distance_fit(self, tolerance: float) -> Fit:
         """See `camgeo.part.part.Boundary`."""
@@ -445,7 +445,7 @@ class ScaledBoundary(Pickled, CheckedFields):
 
     def polyline(self, tolerance: float, effort: Effort = "fewest") -> Fit:
         """See `camgeo.part.part.Boundary`."""
-        return self._fit(lambda own: self.unscaled.polyline(own, effort), tolerance)
+        return self._fit(lambda finer: self.unscaled.polyline(finer, effort), tolerance)
 
     def sampled(self, tolerance: float) -> Contour:
         """See `camgeo.part.part.Boundary`."""
@@ -467,6 +467,7 @@ class ScaledBoundary(Pickled, CheckedFields):
 
     def deviation(self, contour: Contour | SplineContour) -> float:
         """See `camgeo.part.part.Boundary`."""
+        # The contour is compared at the scale of the boundary itself, where proofs are made.
         back = 1.0 / self.factor
         if isinstance(contour, SplineContour):
             unscaled: Contour | SplineContour = scaled_splines(contour, back)

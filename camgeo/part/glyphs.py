@@ -127,6 +127,7 @@ def _outlines(points: ComplexArray, codes: list[int]) -> list[ComplexArray]:
             pieces.append((point, 0.5 * (point + here), here))
             point = here
         elif code == QUADRATIC:
+            # A quadratic curve takes two points, the middle one and its end.
             number += 1
             end = complex(points[number])
             pieces.append((point, here, end))

@@ -162,13 +162,14 @@ def disc_moments(part: Part, density: float, tolerance: float) -> Moments:
     ----------
     part : with known thickness. Each boundary counts with the height of its faces.
     density : [t/mm^3].
-    tolerance : of the integrals over the outlines, see `camgeo.geometry.outline.path.Path.moments`.
+    tolerance : share, for the integrals over the outlines, see
+        `camgeo.geometry.outline.path.Path.moments`.
     """
     return Moments.total(
         Moments.total(_material(part_slice.section, tolerance) for part_slice in slices).scaled(
             density * height
         )
-        for height, slices in groupby(_slices(part), lambda each: each.height)
+        for height, slices in groupby(_slices(part), lambda part_slice: part_slice.height)
     )
 
 
@@ -182,7 +183,7 @@ def largest_diameter(part: Part) -> tuple[float, float | None]:
     with the cam angle [rad] at which its farthest place is in contact, else with None.
     """
     outer = [boundary.farthest() for boundary in part.boundaries if not boundary.hole]
-    radius, place = max(outer, key=lambda found: found[0])
+    radius, place = max(outer, key=lambda farthest: farthest[0])
     return 2.0 * radius, place
 
 
@@ -222,7 +223,7 @@ class Web:
         within the second of `TOLERANCES`, or the last if that decides how it compares.
     usual : thickness that it should have [mm], by `SHARE`; 0 beside flanks alone, whose loads
         decide it.
-    place : of the hole, where it is thinnest [mm], for the eye.
+    place : point on the hole where the web is thinnest [mm], as exact as the eye needs it.
     """
 
     one: str
@@ -249,6 +250,7 @@ class Web:
         best: dict[Size, tuple[float, float, Web]] = {}
         for one, hole in _pairs(part):
             usual, least = _usual(one, hole), _least(one, hole)
+            # A lower bound above the best value so far spares the comparison of contours.
             beaten = [size for size in sizes if size in best and size(least, usual) > best[size][0]]
             if len(beaten) == len(sizes) or not _has_material(one, hole):
                 continue
@@ -309,6 +311,7 @@ def _least(one: Boundary, hole: Boundary) -> float:
         fit = boundary.distance_fit(TOLERANCES[0])
         fine = fit.contour.split(STEP)
         middle = complex(np.mean(fine.vertices))
+        # The circle must hold the arcs between their ends as well, which bulge by the sagitta.
         sagitta = float(np.max(fine.radii)) * (1.0 - math.cos(0.5 * STEP))
         reach = float(np.max(np.abs(fine.vertices - middle))) + sagitta
         circles.append((middle, reach))
@@ -354,6 +357,7 @@ def _flank_web(one: Boundary, hole: Boundary, distance: float, unsure: float) ->
     if not isinstance(flank, CurveBoundary) or not isinstance(other, ExactBoundary):
         return distance
     exact = other.exact
+    # Nearest to the flank is a corner, or the point of an arc in line with its centre and the foot.
     arcs = exact.sweeps != 0.0
     points = np.concatenate((exact.vertices, exact.centres[arcs]))
     radii = np.concatenate((np.zeros(len(exact)), exact.radii[arcs]))

@@ -169,7 +169,7 @@ def find_material(name: str, key: str = "") -> Material:
     Parameters
     ----------
     name : as written in the scene.
-    key : of the table, for the message.
+    key : key of the table, for the message.
 
     Raises
     ------

@@ -218,5 +218,5 @@ def unreached(region: Polygon, radius: float) -> tuple[float, float] | None:
         missing = missing.difference(reached.buffer(2.0 * radius))
     if missing.is_empty:
         return None
-    place = max(shapely.get_parts(missing), key=lambda each: each.area).representative_point()
+    place = max(shapely.get_parts(missing), key=lambda piece: piece.area).representative_point()
     return place.x, place.y

@@ -118,8 +118,8 @@ class Part(Brief):
 
     Attributes
     ----------
-    layers : its sections.
-    bevels : its chamfers, each at an end of a wall.
+    layers : layers of the part, from the lowest upwards.
+    bevels : chamfers of the part, each at an end of a wall.
 
     Raises
     ------
@@ -178,7 +178,7 @@ class Part(Brief):
         first = [layer.boundaries[0] for layer in self.layers]
         if all(boundary is first[0] for boundary in first):
             return first[0]
-        return max(first, key=lambda each: each.farthest()[0])
+        return max(first, key=lambda boundary: boundary.farthest()[0])
 
     @property
     def disc(self) -> tuple[Layer, ...]:
@@ -201,11 +201,11 @@ class Part(Brief):
 
     @property
     def sharp(self) -> Part:
-        """The same part without chamfers."""
+        """The part without chamfers."""
         return replace(self, bevels=()) if self.bevels else self
 
     def lowered(self) -> Part:
-        """The same part with its highest face at height 0, and without chamfers."""
+        """The part with its highest face at height 0, and without chamfers."""
         high = self.layers[-1].z1
         if not high:
             return self.sharp
@@ -213,7 +213,7 @@ class Part(Brief):
         return Part(tuple(layers))
 
     def without(self, names: Collection[str]) -> Part:
-        """The same part without the holes and marks of these names."""
+        """The part without the holes and marks of the given names."""
         if not names:
             return self
 
@@ -233,6 +233,7 @@ class Part(Brief):
         all_walls: list[Wall] = []
         for boundary in self.boundaries:
             present = [boundary in layer.boundaries for layer in self.layers]
+            # Each run of neighbouring layers that have the boundary is one wall.
             for runs, group in groupby(zip(present, self.layers, strict=True), itemgetter(0)):
                 run = [layer for _, layer in group]
                 if runs:
@@ -322,8 +323,9 @@ class Part(Brief):
                 )
 
     def turned_over(self) -> Part:
-        """The same part upside down, its lower face at height 0, without chamfers: the boundaries
-        are the same in X and Y, heights are reflected.
+        """The part upside down, its lower face at height 0, without chamfers.
+
+        Boundaries keep their X and Y; only heights are reflected.
         """
         low = self.layers[0].z0
         layers = (replace(layer, z0=low - layer.z1, z1=low - layer.z0) for layer in self.layers)
@@ -346,6 +348,7 @@ class Part(Brief):
                 boundary for boundary in upper.boundaries if boundary not in lower.boundaries
             )
             name = f"floor of the {upper.name}"
+            # A face at which a disc begins or ends is named after that disc.
             for disc, called in discs.items():
                 if disc in (boundary.name for boundary in (*ends, *begins)):
                     side = "upper" if disc in (boundary.name for boundary in ends) else "lower"
@@ -379,7 +382,7 @@ class Boundary(Protocol):
 
     Attributes
     ----------
-    name : its identity, unique in the part: "outline", "inner flank", "outer flank", "rim", "bore",
+    name : name that is unique in the part: "outline", "inner flank", "outer flank", "rim", "bore",
         "hub", "lower hub", "mark".
         Faces of a solid, dimensions and milling operations refer to it.
     hole : True if the material lies outside the boundary.
@@ -597,7 +600,7 @@ class Edge:
 
     Attributes
     ----------
-    boundary : of the part.
+    boundary : boundary of the part.
     kind : see `Kind`.
     below : whether the edge begins at the lower face of the disc, and not at the upper one.
     height : depth or height over that face [mm]; 0 if the edge goes through, or if the scene does

@@ -69,7 +69,8 @@ ENGRAVING: Final = "engraving"
 """Key of the list of texts in [part], and how the names of their boundaries begin."""
 
 LETTER: Final = " letter "
-"""In the name of a boundary, between that of its text and the number of the character."""
+"""Separator in the name of a letter's boundary between the name of the text and the number of the
+character."""
 
 CIRCLE: Final = "circle"
 STRAIGHT: Final = "straight"
@@ -140,8 +141,8 @@ class Engraving:
         -2 pi to 2 pi.
     along : one of `COURSES`: letters stand on a circle about the cam axis, or on a straight line.
     tops : one of `SENSES`: where the tops of the letters point, at the middle of the text.
-    turn : of a straight text, the direction in which it is read, from the x axis at cam angle 0
-        [rad], in place of `tops`; None for across the ray through its middle.
+    turn : direction in which a straight text is read, from the x axis at cam angle 0 [rad], in
+        place of `tops`; None for a text across the ray through its middle.
 
     Raises
     ------
@@ -276,8 +277,8 @@ class Hub(CheckedFields, path="part.hub."):
 
     Attributes
     ----------
-    diameter : of the hub [mm].
-    height : above the face on which it stands [mm]; on both faces the same.
+    diameter : diameter of the hub [mm].
+    height : height above the face on which it stands [mm]; the same on both faces.
     side : one of `SIDES`.
 
     Raises
@@ -297,8 +298,8 @@ class SetScrew(CheckedFields, path="part.set_screw."):
 
     Attributes
     ----------
-    diameter : of the hole [mm].
-    height : of its middle above the face on which the hub stands [mm].
+    diameter : diameter of the hole [mm].
+    height : height of its middle above the face on which the hub stands [mm].
     angle : direction from the x axis at cam angle 0 [rad], counter-clockwise, -2 pi to 2 pi.
 
     Raises
@@ -319,9 +320,9 @@ class Mark:
     Attributes
     ----------
     radius : distance of its middle from the cam axis [mm].
-    width : of the slot, diameter of the dot [mm].
-    depth : below the upper face [mm].
-    length : of the slot from end to end, along the ray [mm]; None for a dot.
+    width : width of the slot, or diameter of the dot [mm].
+    depth : depth below the upper face [mm].
+    length : length of the slot from end to end, along the ray [mm]; None for a dot.
     angle : direction of its middle from the x axis at cam angle 0 [rad], counter-clockwise, -2 pi
         to 2 pi.
 
@@ -352,8 +353,8 @@ class Counterbore(CheckedFields, path="part.bolt_circle.counterbore."):
 
     Attributes
     ----------
-    diameter : of the counterbore [mm].
-    depth : below the face on which the hole opens, that of the disc or of a hub [mm].
+    diameter : diameter of the counterbore [mm].
+    depth : depth below the face on which the hole opens, of the disc or of a hub [mm].
 
     Raises
     ------
@@ -426,22 +427,23 @@ class PartSpec:
 
     Attributes
     ----------
-    thickness : of the disc.
+    thickness : thickness of the disc.
     bore : diameter of the bore.
-    keyway : of the bore.
+    keyway : keyway of the bore.
     rim : diameter of the blank, the outer boundary of a groove cam, or of a cam whose roller runs
         inside ("outer" contact).
-    groove_depth : of a groove cam, less than the thickness; the groove is open to the upper face.
-    hub : about the bore.
-    mark : for timing, less deep than the disc is thick.
+    groove_depth : depth of a groove cam's groove, less than the thickness; it is open to the upper
+        face.
+    hub : hub about the bore.
+    mark : timing mark, less deep than the disc is thick.
     d_shaft : flat side of the bore, in place of a keyway.
     bolt_circle, lightening_holes : holes through the disc, and through the hubs that they lie in.
-    set_screw : in the hub, between its face and that of the disc.
+    set_screw : hole of a set screw in the hub, between the faces of hub and disc.
     pair : how both discs of a conjugate pair stand on one hub, in one piece; hub and set screw are
         then the pair's.
-    density : of the whole part [t/mm^3]; its shape does not depend on it.
+    density : density of the whole part [t/mm^3]; the shape does not depend on it.
     engraving : texts in the upper face of the disc, less deep than the disc is thick.
-    chamfers : of edges; None for none.
+    chamfers : chamfers of the edges; None for none.
 
     Raises
     ------

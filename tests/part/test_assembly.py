@@ -120,7 +120,7 @@ def test_a_drawing_needs_no_heights() -> None:
 def test_a_solid_has_no_layer_within_its_tolerance() -> None:
     part = made(Contact.INNER, PartSpec(bore=20.0, thickness=10.0, hub=Hub(40.0, 0.015, "upper")))
     part.require_steps(0.01)
-    with refused("part", r"0\.02 mm has no layer of 0\.015 mm"):
+    with refused("part", r"0\.02 mm cannot have a layer of 0\.015 mm"):
         part.require_steps(0.02)
     thin = made(Contact.INNER, PartSpec(bore=20.0, thickness=1e-4))
     with refused("part.thickness"):

@@ -240,7 +240,7 @@ def test_a_damaged_journal_is_not_followed(journal: str, tmp_path: Path) -> None
     before = everything(tmp_path)
     with pytest.raises(OutputError, match=f"which are in {STAGING}, cannot be put back"):
         settle(folder)
-    assert "next camgeo build or verify there will put the old files back" in refusal(folder)
+    assert "put back by the next camgeo build or verify there" in refusal(folder)
     assert everything(tmp_path) == before
 
 

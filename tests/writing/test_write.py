@@ -72,7 +72,7 @@ def test_writers_are_found() -> None:
     assert find_writer("dxf").format.suffix == ".dxf"
     with pytest.raises(SceneError, match=r'no writer for this format.*did you mean "gcode"'):
         find_writer("gcod")
-    with pytest.raises(SceneError, match=r"format = pdf: no writer .*\(PDFs are drawn by: camgeo"):
+    with pytest.raises(SceneError, match=r"pdf: there is no writer .*\(PDFs are drawn by: camgeo"):
         find_writer("pdf")
 
 

@@ -313,6 +313,7 @@ def digits_for(old: float, new: float) -> int:
     change, size = abs(new - old), max(abs(old), abs(new))
     if change == 0.0:
         return DIGITS
+    # The digits before the first one that changes, and those of the change itself.
     return min(max(DIGITS, CHANGE_DIGITS + math.ceil(math.log10(size / change))), MOST_DIGITS)
 
 
@@ -435,6 +436,7 @@ def _other(task: Task, knob: str, number: int, bounds: tuple[float, float], scal
 
     @lru_cache(KNOWN)
     def resized(value: float) -> Discs:
+        # The same double as the scene makes of the edit, so that the discs are the same too.
         return task.discs.sized(number, **{field: mm * (value / mm)})
 
     size = Size(old, scale, resized)
@@ -553,6 +555,7 @@ def raised_face(task: Task) -> Cure:
 
     def raised(value: float) -> dict[str, float]:
         """The lengths that go with the base radius `value` [mm], in the unit and by their keys."""
+        # In decimals as they are written, so that sums have no digits from rounding.
         more = Decimal(repr(value / mm)) - Decimal(repr(old / mm))
         return {key: float(Decimal(repr(length)) + more) for key, length in present.items()}
 
@@ -703,6 +706,7 @@ def other_law(task: Task) -> Cure:
         if not all(fitting.values()):
             continue
         first = {number: offers[0] for number, offers in fitting.items()}
+        # The cheapest law for each move; if that does not do, as where flanks cross, one for all.
         for offers in (first, *_same_for_all(fitting)):
             cure, changed = _laws_cure(plan, offers), _discs_with_laws(discs, offers)
             if holds(verdict(changed, cure_edits(cure))):
@@ -889,6 +893,7 @@ class Span:
         first = positions[-1] if positions else 0.0
         with localcontext(EXACT):
             span = Decimal(value)
+            # Half of the rest leads to the position where the move starts, half of it back to 0.
             rest = (360 - span) / 2
             there = Move(rest, first, move.law) if first else Dwell(rest)
             back = Move(rest, 0.0, move.law) if move.to else Dwell(rest)
@@ -956,6 +961,7 @@ class Growth:
     @property
     def most(self) -> float:
         """The largest growth for which the dwells have room, to the accuracy `MOST`."""
+        # At the upper bound the shortest move alone would take more than the turn.
         most, too_much = 0.0, float(360 / min(self.spans.values()))
         while too_much - most > MOST * max(1.0, most):
             middle = 0.5 * (most + too_much)
@@ -1008,6 +1014,7 @@ def _longer(
         return None
     if holds(judged(longer)):
         return longer
+    # Each move alone is long enough, but not all of them together.
     growth = Growth(discs, spans)
     way = Way(growth, growth.most, conditions, lambda value: judged(growth.plan(value)))
     limit = way.nearest()
@@ -1049,6 +1056,7 @@ def longer_plan(plan: MotionPlan, spans: Mapping[int, Decimal]) -> MotionPlan | 
         rests = {place: segments[place].span for place in users}
         for number, span in spans.items():
             missing = span - segments[number].span
+            # Dwells between two of the moves are left for what no other dwell can give.
             for shared in (False, True):
                 among = [place for place in dwells[number] if (users[place] > 1) == shared]
                 missing = _take(rests, among, missing)
@@ -1100,6 +1108,7 @@ def _spans_cure(old: MotionPlan, new: MotionPlan, places: Sequence[int]) -> Cure
         number: float(new.segments[number].span / old.segments[number].span - 1)
         for number in places
     }
+    # The move that grows most states the cost, and its key is the cure's.
     leading = max(shares, key=shares.__getitem__)
     also = [changes[number] for number in places if number != leading and number in changes]
     dwells = [change for number, change in changes.items() if number not in places]

@@ -101,7 +101,7 @@ class Knob(Protocol):
 
     @property
     def start(self) -> float:
-        """Its present value."""
+        """The present value."""
 
     @property
     def scale(self) -> float:
@@ -543,8 +543,9 @@ class Neck:
     Attributes
     ----------
     disc : number of its disc.
-    first, second : its ends; as fractions of segments they survive a change of the spans.
-    clearance : its length minus twice the distance of the flanks from the pitch curve [mm].
+    first, second : ends of the chord; as fractions of segments they survive a change of the spans.
+    clearance : length of the chord minus twice the distance of the flanks from the pitch curve
+        [mm].
     """
 
     disc: int

@@ -264,6 +264,7 @@ class FaceOnRocker(Rocking, FaceTask):
         follower = self.follower
         lift = follower.arm_side * follower.swing_sense * self.motion.jet(phi, side, 2)
         sine, cosine = np.sin(lift[0]), np.cos(lift[0])
+        # The conditions of the module, with all that does not depend on x and y on the right.
         if name == FACE_OVER_AXIS:
             return sine, cosine, np.full(len(phi), limits.clearance - follower.face_offset)
         turn = 1.0 - self.cam.rotation * follower.arm_side * lift[1]
@@ -371,6 +372,7 @@ def smallest_for_face(
             if missed is None:
                 return place, tuple(active)
             known = _joined(known, task.rows(CONVEX, np.array([missed]), "right", limits))
+        # Where the new conditions do not move the place, it breaks them by rounding only.
         previous, place = place, task.lowest(known)
         if place == previous:
             return place, tuple(active)

@@ -296,7 +296,7 @@ GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 
 
 def with_arm(task: Task, arm: float) -> Task:
-    """The same mechanism with an arm of `arm` [mm], pivot and base circle scaled with it."""
+    """The mechanism with an arm of the length `arm` [mm], its pivot and base circle scaled too."""
     follower = task.follower
     scale = arm / follower.arm
     pivot, base_radius = follower.pivot * scale, follower.base_radius * scale
@@ -345,6 +345,8 @@ def size_with_arm(
     if alone is None or shortest == alone.base_radius or low == high:
         return result(low)
     per_arm = alone.base_radius / low
+    # For the angle alone the circle grows with the arm, so a longer one than this needs a larger
+    # circle than the shortest arm does.
     high = min(high, shortest / per_arm)
     arms = [float(arm) for arm in np.geomspace(low, high, ARMS)]
     for arm in arms:
@@ -360,6 +362,7 @@ def size_with_arm(
     for _ in range(SECTIONS):
         if right <= left * (1.0 + 1e-4) or sum(sizing.rounds for sizing in tried.values()) > ROUNDS:
             break
+        # The golden section of the logarithm of the arm.
         first = right * (left / right) ** GOLDEN
         second = left * (right / left) ** GOLDEN
         if radius(first) <= radius(second):
@@ -401,7 +404,7 @@ def sized(
     ----------
     angle, ratio, radius : limits as for `Sizing.solve` and `FaceTask.size`.
     arms : the shortest and the longest arm of a rocker [mm], to look for its arm too.
-    unit : of written lengths [mm].
+    unit : unit of written lengths [mm].
 
     Raises
     ------

@@ -354,6 +354,7 @@ def nearest_point(normals: ComplexArray, bounds: FloatArray, start: complex) -> 
     None if no point lies in all half-planes. It is `start`, its foot on one of the lines, or a
     crossing of two lines; all of these are tried.
     """
+    # With unit normals the bounds are distances of the borders from the origin.
     length = np.abs(normals)
     normals, bounds = normals / length, bounds / length
     feet = start + normals * (bounds - dot(normals, start))
@@ -363,6 +364,7 @@ def nearest_point(normals: ComplexArray, bounds: FloatArray, start: complex) -> 
     # Parallel borders have no crossing; the divisor 1 only avoids a warning.
     crossing = np.abs(area) > ROUNDING
     area = np.where(crossing, area, 1.0)
+    # Cramer's rule for the two borders.
     vertices = ((c1 * n2.imag - c2 * n1.imag) + 1j * (c2 * n1.real - c1 * n2.real)) / area
     points = np.concatenate(([start], feet, vertices[crossing]))
     size = np.abs(points) + np.max(np.abs(bounds), initial=0.0)
@@ -463,6 +465,7 @@ def row_limits(task: Task, tangent: float, rows: FloatArray) -> tuple[FloatArray
         for piece in smooth_pieces(task.motion)
     ]
     phi = np.concatenate(pieces)
+    # The neighbours of each sample, between which an extreme next to it lies.
     left = np.concatenate([np.append(angles[:1], angles[:-1]) for angles in pieces])
     right = np.concatenate([np.append(angles[1:], angles[-1:]) for angles in pieces])
     low = np.full(len(rows), -np.inf)
@@ -666,6 +669,7 @@ def smallest_with_bends(task: Task, tangent: float, ratio: float, least: float) 
         more = no_pairs(task) if broken else covered_pairs(task, place)
         if not (broken or len(more.first)):
             return Nearest(place, bound, 0.0, reach, number, now)
+        # The next round searches about this place, in ranges that follow its last move.
         moves = abs(theta - previous[0]), abs(radius - previous[1]) / radius
         last = ((theta, radius, min(max(AGAIN[0] * moves[0], LEAST_WIDTH), WIDTH)),)
         share, previous = min(max(AGAIN[1] * moves[1], LEAST_SHARE), 1.0), (theta, radius)
@@ -884,6 +888,7 @@ def nearest_cells(
         open_ = lower < (1.0 - GAP) * best
         theta, depth, lower = theta[open_], depth[open_], lower[open_]
         if len(theta) > MOST_CELLS:
+            # The nearest cells go on; below the nearest dropped one everything is still examined.
             order = np.argsort(lower)
             bound = min(bound, float(lower[order[MOST_CELLS]]))
             theta, depth = theta[order[:MOST_CELLS]], depth[order[:MOST_CELLS]]
@@ -930,6 +935,7 @@ def _excluded(now: Conditions, places: ComplexArray, half: FloatArray) -> BoolAr
     slack = half * np.hypot(terms.alpha, terms.beta)
     bent = np.zeros(len(u), dtype=np.bool_)
     for sign in now.signs:
+        # Without a maximum inside the range of rho, the larger value at its ends is the largest.
         value = np.full(rho.shape, -np.inf)
         for end in (np.maximum(rho - half, 0.0), rho + half):
             square = end * end
@@ -1032,6 +1038,7 @@ class Conditions:
     def _met(self, places: ComplexArray) -> BoolArray:
         u, v = self.terms.across_and_along(places[:, np.newaxis])
         met = np.asarray(np.all(u >= self.tangent * np.abs(v), axis=1) & np.all(u > 0.0, axis=1))
+        # Dearer conditions are computed only at places that meet the cheaper ones.
         if np.any(met) and self.half > 0.0:
             distance = self.terms.to_axis(places[met][:, np.newaxis])
             met[met] = np.all(distance > self.half, axis=1)
@@ -1047,6 +1054,8 @@ class Conditions:
         """
         u, v = self.terms.across_and_along(places[:, np.newaxis])
         with np.errstate(divide="ignore", invalid="ignore"):
+            # With u = |Z'| sin mu and v = |Z'| cos mu, (u - T |v|) / |Z'| over sqrt(1 + T^2) is the
+            # sine of the angle by which mu exceeds its limit.
             angle_sine = (u - self.tangent * np.abs(v)) / np.hypot(u, v)
             margins = [np.min(angle_sine, axis=1) / math.hypot(1.0, self.tangent)]
             margins.append(1.0 - self.worst_ratio(places) / self.ratio)
@@ -1076,6 +1085,7 @@ class Conditions:
 def sample_angles(task: Task) -> FloatArray:
     """(n,) cam angles [rad] inside all pieces, including their ends up to rounding."""
     share = np.linspace(0.0, 1.0, ANGLES)
+    # At the very ends the neighbouring pieces would decide.
     share[0], share[-1] = 1e-9, 1.0 - 1e-9
     samples = [
         piece.start + (piece.end - piece.start) * (share[:1] if piece.dwell else share)
