@@ -48,7 +48,7 @@ class Slice:
 
 
 @dataclass(frozen=True, slots=True)
-class Body:
+class PartBody:
     """The part as a body.
 
     Attributes
@@ -97,7 +97,7 @@ class PartAssessment:
 
     diameter: float | None
     layers: tuple[Slice, ...]
-    body: Body | None
+    body: PartBody | None
     findings: tuple[Finding, ...]
 
     @staticmethod
@@ -137,7 +137,7 @@ def _stated(scene: Scene) -> bool:
     return scene.part is not None or scene.limits.diameter is not None
 
 
-def _findings(disc: Product, part: Part, body: Body | None) -> tuple[Finding, ...]:
+def _findings(disc: Product, part: Part, body: PartBody | None) -> tuple[Finding, ...]:
     limits = disc.scene.limits
     diameter = _diameter(part, limits.diameter)
     walls = (*_smallest_wall(part, limits.wall), *_set_screw(disc.drawn.spec), *_printed(disc))
@@ -189,22 +189,22 @@ def _diameter(part: Part, limit: float | None) -> Finding:
     return limit_finding("largest-diameter", statement, diameter, limit, "mm", angle)
 
 
-def _body(disc: Product, part: Part) -> Body | None:
+def _body(disc: Product, part: Part) -> PartBody | None:
     """The part as a body; None if the scene does not state all heights."""
     try:
-        return Body(Solid.from_part(part), _density(disc.scene))
+        return PartBody(Solid.from_part(part), _density(disc.scene))
     except GeometryError:
         return None
 
 
-def _mass(body: Body | None, limit: float | None) -> Iterator[Finding]:
+def _mass(body: PartBody | None, limit: float | None) -> Iterator[Finding]:
     """Compare the mass with its limit [t], if the scene states the density."""
     if body is not None and body.mass is not None:
         most = None if limit is None else KG * limit
         yield limit_finding("mass", f"mass {body.mass:.6g} kg", body.mass, most, "kg")
 
 
-def _combined_mass(disc: Product, body: Body | None) -> Iterator[Finding]:
+def _combined_mass(disc: Product, body: PartBody | None) -> Iterator[Finding]:
     """Report the mass of a main disc and a return disc of two pieces, if the density is stated."""
     is_separate = disc.others and not disc.is_pair and disc.pair is None
     if not is_separate or body is None or body.density is None:

@@ -35,7 +35,7 @@ class LineFinding:
 
 
 @dataclass(frozen=True, slots=True)
-class Bench:
+class WorkData:
     """Data on the work that a program does not contain; lengths in mm.
 
     Attributes

@@ -27,7 +27,7 @@ MILLING: Final = "milling"
 
 
 @dataclass(frozen=True, slots=True)
-class Program:
+class SideProgram:
     """The milling program of one side of a disc.
 
     Attributes
@@ -65,7 +65,7 @@ class Machining:
     """
 
     machine: str
-    programs: Mapping[str, Program]
+    programs: Mapping[str, SideProgram]
 
     @property
     def seconds(self) -> float | None:
@@ -121,7 +121,7 @@ def _machine(side: Product) -> Machine:
     return load(side.scene.output.options[FORMAT].machine)
 
 
-def _program(disc: Product, machine: Machine) -> Program:
+def _program(disc: Product, machine: Machine) -> SideProgram:
     """The program of one side of a disc at the scene's tolerance, with time and findings."""
     from camgeo.design.milled import compared
     from camgeo.scene.milling import is_missing
@@ -134,7 +134,7 @@ def _program(disc: Product, machine: Machine) -> Program:
         roughing = milled.engaged(toolpath)
     except SceneError as error:
         where, stated = f"{error.file}: " if error.file else "", disc.scene.stated
-        return Program(
+        return SideProgram(
             tuple(
                 Finding(
                     MILLING,
@@ -147,9 +147,9 @@ def _program(disc: Product, machine: Machine) -> Program:
         )
     except (ToleranceError, FileError, UndercutError) as error:
         disc.scene.restate(error)
-        return Program((Finding(MILLING, "invalid", str(error)),))
+        return SideProgram((Finding(MILLING, "invalid", str(error)),))
     findings = findings_in_unit(
         disc.unit, (*findings, *filter(None, (engaged.finding for engaged in roughing)))
     )
     timed = None if times is None else tuple(times)
-    return Program(findings, timed, roughing=roughing, features=compared(milled))
+    return SideProgram(findings, timed, roughing=roughing, features=compared(milled))

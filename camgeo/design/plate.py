@@ -32,7 +32,7 @@ any processor."""
 
 
 @dataclass(frozen=True, slots=True)
-class Piece:
+class PlatePiece:
     """A body on a plate.
 
     Attributes
@@ -57,7 +57,7 @@ class Piece:
         return COLOURS[self.kind]
 
 
-def plate_pieces(product: Product) -> tuple[Piece, ...]:
+def plate_pieces(product: Product) -> tuple[PlatePiece, ...]:
     """The bodies on the build plate of a scene, side by side; empty if it asks for none.
 
     They stand in one row in the positive quadrant, and the circles about them do not overlap.
@@ -76,7 +76,7 @@ def plate_pieces(product: Product) -> tuple[Piece, ...]:
     for (kind, name, part), reach in zip(bodies, reaches, strict=True):
         # Places are rounded up, away from the body before, so that the gap is kept.
         x = _rounded_place(edge + options.gap + reach)
-        pieces.append(Piece(kind, name, part, reach, x, y))
+        pieces.append(PlatePiece(kind, name, part, reach, x, y))
         edge = x + reach
     return tuple(pieces)
 

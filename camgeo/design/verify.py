@@ -86,7 +86,7 @@ def reported(name: str, value: float | str, unit: str = "", of: str = "", note: 
     return Check(name, of, value, None, None, unit, None, note)
 
 
-def unit_check(unit: str, reading: Reading) -> Check:
+def unit_check(unit: str, reading: ReadingOptions) -> Check:
     """The unit of a file, which must be the user's if one is given."""
     if reading.unit is not None:
         return equal("unit", unit, reading.unit, note="the file has another unit than --unit")
@@ -125,7 +125,7 @@ def parse_tolerance(text: str) -> float | None:
 
 
 @dataclass(frozen=True, slots=True)
-class Reading:
+class ReadingOptions:
     """How to read a file.
 
     Attributes
@@ -162,7 +162,7 @@ class Verifier(Protocol):
         """What the file states about itself; raises nothing."""
 
     def checks(
-        self, product: Product, data: bytes, reading: Reading, tolerance: float
+        self, product: Product, data: bytes, reading: ReadingOptions, tolerance: float
     ) -> tuple[Check, ...]:
         """All checks of a file of any origin, against `tolerance` [mm]; what cannot be measured
         fails.

@@ -595,7 +595,7 @@ COARSE: Final = 0.01
 
 
 @dataclass(frozen=True, slots=True)
-class Edge:
+class PartEdge:
     """A boundary as it is drawn.
 
     Attributes
@@ -613,26 +613,26 @@ class Edge:
     height: float = 0.0
 
 
-def part_edges(part: Part) -> tuple[Edge, ...]:
+def part_edges(part: Part) -> tuple[PartEdge, ...]:
     """The edges, in the order of the part's boundaries."""
     return tuple(_edge(part, boundary) for boundary in part.boundaries)
 
 
-def _edge(part: Part, boundary: Boundary) -> Edge:
+def _edge(part: Part, boundary: Boundary) -> PartEdge:
     """The edge of a boundary: through if it passes all layers of the disc, raised if it is in none
     of them, else sunk, from the face to which it is open.
     """
     disc = part.disc
     if all(boundary in layer.boundaries or _is_open(boundary, layer) for layer in disc):
-        return Edge(boundary)
+        return PartEdge(boundary)
     bottom, top = disc[0].z0, disc[-1].z1
     layers = [layer for layer in part.layers if boundary in layer.boundaries]
     z0, z1 = layers[0].z0, layers[-1].z1
     if not any(layer in disc for layer in layers):
         below = layers[-1] in part.layers[: part.layers.index(disc[0])]
-        return Edge(boundary, "raised", below, bottom - z0 if below else z1 - top)
+        return PartEdge(boundary, "raised", below, bottom - z0 if below else z1 - top)
     below = boundary in disc[0].boundaries
-    return Edge(boundary, "sunk", below, z1 - bottom if below else top - z0)
+    return PartEdge(boundary, "sunk", below, z1 - bottom if below else top - z0)
 
 
 def _is_open(boundary: Boundary, layer: Layer) -> bool:

@@ -613,7 +613,7 @@ class Chamfers:
 # the hub is 19.4 or 19.5 mm. `tests/part/test_part.py` names the sources.
 
 
-class Row(NamedTuple):
+class KeywayRow(NamedTuple):
     """A row of the table of DIN 6885-1.
 
     Attributes
@@ -632,37 +632,37 @@ SMALLEST: Final = 6.0
 """Diameter above which the table begins [mm]."""
 
 ROWS: Final = (
-    Row(8.0, 2.0, 1.0),
-    Row(10.0, 3.0, 1.4),
-    Row(12.0, 4.0, 1.8),
-    Row(17.0, 5.0, 2.3),
-    Row(22.0, 6.0, 2.8),
-    Row(30.0, 8.0, 3.3),
-    Row(38.0, 10.0, 3.3),
-    Row(44.0, 12.0, 3.3),
-    Row(50.0, 14.0, 3.8),
-    Row(58.0, 16.0, 4.3),
-    Row(65.0, 18.0, 4.4),
-    Row(75.0, 20.0, 4.9),
-    Row(85.0, 22.0, 5.4),
-    Row(95.0, 25.0, 5.4),
-    Row(110.0, 28.0, 6.4),
-    Row(130.0, 32.0, 7.4),
-    Row(150.0, 36.0, 8.4),
-    Row(170.0, 40.0, 9.4),
-    Row(200.0, 45.0, 10.4),
-    Row(230.0, 50.0, 11.4),
-    Row(260.0, 56.0, 12.4),
-    Row(290.0, 63.0, 12.4),
-    Row(330.0, 70.0, 14.4),
-    Row(380.0, 80.0, 15.4),
-    Row(440.0, 90.0, 17.4),
+    KeywayRow(8.0, 2.0, 1.0),
+    KeywayRow(10.0, 3.0, 1.4),
+    KeywayRow(12.0, 4.0, 1.8),
+    KeywayRow(17.0, 5.0, 2.3),
+    KeywayRow(22.0, 6.0, 2.8),
+    KeywayRow(30.0, 8.0, 3.3),
+    KeywayRow(38.0, 10.0, 3.3),
+    KeywayRow(44.0, 12.0, 3.3),
+    KeywayRow(50.0, 14.0, 3.8),
+    KeywayRow(58.0, 16.0, 4.3),
+    KeywayRow(65.0, 18.0, 4.4),
+    KeywayRow(75.0, 20.0, 4.9),
+    KeywayRow(85.0, 22.0, 5.4),
+    KeywayRow(95.0, 25.0, 5.4),
+    KeywayRow(110.0, 28.0, 6.4),
+    KeywayRow(130.0, 32.0, 7.4),
+    KeywayRow(150.0, 36.0, 8.4),
+    KeywayRow(170.0, 40.0, 9.4),
+    KeywayRow(200.0, 45.0, 10.4),
+    KeywayRow(230.0, 50.0, 11.4),
+    KeywayRow(260.0, 56.0, 12.4),
+    KeywayRow(290.0, 63.0, 12.4),
+    KeywayRow(330.0, 70.0, 14.4),
+    KeywayRow(380.0, 80.0, 15.4),
+    KeywayRow(440.0, 90.0, 17.4),
 )
 
 RANGE: Final = f"is for bores above {SMALLEST:g} mm, up to {ROWS[-1].largest:g} mm"
 
 
-def din_6885_1(bore: float) -> Row:
+def din_6885_1(bore: float) -> KeywayRow:
     """The keyway for a bore of that diameter [mm].
 
     Raises

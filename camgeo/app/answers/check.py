@@ -21,7 +21,7 @@ from camgeo.app.answers.answer import (
 )
 from camgeo.app.cli.command import SCENE_FILE, opened, show
 from camgeo.check.finding import FINDINGS, RETURN, Finding, forbidding
-from camgeo.design.judged_part import Body, PartAssessment
+from camgeo.design.judged_part import PartAssessment, PartBody
 from camgeo.design.product import with_pair
 from camgeo.errors import GeometryError
 from camgeo.kinematics.plan import Joint, joints
@@ -477,7 +477,7 @@ def _part(found: PartAssessment) -> list[str]:
     return [*finding_lines(found.findings), *(f"{'':8}{line}" for line in told)]
 
 
-def _body(body: Body) -> list[str]:
+def _body(body: PartBody) -> list[str]:
     centre = ", ".join(_shown(each, body.solid.centre_error) for each in body.solid.centre)
     lines = [f"volume {body.solid.volume:.6g} mm^3, centre of mass ({centre}) mm"]
     if body.axial_inertia is None or body.inertia is None:

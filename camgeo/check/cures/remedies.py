@@ -22,8 +22,8 @@ from camgeo.check.cures.search import (
     Conditions,
     Discs,
     Excess,
+    KnobSearch,
     MarginCurve,
-    Way,
     holds,
 )
 from camgeo.check.finding import BROKEN, DIGITS, NO_OUTLINE, RETURN, Finding, rounded_beyond
@@ -49,7 +49,7 @@ law."""
 
 
 @dataclass(frozen=True, slots=True)
-class Change:
+class KeyChange:
     """One key of the scene with another value.
 
     Attributes
@@ -96,7 +96,7 @@ class Cure:
     unit: str
     cost: float | None
     sentence: str
-    also: tuple[Change, ...] = ()
+    also: tuple[KeyChange, ...] = ()
     limit: float | None = None
     fault: str = ""
     breaks: tuple[str, ...] = ()
@@ -116,7 +116,7 @@ def length_cure(
     knob: str,
     key: str,
     old: float,
-    length: Length | None,
+    length: CureLength | None,
     scale: float,
     none: str,
     unit: LengthUnit,
@@ -171,7 +171,7 @@ NAMED: Final = 3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Task:
+class CureTask:
     """A fault, and what a cure of it must not break.
 
     Attributes
@@ -275,7 +275,7 @@ def _stated(finding: Finding, unit: LengthUnit) -> str:
 def cure_edits(cure: Cure) -> dict[str, Value]:
     """The values that a working cure writes into the scene, by their keys."""
     assert cure.new_value is not None
-    changes = (Change(cure.key, cure.old_value, cure.new_value), *cure.also)
+    changes = (KeyChange(cure.key, cure.old_value, cure.new_value), *cure.also)
     return {change.key: change.new_value for change in changes}
 
 
@@ -291,7 +291,7 @@ MOST_DIGITS = 17
 
 
 @dataclass(frozen=True, slots=True)
-class Length:
+class CureLength:
     """A length that cures, and how messages show it.
 
     Attributes
@@ -318,7 +318,7 @@ def digits_for(old: float, new: float) -> int:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Size:
+class SizeKnob:
     """A dimension of the follower as a `Knob` of the search.
 
     Attributes
@@ -356,7 +356,7 @@ class Size:
         conditions: Conditions,
         judged: Callable[[float], Excess],
         unit: LengthUnit,
-    ) -> Length | None:
+    ) -> CureLength | None:
         """The nearest length between `low` and `high` [mm] for which `judged` finds no excess.
 
         None if there is none, or none that 17 digits tell apart from its limit.
@@ -368,11 +368,11 @@ class Size:
             digits = digits_for(self.start, value)
             return mm * float(rounded_beyond(value / mm, digits, upward=upward))
 
-        larger = Way(self, max(high, self.start), conditions, judged, rounded).nearest()
+        larger = KnobSearch(self, max(high, self.start), conditions, judged, rounded).nearest()
         # A smaller length is of interest only if the change is less than that to the larger one.
         if larger is not None:
             low = max(low, self.start - (larger - self.start))
-        way = Way(self, min(low, self.start), conditions, judged, rounded)
+        way = KnobSearch(self, min(low, self.start), conditions, judged, rounded)
         smaller = way.nearest()
         limit = larger if smaller is None else smaller
         if limit is None:
@@ -384,7 +384,7 @@ class Size:
                 beyond = rounded_beyond(limit / mm, digits, upward=smaller is None, steps=steps)
                 value = mm * float(beyond)
                 if way.keeps(value) and holds(judged(value)):
-                    return Length(limit, float(beyond), value, digits)
+                    return CureLength(limit, float(beyond), value, digits)
         return None
 
 
@@ -403,7 +403,7 @@ TABLES: Final = ("follower", "follower.return")
 """The scene's table of each disc's roller."""
 
 
-def base_radius(task: Task) -> Cure:
+def base_radius(task: CureTask) -> Cure:
     """Cure by another base radius; an oscillating follower keeps its pivot and arm.
 
     The return roller of a pair moves with the main one.
@@ -417,7 +417,7 @@ def base_radius(task: Task) -> Cure:
     return _other(task, "base radius", 0, (min(low, old), high), old)
 
 
-def offset_or_arm(task: Task) -> Cure:
+def offset_or_arm(task: CureTask) -> Cure:
     """Cure by another offset |e| < r_G of a guide, or another arm of a rocker with the same pivot
     and r_G.
 
@@ -428,7 +428,9 @@ def offset_or_arm(task: Task) -> Cure:
     return _other(task, knob, number, (low, high), scale)
 
 
-def _other(task: Task, knob: str, number: int, bounds: tuple[float, float], scale: float) -> Cure:
+def _other(
+    task: CureTask, knob: str, number: int, bounds: tuple[float, float], scale: float
+) -> Cure:
     """Cure by another value of one dimension, in whichever direction the change is smaller."""
     field = knob.replace(" ", "_")
     key, old = f"{TABLES[number]}.{field}", float(getattr(task.discs[number].follower, field))
@@ -439,7 +441,7 @@ def _other(task: Task, knob: str, number: int, bounds: tuple[float, float], scal
         # The same double as the scene makes of the edit, so that the discs are the same too.
         return task.discs.sized(number, **{field: mm * (value / mm)})
 
-    size = Size(old, scale, resized)
+    size = SizeKnob(old, scale, resized)
     length = _nearest_length(task, size, bounds, lambda value: {key: value / mm})
     ends = f"{bounds[0] / mm:.6g} and {bounds[1] / mm:.6g} {task.unit}"
     none = f"no other {knob} between {ends} cures it"
@@ -448,8 +450,8 @@ def _other(task: Task, knob: str, number: int, bounds: tuple[float, float], scal
 
 
 def _nearest_length(
-    task: Task, size: Size, bounds: tuple[float, float], edits: Callable[[float], Edits]
-) -> Length | None:
+    task: CureTask, size: SizeKnob, bounds: tuple[float, float], edits: Callable[[float], Edits]
+) -> CureLength | None:
     for conditions, verdict in task.stages:
 
         def judged(value: float, verdict: Judge = verdict) -> Excess:
@@ -461,7 +463,7 @@ def _nearest_length(
     return None
 
 
-def roller_radius(task: Task) -> Cure:
+def roller_radius(task: CureTask) -> Cure:
     """Cure by a smaller roller: its radius must be at most the smallest r_K that matters (Wirsig
     eq. 3.36), or r_K - c/2 in a groove with side clearance c, which is kept.
 
@@ -483,10 +485,12 @@ def roller_radius(task: Task) -> Cure:
     return _joint_cure(task, cures, discs)
 
 
-def _smaller_roller(task: Task, discs: Discs, number: int, key: str) -> Length | None:
+def _smaller_roller(task: CureTask, discs: Discs, number: int, key: str) -> CureLength | None:
     """The roller radius that cures one disc, whatever the state of the other disc of a pair."""
     old, mm = discs[number].follower.roller_radius, MM_PER[task.unit]
-    size = Size(old, old, lambda value: Discs([discs.sized(number, roller_radius=value)[number]]))
+    size = SizeKnob(
+        old, old, lambda value: Discs([discs.sized(number, roller_radius=value)[number]])
+    )
     low = BEYOND * old
     if len(discs) == 1:
         return _nearest_length(task, size, (low, old), lambda value: {key: value / mm})
@@ -498,7 +502,7 @@ def _smaller_roller(task: Task, discs: Discs, number: int, key: str) -> Length |
     return size.nearest(low, old, conditions, judged, task.unit)
 
 
-def _no_roller_reason(task: Task, cam: Cam) -> str:
+def _no_roller_reason(task: CureTask, cam: Cam) -> str:
     """Why no roller at all fits a disc, as the end of a sentence; empty if there is no reason."""
     if cam.follower.roller_radius == 0.0:
         return ": a knife edge has no roller to make smaller"
@@ -513,7 +517,7 @@ def _no_roller_reason(task: Task, cam: Cam) -> str:
     return f": the smallest radius of curvature is {radius:.3g} {task.unit}{play_text}"
 
 
-def _is_faultless(task: Task, discs: Discs) -> bool:
+def _is_faultless(task: CureTask, discs: Discs) -> bool:
     """Whether these discs do not have the fault."""
     try:
         crosses = task.condition.vital and _crosses(discs)
@@ -529,12 +533,12 @@ def _crosses(discs: Discs) -> bool:
         return True
 
 
-def _joint_cure(task: Task, cures: list[Cure], discs: Discs) -> Cure:
+def _joint_cure(task: CureTask, cures: list[Cure], discs: Discs) -> Cure:
     """The cures of all discs as one, led by the most costly one; no cure unless it cures both."""
     leading = max(cures, key=lambda cure: cure.cost or 0.0)
     others = [cure for cure in cures if cure is not leading]
     sentence = " and ".join(cure.sentence for cure in (leading, *others))
-    also = tuple(Change(cure.key, cure.old_value, cure.new_value or 0.0) for cure in others)
+    also = tuple(KeyChange(cure.key, cure.old_value, cure.new_value or 0.0) for cure in others)
     cure = replace(leading, sentence=sentence, also=also)
     if not holds(task.failing(discs, cure_edits(cure))):
         reason = "no smaller roller radii cure both discs"
@@ -543,7 +547,7 @@ def _joint_cure(task: Task, cures: list[Cure], discs: Discs) -> Cure:
     return task.finished(cure, discs)
 
 
-def raised_face(task: Task) -> Cure:
+def raised_face(task: CureTask) -> Cure:
     """Cure by the least base radius, on a rocker with as much more face offset, without undercut.
 
     A face moved out by D makes the parallel outline, all of whose radii are larger by D.
@@ -563,7 +567,9 @@ def raised_face(task: Task) -> Cure:
         sizes = {_field(key): mm * length for key, length in raised(value).items()}
         return task.discs.sized(0, **sizes)
 
-    length = _nearest_length(task, Size(old, old, raised_discs), (old, LARGEST_BASE * old), raised)
+    length = _nearest_length(
+        task, SizeKnob(old, old, raised_discs), (old, LARGEST_BASE * old), raised
+    )
     first, *others = follower.raised_by
     none = f"no larger {' and '.join(follower.raised_by)} cures it"
     cure = length_cure("base radius", first, old, length, old, none, task.unit, "at least ")
@@ -571,7 +577,7 @@ def raised_face(task: Task) -> Cure:
         return task.finished(cure)
     if others:
         lengths = raised(length.value)
-        also = tuple(Change(key, present[key], lengths[key]) for key in others)
+        also = tuple(KeyChange(key, present[key], lengths[key]) for key in others)
         lengths_text = " and ".join(
             f"{key} {length_text(lengths[key])} {task.unit}" for key in others
         )
@@ -681,7 +687,7 @@ class Offer:
     growth: float
 
 
-def other_law(task: Task) -> Cure:
+def other_law(task: CureTask) -> Cure:
     """Cure by laws of other families, with default parameters, for the moves at fault.
 
     These must go from rest to rest. Among the laws that cure, the one is chosen whose peak
@@ -813,7 +819,7 @@ def _laws_cure(plan: MotionPlan, offers: Mapping[int, Offer]) -> Cure:
     changes = {}
     for number, offer in offers.items():
         move = _move(plan, number)
-        changes[number] = Change(segment_key(number, move, "law"), move.law.name, offer.law.name)
+        changes[number] = KeyChange(segment_key(number, move, "law"), move.law.name, offer.law.name)
     leading = max(offers, key=lambda number: offers[number].growth)
     cost, first = offers[leading].growth, changes[leading]
     named = " and ".join(
@@ -841,7 +847,7 @@ room."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Stretched(Repeated):
+class StretchedMotion(Repeated):
     """A motion at one cam angle, for n other spans of the move there.
 
     Attributes
@@ -858,7 +864,7 @@ class Stretched(Repeated):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Span:
+class SpanKnob:
     """The span of a move [deg] as a `Knob` of the search, in a motion of that move alone.
 
     The curvature and the transmission angle over a move depend on its own span only.
@@ -912,10 +918,10 @@ class Span:
         def along(values: FloatArray) -> FloatArray:
             motion: Motion
             if isinstance(curve.motion, LinkedMotion):
-                demanded = Stretched(curve.motion.demanded, 1, values / value)
+                demanded = StretchedMotion(curve.motion.demanded, 1, values / value)
                 motion = LinkedMotions(demanded, curve.motion.linkage)
             else:
-                motion = Stretched(curve.motion, 1, values / value)
+                motion = StretchedMotion(curve.motion, 1, values / value)
             other = replace(curve, motion=motion)
             return condition.place_margins(other, (cam,), phi, len(values))
 
@@ -923,7 +929,7 @@ class Span:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Growth:
+class GrowthKnob:
     """The common growth of several moves, a factor less 1, as a `Knob` of the search.
 
     Attributes
@@ -969,7 +975,7 @@ class Growth:
         return most
 
 
-def longer_segment(task: Task) -> Cure:
+def longer_segment(task: CureTask) -> Cure:
     """Cure by longer spans of the moves at fault, at the expense of the dwells next to them.
 
     Each move has its own limit. Against global undercut all of them grow by one factor. A move
@@ -995,7 +1001,7 @@ def longer_segment(task: Task) -> Cure:
 
 
 def _longer(
-    task: Task,
+    task: CureTask,
     places: Sequence[int],
     conditions: Conditions,
     verdict: Judge,
@@ -1015,8 +1021,8 @@ def _longer(
     if holds(judged(longer)):
         return longer
     # Each move alone is long enough, but not all of them together.
-    growth = Growth(discs, spans)
-    way = Way(growth, growth.most, conditions, lambda value: judged(growth.plan(value)))
+    growth = GrowthKnob(discs, spans)
+    way = KnobSearch(growth, growth.most, conditions, lambda value: judged(growth.plan(value)))
     limit = way.nearest()
     longer = None if limit is None else growth.plan(limit)
     return longer if holds(judged(longer)) else None
@@ -1034,8 +1040,8 @@ def _least_spans(
         present = plan.segments[number].span
         dwells = (plan.segments[place].span for place in dwells_around(plan, number))
         most = sum(dwells, present)
-        knob = Span(discs, number)
-        limit = Way(knob, float(most), conditions, lambda _: {}).nearest()
+        knob = SpanKnob(discs, number)
+        limit = KnobSearch(knob, float(most), conditions, lambda _: {}).nearest()
         if limit is None:
             return None
         spans[number] = present if limit == float(present) else _next_step(Decimal(limit))
@@ -1098,7 +1104,9 @@ def _next_step(span: Decimal) -> Decimal:
 
 def _spans_cure(old: MotionPlan, new: MotionPlan, places: Sequence[int]) -> Cure:
     changes = {
-        number: Change(segment_key(number, old_segment, "span"), old_segment.span, new_segment.span)
+        number: KeyChange(
+            segment_key(number, old_segment, "span"), old_segment.span, new_segment.span
+        )
         for number, (old_segment, new_segment) in enumerate(
             zip(old.segments, new.segments, strict=True)
         )
@@ -1124,7 +1132,7 @@ def _spans_cure(old: MotionPlan, new: MotionPlan, places: Sequence[int]) -> Cure
     )
 
 
-def _change_text(change: Change) -> str:
+def _change_text(change: KeyChange) -> str:
     return f"{change.key} {degrees(change.new_value)} deg instead of {degrees(change.old_value)}"
 
 
@@ -1161,7 +1169,7 @@ def remedies(
     angle, ratio : the least transmission angle [rad] and the largest r_R/r_K that are allowed.
     cams : the cam, or the main and the return cam of a pair.
     findings : the findings on the cams.
-    judged : see `Task`.
+    judged : see `CureTask`.
     """
     discs, all_findings = Discs(cams), [*findings]
     bad = [finding for finding in all_findings if finding.severity in BROKEN]
@@ -1188,7 +1196,7 @@ def remedies(
     already_broken = frozenset(finding.name for finding in bad)
     cures: list[Cure] = []
     for fault, condition in broken.items():
-        task = Task(fault, condition, held, discs, unit, already_broken, judged)
+        task = CureTask(fault, condition, held, discs, unit, already_broken, judged)
         fault_cures = [knob(task) for knob in KNOBS[touching, fault]]
         cures += sorted(fault_cures, key=lambda cure: math.inf if cure.cost is None else cure.cost)
     return tuple(cures)

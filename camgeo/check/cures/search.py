@@ -118,7 +118,7 @@ class Knob(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
-class Way:
+class KnobSearch:
     """The search from a knob's present value to an `end`, with all that must hold at the result.
 
     Attributes

@@ -31,7 +31,7 @@ import numpy as np
 from camgeo.cam.cam import Cam
 from camgeo.check.disc import check_convexity, transmission_angle_extremes
 from camgeo.check.sizing.smallest import CLOSE, MOST, Active, Rating, Sizing, require_angle
-from camgeo.check.sizing.task import Placing, Rocking
+from camgeo.check.sizing.task import Placing, RockerPlacing
 from camgeo.errors import GeometryError
 from camgeo.geometry.pieces import (
     SMALLEST,
@@ -243,7 +243,7 @@ class FaceOnGuide(FaceTask):
         return complex(0.0, -float(np.max(known[2])))
 
 
-class FaceOnRocker(Rocking, FaceTask):
+class FaceOnRocker(RockerPlacing, FaceTask):
     """A flat face on a rocker with a given pivot, of which only the base radius is sized."""
 
     __slots__ = ()

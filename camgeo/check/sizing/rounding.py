@@ -19,8 +19,8 @@ from camgeo.check.disc import disc_findings
 from camgeo.check.finding import Finding, Limits
 from camgeo.check.machine import linkage_findings
 from camgeo.check.sizing.face import FaceTask
-from camgeo.check.sizing.smallest import Conditions, Rating, Sizing, extreme_angles
-from camgeo.check.sizing.task import Placing, Task, covered_pairs, no_pairs
+from camgeo.check.sizing.smallest import PlaceConditions, Rating, Sizing, extreme_angles
+from camgeo.check.sizing.task import Placing, RollerTask, covered_pairs, no_pairs
 from camgeo.errors import GeometryError
 from camgeo.geometry.pieces import contact_extremes, convexity
 from camgeo.lazy import Ledger
@@ -83,7 +83,7 @@ class RoundedMechanism:
         if isinstance(task, FaceTask):
             least = sizing.radius or 0.0
             return rounded_face(task, sizing.answer.place, sizing.angle, least, unit)
-        assert isinstance(task, Task)
+        assert isinstance(task, RollerTask)
         assert sizing.examined is not None  # as there is an answer
         mechanism = rounded(task, sizing.answer.place, sizing.examined, sizing.angle, ratio, unit)
         arm = getattr(task.follower, "arm", None)
@@ -123,7 +123,7 @@ def _counts(finding: Finding) -> bool:
 
 
 def rounded(
-    task: Task, place: complex, now: Conditions, angle: float, ratio: float, unit: float
+    task: RollerTask, place: complex, now: PlaceConditions, angle: float, ratio: float, unit: float
 ) -> RoundedMechanism | None:
     """The next sizes from those of `place` on; None if no rounded ones are sound.
 
@@ -152,7 +152,7 @@ def rounded(
 
 
 def _with_second(
-    task: Task,
+    task: RollerTask,
     place: complex,
     radius: float,
     required: tuple[float, float],
@@ -185,7 +185,7 @@ def _near(length: float, last: Decimal, unit: float) -> float:
 
 def _keeps_limits(cam: Cam, angle: float, ratio: float) -> bool:
     """Whether `cam` keeps its transmission angle and r_R/r_K, which is quick to check."""
-    task = Task.from_cam(cam)
+    task = RollerTask.from_cam(cam)
     rating = Rating.from_place(task, task.present)
     return (
         rating is not None
@@ -207,7 +207,7 @@ def _resized(
         return None
 
 
-def _roomiest(task: Task, now: Conditions, place: complex, radius: float) -> complex:
+def _roomiest(task: RollerTask, now: PlaceConditions, place: complex, radius: float) -> complex:
     """The place with a base radius [mm], near `place`, that leaves the conditions most room."""
     theta = float(np.angle(place - task.start))
     width = WIDTH
@@ -295,17 +295,17 @@ NO_ARM: Final = "only an oscillating roller follower has an arm to be sized"
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 
 
-def with_arm(task: Task, arm: float) -> Task:
+def with_arm(task: RollerTask, arm: float) -> RollerTask:
     """The mechanism with an arm of the length `arm` [mm], its pivot and base circle scaled too."""
     follower = task.follower
     scale = arm / follower.arm
     pivot, base_radius = follower.pivot * scale, follower.base_radius * scale
-    return Task.from_cam(task.cam.sized(arm=arm, pivot=pivot, base_radius=base_radius))
+    return RollerTask.from_cam(task.cam.sized(arm=arm, pivot=pivot, base_radius=base_radius))
 
 
 def size_with_arm(
-    task: Task, angle: float, ratio: float, low: float, high: float
-) -> tuple[Task, Sizing]:
+    task: RollerTask, angle: float, ratio: float, low: float, high: float
+) -> tuple[RollerTask, Sizing]:
     """The mechanism with the arm that gives the smallest base circle, and its sizing.
 
     Parameters
@@ -337,7 +337,7 @@ def size_with_arm(
         answer = tried[arm].answer
         return math.inf if answer is None else answer.base_radius
 
-    def result(arm: float) -> tuple[Task, Sizing]:
+    def result(arm: float) -> tuple[RollerTask, Sizing]:
         return with_arm(task, arm), tried[arm]
 
     shortest = radius(low)
@@ -380,7 +380,7 @@ def rated(cam: Cam) -> Rating | None:
     """The rating of a cam as it is; None if there is no such mechanism."""
     rating: Rating | None
     if cam.follower.has_pitch_curve:
-        task = Task.from_cam(cam)
+        task = RollerTask.from_cam(cam)
         rating = Rating.from_place(task, task.present)
     else:
         face = FaceTask.from_cam(cam)
@@ -412,7 +412,7 @@ def sized(
         As `Sizing.solve`, `FaceTask.size` and `size_with_arm`.
     """
     if cam.follower.has_pitch_curve:
-        sides = Task.from_cam(cam).sides
+        sides = RollerTask.from_cam(cam).sides
         if arms is None:
             return [(side, Sizing.solve(side, angle, ratio)) for side in sides]
         return [_with_stated_arm(side, angle, ratio, arms, unit) for side in sides]
@@ -422,8 +422,8 @@ def sized(
 
 
 def _with_stated_arm(
-    side: Task, angle: float, ratio: float, arms: tuple[float, float], unit: float
-) -> tuple[Task, Sizing]:
+    side: RollerTask, angle: float, ratio: float, arms: tuple[float, float], unit: float
+) -> tuple[RollerTask, Sizing]:
     """The sizing with the best arm, rounded to the decimals with which it is written."""
     task, sizing = size_with_arm(side, angle, ratio, *arms)
     best_arm = task.follower.arm

@@ -11,7 +11,7 @@ from typing import Any, Final
 import numpy as np
 
 from camgeo.check.disc import transmission_angle_extremes
-from camgeo.check.sizing.task import Covers, Task, Terms, covered_pairs, no_pairs
+from camgeo.check.sizing.task import Covers, RollerTask, Terms, covered_pairs, no_pairs
 from camgeo.errors import GeometryError
 from camgeo.geometry.outline.outline import CUSP
 from camgeo.geometry.pieces import curvature_extremes, extremes, nearest_to_axis, smooth_pieces
@@ -70,7 +70,7 @@ class Rating:
 
     Attributes
     ----------
-    place : the place of the cam axis [mm], see `Task`.
+    place : the place of the cam axis [mm], see `RollerTask`.
     follower : the follower with the cam axis there.
     transmission_angle : smallest transmission angle [rad], with its cam angle [rad].
     radius_ratio : largest r_R/r_K, with its cam angle [rad]; 0 for a flat face.
@@ -103,7 +103,7 @@ class Rating:
         return None if self.face is None else (self.face[0].value, self.face[1].value)
 
     @staticmethod
-    def from_place(task: Task, place: complex) -> Rating | None:
+    def from_place(task: RollerTask, place: complex) -> Rating | None:
         """The rating of the cam with its axis at `place`; None if there is no such mechanism."""
         try:
             curve = task.pitch_curve(place)
@@ -151,7 +151,7 @@ class Sizing:
     radius: float | None = None
     hopeless: str | None = None
     rounds: int = 0
-    examined: Conditions | None = field(default=None, repr=False)
+    examined: PlaceConditions | None = field(default=None, repr=False)
 
     @property
     def exact(self) -> bool:
@@ -159,7 +159,7 @@ class Sizing:
         return self.answer is not None and self.reach is None
 
     @staticmethod
-    def solve(task: Task, angle: float, ratio: float) -> Sizing:
+    def solve(task: RollerTask, angle: float, ratio: float) -> Sizing:
         """Rate Flocke's proposal and determine the smallest base circle of a roller follower.
 
         Parameters
@@ -239,7 +239,7 @@ def require_angle(angle: float) -> None:
 
 
 def active_conditions(
-    task: Task, rating: Rating, angle: float, ratio: float, covers: Covers | None = None
+    task: RollerTask, rating: Rating, angle: float, ratio: float, covers: Covers | None = None
 ) -> tuple[Active, ...]:
     """The conditions that are at their limits, each with its cam angle; of pairs the first one."""
     curve = task.pitch_curve(rating.place)
@@ -291,7 +291,7 @@ BISECTIONS = 26
 """Bisections of the largest transmission angle: to about 1e-6 degrees."""
 
 
-def smallest_place(task: Task, tangent: float) -> complex | None:
+def smallest_place(task: RollerTask, tangent: float) -> complex | None:
     """Place [mm] of the cam axis with the smallest base circle and mu >= atan(`tangent`).
 
     None if no place keeps that angle over the whole turn.
@@ -325,7 +325,7 @@ def smallest_place(task: Task, tangent: float) -> complex | None:
     return place
 
 
-def largest_angle(task: Task) -> float:
+def largest_angle(task: RollerTask) -> float:
     """The largest transmission angle [rad] that some place keeps over the turn, from below."""
     low, high = 0.0, math.radians(89.0)
     for _ in range(BISECTIONS):
@@ -391,7 +391,7 @@ class Flocke:
 
     Attributes
     ----------
-    normals, bounds : (8,) or more half-planes Re(conj(n) P) >= c of the region, see `Task`.
+    normals, bounds : (8,) or more half-planes Re(conj(n) P) >= c of the region, see `RollerTask`.
     place : the place of the cam axis in it with the smallest base circle [mm]; None if it is empty.
     """
 
@@ -411,7 +411,7 @@ class Flocke:
         return low, high
 
 
-def flocke(task: Task, tangent: float) -> Flocke:
+def flocke(task: RollerTask, tangent: float) -> Flocke:
     """Flocke's construction for a transmission angle of atan(`tangent`)."""
     lifts = np.repeat(lift_range(task.motion), 2)
     rates = np.tile(_velocity_range(task), 2)
@@ -426,7 +426,7 @@ def flocke(task: Task, tangent: float) -> Flocke:
     return Flocke(normals, bounds, nearest_point(normals, bounds, task.start))
 
 
-def _velocity_range(task: Task) -> tuple[float, float]:
+def _velocity_range(task: RollerTask) -> tuple[float, float]:
     """Smallest and largest s' [mm/rad or rad/rad] over the turn."""
 
     def velocity(phi: FloatArray, side: Side) -> FloatArray:
@@ -453,7 +453,7 @@ SECTIONS, STEPS = 8, 12
 """A bracket is divided into sections; the two about the best cut form the next one."""
 
 
-def row_limits(task: Task, tangent: float, rows: FloatArray) -> tuple[FloatArray, FloatArray]:
+def row_limits(task: RollerTask, tangent: float, rows: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Lower and upper end (k,), (k,) of Re P [mm] at Im P = `rows` (k,) [mm].
 
     In a row that does not meet the region the lower end is above the upper one. Ends are exact up
@@ -487,7 +487,7 @@ def row_limits(task: Task, tangent: float, rows: FloatArray) -> tuple[FloatArray
 
 
 def _bound(
-    task: Task, tangent: float, phi: FloatArray, rows: FloatArray, *, upper: bool
+    task: RollerTask, tangent: float, phi: FloatArray, rows: FloatArray, *, upper: bool
 ) -> FloatArray:
     """Lower bound of Re P, or minus the upper one, from u >= `tangent` v; -inf where it has none.
 
@@ -508,7 +508,7 @@ def _bound(
 
 
 def _refined(
-    task: Task,
+    task: RollerTask,
     tangent: float,
     left: FloatArray,
     right: FloatArray,
@@ -530,7 +530,7 @@ def _refined(
     return best
 
 
-def ratio_map(task: Task, columns: FloatArray, rows: FloatArray, most: float) -> FloatArray:
+def ratio_map(task: RollerTask, columns: FloatArray, rows: FloatArray, most: float) -> FloatArray:
     """(rows, columns) largest r_R/r_K for the sign that matters, for a picture.
 
     It is taken on a grid of cam angles, and is `most` where it is larger or the roller centre
@@ -598,7 +598,7 @@ STEP, GROWTH = 1e-9, 4.0
 """After the last round: the first step outward, as a fraction of the radius, and its growth."""
 
 
-def worst_ratio(task: Task, place: complex) -> tuple[float, float]:
+def worst_ratio(task: RollerTask, place: complex) -> tuple[float, float]:
     """Largest r_R/r_K for the sign that matters, at least 0, and its cam angle [rad].
 
     Raises GeometryError if the roller centre stands still in the cam.
@@ -632,10 +632,10 @@ class Nearest:
     least_ratio: float
     reach: float
     rounds: int
-    examined: Conditions
+    examined: PlaceConditions
 
 
-def smallest_with_bends(task: Task, tangent: float, ratio: float, least: float) -> Nearest:
+def smallest_with_bends(task: RollerTask, tangent: float, ratio: float, least: float) -> Nearest:
     """The place with the smallest base circle for mu and r_R/r_K, without undercut.
 
     Parameters
@@ -679,12 +679,12 @@ def smallest_with_bends(task: Task, tangent: float, ratio: float, least: float) 
     return Nearest(place_beyond, bound, math.inf, reach, ROUNDS, now)
 
 
-def _place(task: Task, theta: float, radius: float) -> complex:
+def _place(task: RollerTask, theta: float, radius: float) -> complex:
     return complex(task.start + radius * np.exp(1j * theta))
 
 
 def _outward(
-    task: Task, theta: float, radius: float, tangent: float, ratio: float, reach: float
+    task: RollerTask, theta: float, radius: float, tangent: float, ratio: float, reach: float
 ) -> complex | None:
     """The first place farther out in the direction `theta` [rad] that meets all conditions, in
     growing steps; None if there is none up to `reach` [mm].
@@ -698,7 +698,7 @@ def _outward(
     return None
 
 
-def meets(task: Task, place: complex, tangent: float, ratio: float) -> bool:
+def meets(task: RollerTask, place: complex, tangent: float, ratio: float) -> bool:
     """Whether the cam axis at `place` meets all conditions over the whole turn, up to rounding."""
     try:
         broken = extreme_angles(task, place, tangent, ratio)[1]
@@ -708,7 +708,7 @@ def meets(task: Task, place: complex, tangent: float, ratio: float) -> bool:
 
 
 def extreme_angles(
-    task: Task, place: complex, tangent: float, ratio: float
+    task: RollerTask, place: complex, tangent: float, ratio: float
 ) -> tuple[FloatArray, bool]:
     """Cam angles [rad] at which the conditions are extreme, and whether one is broken."""
     angles, broken = [], False
@@ -733,18 +733,18 @@ def extreme_angles(
     return np.concatenate(angles), broken
 
 
-def _least_ratio(task: Task, now: Conditions, least: float, reach: float) -> float:
+def _least_ratio(task: RollerTask, now: PlaceConditions, least: float, reach: float) -> float:
     first, last = task.directions
     theta = first + (last - first) * (np.arange(DIRECTIONS) + 0.5) / DIRECTIONS
     radii = np.geomspace(least, reach, RADII)
     places = (task.start + radii * np.exp(1j * theta)[:, np.newaxis]).ravel()
-    free = Conditions(now.terms, now.tangent, 0.0, 1.0, now.signs)
+    free = PlaceConditions(now.terms, now.tangent, 0.0, 1.0, now.signs)
     inside = places[free.met(places)]
     return float(np.min(now.worst_ratio(inside))) if len(inside) else math.inf
 
 
 def _enclosed(
-    task: Task, now: Conditions, start: Start, least: float, share: float = 1.0
+    task: RollerTask, now: PlaceConditions, start: Start, least: float, share: float = 1.0
 ) -> tuple[float, float]:
     """Direction [rad] and base radius [mm] of the smallest circle near `start`; an infinite radius
     if there is none.
@@ -776,7 +776,7 @@ def _enclosed(
 
 
 def _nearest_along(
-    task: Task, now: Conditions, theta: FloatArray, scan: FloatArray, halvings: int
+    task: RollerTask, now: PlaceConditions, theta: FloatArray, scan: FloatArray, halvings: int
 ) -> FloatArray:
     """(k,) smallest base radius [mm] within `scan` in each direction; infinite if there is none."""
     ways = np.exp(1j * theta)
@@ -850,7 +850,7 @@ class Neighbourhoods:
 
 
 def nearest_cells(
-    now: Conditions,
+    now: PlaceConditions,
     start: complex,
     least: float,
     reach: float,
@@ -905,7 +905,7 @@ def nearest_cells(
     return Neighbourhoods(_starts(good, best, width), min(bound, (1.0 - GAP) * best))
 
 
-def excluded(now: Conditions, places: ComplexArray, half: FloatArray) -> BoolArray:
+def excluded(now: PlaceConditions, places: ComplexArray, half: FloatArray) -> BoolArray:
     """(k,) whether all places within `half` (k,) [mm] of `places` (k,) break a condition."""
     count = 1 + len(places) * now.count // BLOCK
     parts = zip(np.array_split(places, count), np.array_split(half, count), strict=True)
@@ -914,7 +914,7 @@ def excluded(now: Conditions, places: ComplexArray, half: FloatArray) -> BoolArr
     )
 
 
-def _excluded(now: Conditions, places: ComplexArray, half: FloatArray) -> BoolArray:
+def _excluded(now: PlaceConditions, places: ComplexArray, half: FloatArray) -> BoolArray:
     terms = now.terms
     u, v = terms.across_and_along(places)
     tilted = u - now.tangent * np.abs(v) + half * math.hypot(1.0, now.tangent)
@@ -945,7 +945,7 @@ def _excluded(now: Conditions, places: ComplexArray, half: FloatArray) -> BoolAr
     return broken
 
 
-def local_conditions(now: Conditions, place: ComplexArray, half: float) -> Conditions:
+def local_conditions(now: PlaceConditions, place: ComplexArray, half: float) -> PlaceConditions:
     """The conditions `now` without the cam angles and pairs at which all places within `half` [mm]
     of `place` (1,) meet them.
 
@@ -1003,7 +1003,7 @@ BLOCK_OF_PLACES = 4_000_000
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Conditions:
+class PlaceConditions:
     """All conditions on a place of the cam axis at a set of cam angles.
 
     Attributes
@@ -1013,7 +1013,7 @@ class Conditions:
     roller : r_R [mm].
     ratio : largest r_R/r_K.
     signs : signs of the curvatures that count.
-    half : distance [mm] of the roller centre from the cam axis, see `Task.half`.
+    half : distance [mm] of the roller centre from the cam axis, see `RollerTask.half`.
     covers : pairs of cam angles; None if global undercut is left out.
     """
 
@@ -1067,7 +1067,7 @@ class Conditions:
             margins.append(np.min(gap, axis=1))
         return np.asarray(np.nan_to_num(np.min(margins, axis=0), nan=-np.inf))
 
-    def with_more(self, task: Task, phi: FloatArray, covers: Covers) -> Conditions:
+    def with_more(self, task: RollerTask, phi: FloatArray, covers: Covers) -> PlaceConditions:
         """These conditions and those of the `task` at the cam angles `phi` (n,) [rad] and of the
         pairs `covers`.
         """
@@ -1082,7 +1082,7 @@ class Conditions:
         return np.asarray(self.roller * np.max(worst, axis=0))
 
 
-def sample_angles(task: Task) -> FloatArray:
+def sample_angles(task: RollerTask) -> FloatArray:
     """(n,) cam angles [rad] inside all pieces, including their ends up to rounding."""
     share = np.linspace(0.0, 1.0, ANGLES)
     # At the very ends the neighbouring pieces would decide.
@@ -1095,8 +1095,8 @@ def sample_angles(task: Task) -> FloatArray:
 
 
 def conditions(
-    task: Task, tangent: float, ratio: float, phi: FloatArray, covers: Covers | None = None
-) -> Conditions:
+    task: RollerTask, tangent: float, ratio: float, phi: FloatArray, covers: Covers | None = None
+) -> PlaceConditions:
     """The conditions at the cam angles `phi` (n,) [rad] and on both sides of each break, and those
     of the pairs `covers`.
     """
@@ -1104,4 +1104,4 @@ def conditions(
     right = task.terms(np.concatenate((phi, breaks)))
     terms = joined((right, task.terms(breaks, "left")))
     roller, half = task.follower.roller_radius, task.half
-    return Conditions(terms, tangent, roller, ratio, task.signs, half, covers)
+    return PlaceConditions(terms, tangent, roller, ratio, task.signs, half, covers)

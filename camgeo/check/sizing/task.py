@@ -133,7 +133,7 @@ class Placing(ABC):
         return PitchCurve(self.motion, follower, self.cam.rotation)
 
 
-class Rocking(Placing):
+class RockerPlacing(Placing):
     """A cam axis to be placed beside a rocker.
 
     The pivot is the origin, the follower starts along the x axis, and the axes are mirrored if the
@@ -209,8 +209,8 @@ class Terms:
 
 
 @dataclass(frozen=True, slots=True)
-class Task(Placing):
-    """A cam with a roller, whose axis is to be placed beside its follower, see `Task.from_cam`.
+class RollerTask(Placing):
+    """A cam with a roller whose axis is to be placed beside its follower, see `from_cam`.
 
     Attributes
     ----------
@@ -283,7 +283,7 @@ class Task(Placing):
         return extremes(self.motion, value, slope)
 
     @staticmethod
-    def from_cam(cam: Cam) -> Task:
+    def from_cam(cam: Cam) -> RollerTask:
         """The task of placing the axis of `cam`.
 
         GeometryError with key "follower.kind" if its follower has no roller.
@@ -296,7 +296,7 @@ class Task(Placing):
         return kind(cam)
 
 
-class OnGuide(Task):
+class OnGuide(RollerTask):
     """A follower on an upright guide, with the cam axis anywhere below it."""
 
     __slots__ = ()
@@ -307,17 +307,17 @@ class OnGuide(Task):
 
     @property
     def directions(self) -> tuple[float, float]:
-        """See `Task`: both rollers of a yoke lie in line with the cam axis."""
+        """See `RollerTask`: both rollers of a yoke lie in line with the cam axis."""
         below = -0.5 * math.pi
         return (-math.pi, 0.0) if self.cam.yoke is None else (below, below)
 
     @property
     def present(self) -> complex:
-        """See `Task`."""
+        """See `RollerTask`."""
         return complex(self.follower.offset, -self.follower.start_height)
 
     def second_length(self, place: complex) -> float:
-        """See `Task`: the offset."""
+        """See `RollerTask`: the offset."""
         return place.real
 
     def moved(self, place: complex) -> dict[str, float | complex]:
@@ -325,7 +325,7 @@ class OnGuide(Task):
         return {"offset": place.real if self.cam.yoke is None else 0.0}
 
     def lift_terms(self, lift: Jet) -> Terms:
-        """See `Task`."""
+        """See `RollerTask`."""
         one, none = np.ones(lift.shape[1], dtype=np.complex128), np.zeros(lift.shape[1])
         height, rate, bend = self.follower.direction * lift[:3]
         q = self.cam.rotation * rate
@@ -333,7 +333,7 @@ class OnGuide(Task):
         return Terms(height, q, one, bend, q, rate, bend_of_q, none, 1j * height)
 
 
-class OnRocker(Rocking, Task):
+class OnRocker(RockerPlacing, RollerTask):
     """A follower on a rocker, with the cam axis anywhere about the pivot.
 
     The direction from the cam axis to the pivot is kept.
@@ -342,12 +342,12 @@ class OnRocker(Rocking, Task):
     __slots__ = ()
 
     def moved(self, place: complex) -> dict[str, float | complex]:
-        """See `Task`."""
+        """See `RollerTask`."""
         away = self.follower.pivot / self.follower.centre_distance
         return {"pivot": away * abs(place)}
 
     def lift_terms(self, lift: Jet) -> Terms:
-        """See `Task`."""
+        """See `RollerTask`."""
         none, arm = np.zeros(lift.shape[1]), self.follower.arm
         sense = self.follower.arm_side * self.follower.swing_sense
         angle, rate, bend = sense * lift[:3]
@@ -359,7 +359,7 @@ class OnRocker(Rocking, Task):
         )  # fmt: skip
 
 
-TASKS: Final[dict[type[Follower], type[Task]]] = {
+TASKS: Final[dict[type[Follower], type[RollerTask]]] = {
     TranslatingRoller: OnGuide,
     OscillatingRoller: OnRocker,
 }
@@ -453,7 +453,7 @@ class Covers:
 
 
 def pair_conditions(
-    task: Task, first: FloatArray, second: FloatArray, distance: float | FloatArray
+    task: RollerTask, first: FloatArray, second: FloatArray, distance: float | FloatArray
 ) -> Covers:
     """The conditions of pairs of cam angles `first` and `second` (k,) [rad] of flanks at the
     `distance` d [mm] from the pitch curve.
@@ -466,19 +466,19 @@ def pair_conditions(
     return Covers(first, second, distances, places - others * turned, 1.0 - turned, normals)
 
 
-def no_pairs(task: Task) -> Covers:
+def no_pairs(task: RollerTask) -> Covers:
     """No pairs at all."""
     return pair_conditions(task, np.empty(0), np.empty(0), 0.0)
 
 
-def _centres(task: Task, phi: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+def _centres(task: RollerTask, phi: FloatArray) -> tuple[ComplexArray, ComplexArray]:
     """B and B' (n,) at `phi` (n,) [rad], in the axes of places."""
     terms = task.terms(phi)
     back = np.conj(terms.turn)
     return back * terms.centre, 1j * back * (terms.p1 + terms.turning * terms.centre)
 
 
-def covered_pairs(task: Task, place: complex) -> Covers:
+def covered_pairs(task: RollerTask, place: complex) -> Covers:
     """Pairs at which the flanks in use are cut off with the cam axis at `place`, the worst first.
 
     Empty if they are not cut off, or only touch up to rounding. What is cut off at a corner of the
@@ -509,7 +509,9 @@ def covered_pairs(task: Task, place: complex) -> Covers:
     return pairs.some(order[gap[order] < -TOUCHING * np.abs(pairs.distance[order])])
 
 
-def _stretch_pairs(task: Task, place: complex, distance: float, start: float, end: float) -> Covers:
+def _stretch_pairs(
+    task: RollerTask, place: complex, distance: float, start: float, end: float
+) -> Covers:
     """Pairs of the flank between two of its crossings, which is covered as a whole or nowhere.
 
     They are samples of its points, each with the nearest roller centre, and the refined deepest
@@ -533,7 +535,7 @@ def _stretch_pairs(task: Task, place: complex, distance: float, start: float, en
 
 
 def _deepest(
-    task: Task,
+    task: RollerTask,
     place: complex,
     distance: float,
     pairs: tuple[FloatArray, FloatArray],
@@ -559,7 +561,7 @@ def _deepest(
 
 
 def _gaps(
-    task: Task, place: complex, distance: float, first: FloatArray, second: FloatArray
+    task: RollerTask, place: complex, distance: float, first: FloatArray, second: FloatArray
 ) -> FloatArray:
     """`Covers.gap` of one place at cam angles of shapes (k, n) and (n,), or both (k, n) [mm]."""
     starts, ways = _centres(task, first.ravel())

@@ -537,7 +537,7 @@ def _disc(design: Design, asked: Asked) -> Reading:
 
 
 def _part(design: Design, asked: Asked) -> Reading:
-    from camgeo.design.judged_part import Body, part_findings
+    from camgeo.design.judged_part import PartBody, part_findings
     from camgeo.part.mass import Solid, largest_diameter
 
     scene = design.scene
@@ -546,7 +546,7 @@ def _part(design: Design, asked: Asked) -> Reading:
     if scene.part is None:
         raise NoValueError("the scene has no [part]")
     if asked.name == "mass":
-        mass = Body(Solid.from_part(design.disc.drawn.part), scene.part.density).mass
+        mass = PartBody(Solid.from_part(design.disc.drawn.part), scene.part.density).mass
         if mass is None:
             raise NoValueError("the scene states neither material nor density of the part")
         return Reading(mass, "kg")
