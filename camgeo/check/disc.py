@@ -397,8 +397,9 @@ def check_lost_stroke(replay: Replay, name: str, unit: LiftUnit, severity: Sever
 
 
 CURVED: Final = 0.9
-"""Radius of a face, in base radii, from which on it is no roller's: 9 times the cam's base circle.
-Crowned tappets have more than 10 times; levers with curved pads, and rollers, up to 4 times."""
+"""Radius of a face, as a fraction of the base radius, above which it does not count as a roller: 9
+times the radius of the cam's own base circle. Crowned tappets have more than 10 times that radius;
+levers with curved pads, and rollers, have up to 4 times."""
 
 
 def is_curved_face(cam: Cam, bends: Extremes) -> bool:
@@ -603,7 +604,7 @@ def least_speed(pitch: PitchCurve) -> float:
 def check_standstill(curve: PitchCurve) -> tuple[Finding, ...]:
     """Report that there is no disc if |Z'| vanishes anywhere; nothing if it does not."""
     limit = STANDSTILL_SHARE * curve.follower.base_radius
-    # The bound needs no search and settles nearly all designs.
+    # The bound needs no search and decides nearly all designs.
     if least_speed(curve) > limit:
         return ()
 

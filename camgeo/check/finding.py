@@ -19,7 +19,7 @@ Severity = Literal["ok", "warning", "broken", "no-disc", "invalid"]
 """What a finding means to the designer.
 
 ok: within its limit, or without one, see `Verdict`. warning: worth knowing. broken: beyond its
-limit, though the disc can be made all the same. no-disc: no disc makes this motion, and no outline
+limit, though the disc can still be made. no-disc: no disc makes this motion, and no outline
 is written. invalid: what the scene describes is no cam mechanism, which a command treats as a fault
 of the scene.
 """

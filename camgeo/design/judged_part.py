@@ -391,8 +391,8 @@ def _room(main: Product, spec: PartSpec, pair: Pair) -> Finding:
     one, other = (cam.follower for cam in main.judgement.cams)
     distance = abs(one.traced_point(0.0) - other.traced_point(0.0))
     near = distance <= one.roller_radius + other.roller_radius
-    # Each roller is in the middle of its disc: it may overhang by half the gap if the other roller
-    # does too, else by the whole gap, on both sides.
+    # A roller in the middle of its disc overhangs on both sides: by half the gap at most where the
+    # two rollers are near each other, else by the whole gap.
     most = spec.thickness + (1.0 if near else 2.0) * pair.gap
     reached = "the rollers reach each other" if near else "one reaches the other disc"
     widest = f"in the middle of their discs rollers may be {most:g} mm wide before {reached}"

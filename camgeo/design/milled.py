@@ -238,7 +238,7 @@ class MilledDisc(Pickled):
             *findings_of(compared(self)),
             *(flaw.finding for flaw in self.flaws(toolpath, tolerance)),
         )
-        # What planning foretells is left out where the simulation reports it by the same name.
+        # A finding of planning is left out where the simulation reports one of the same name.
         names = {finding.name for finding in program_findings}
         notes = [finding for finding in self.sequence.findings if finding.name not in names]
         if low := self._low_change():

@@ -116,7 +116,7 @@ class PicturedCam(Pickled):
         sketch = follower.sketch(lift, self._farthest, ends).of_table("follower")
         if self.returning is not None:
             both = (follower, self.returning)
-            # How far the frame between both rollers must reach, over the whole stroke.
+            # The largest distance of either roller from the cam axis at the ends of the stroke.
             reach = max(abs(roller.traced_point(lift_end)) for roller in both for lift_end in lifts)
             first = follower.traced(lift)
             sketch += self.returning.return_sketch(first, lift, reach).of_table("follower.return")
@@ -181,8 +181,7 @@ def _trimmed_stretch(envelope: Envelope, corner: Pivot, flank: Flank) -> Trimmed
     start = corner.before % TURN
     first, last = envelope.place_of(start, "left"), envelope.place_of(corner.after % TURN)
     last += envelope.total if last < first else 0.0  # the stretch passes cam angle 0
-    # Both ends of the roller's turns about corners of the pitch curve, so that their arcs are
-    # whole.
+    # Places on both sides of the roller's turns are added, to include the ends of their arcs.
     turns = [*envelope.starts, *(envelope.starts + envelope.total)]
     inside = [place for place in turns if first < place < last]
     places = np.unique(np.append(np.linspace(first, last, SAMPLES)[1:-1], inside))

@@ -190,7 +190,6 @@ def stated_table(whole: Table, spec: CsvSpec, unit: LengthUnit) -> Table:
         return whole
     columns = whole.columns
     if spec.columns is not None:
-        # The polar columns come last, so that a message lists the ordinary columns first.
         named = {bare(heading): heading for heading in columns}
         known = columns | _polar(columns, unit)
         named |= {bare(heading): heading for heading in known}

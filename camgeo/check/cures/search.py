@@ -26,35 +26,36 @@ from camgeo.numeric.extremes import bracketed_roots
 from camgeo.units import TURN
 
 # -- search ---------------------------------------------------------------------------------------
-# The nearest value of a size at which a fault is gone, whatever the size and whatever the fault.
+# The nearest value of a size at which a fault is gone, for any size and any fault.
 #
 # Where a condition is broken, the cam angle at which it is worst proves it broken for all values up
-# to the one at which the margin of that place alone vanishes. There another place may be the worst,
-# from which the search goes on: so it comes to the nearest value at which no place breaks anything,
-# step by step and from the broken side, and no window is jumped over. Along the way it solves
-# equations in one unknown.
+# to the one at which the margin at that angle vanishes. There another place may be the worst, from
+# which the search goes on. So it arrives step by step, from the broken side, at the nearest value
+# at which no place breaks anything, and passes over no window. Each step solves an equation in one
+# unknown.
 #
-# What no place decides is left to the verdict on the value found. If it is a flank that crosses
-# itself, the search goes on where the neck is as wide as the roller; else in growing steps, from
-# which the limit is halved in.
+# What no single place decides is left to the verdict on that value. If a flank crosses itself
+# there, the search goes on at the value at which the neck is as wide as the roller; otherwise it
+# goes on in growing steps, between which the limit is enclosed.
 
 
 FIRST: Final = 0.005
-"""First step, as a fraction of the scale, where no place of the cam says how far to go."""
+"""First step, as a fraction of the scale, where no place of the cam tells how far to go."""
 
 GROWTH: Final = 1.5
-"""Each such step is so many times the one before it."""
+"""Ratio of such a step to the previous one."""
 
 SPREAD: Final = 1.3
-"""Each cell ends so many times as far from the present value as the one before it."""
+"""Ratio of the distances of consecutive cell ends from the present value."""
 
 LOST: Final = 1e-6
 """First step, as a fraction of the scale, across values without a mechanism, which are few: at one
 of them the roller centre stands still."""
 
 BEYOND: Final = 1e-7
-"""A window narrower than this fraction of the scale is none: in the middle of it the cam has a cusp
-up to rounding. Crossings are sought this far beyond the limit, where the flank touches itself."""
+"""A window narrower than this fraction of the scale does not count: in its middle the cam has a
+cusp up to rounding. Crossings are tested this far beyond the limit, at which the flank touches
+itself."""
 
 NARROW: Final = 5e-7
 """Width, as a fraction of the scale, to which a limit that is not a root is enclosed."""
@@ -63,7 +64,7 @@ ROUNDING: Final = 1e-13
 """A step that is no longer than this fraction of the scale ends at the limit."""
 
 HOPS: Final = 200
-"""Most places of the cam on the way to a window; five are usual."""
+"""Most places of the cam that are visited on the way to a window; five are usual."""
 
 TRIALS: Final = 60
 """Most values of the knob that are judged."""
@@ -73,8 +74,8 @@ EDGE: Final = 1e-3
 distance, as the margin becomes smoother."""
 
 CURVED: Final = 3.0
-"""A cell is halved unless the parabola through its ends and its middle, so many times as curved,
-stays below 0."""
+"""A cell is halved unless the parabola through its ends and its middle stays below 0 even if this
+many times as curved."""
 
 Excess = Mapping[str, float]
 """By how much limits are exceeded, by their names: positive where one is broken, infinite where the
@@ -334,7 +335,7 @@ def _highest(low: FloatArray, middle: FloatArray, high: FloatArray) -> FloatArra
 # What a cam must hold, as margins over the cam angle: positive where a limit is kept.
 #
 # Each is a function of the place alone, so that the place where it is worst proves for which other
-# values of a size it is broken too. What no place decides by itself, as whether a flank crosses
+# values of a size it is broken too. What no single place decides, such as whether a flank crosses
 # itself, is left to the checks.
 
 
@@ -499,7 +500,8 @@ least transmission angle [rad] and the largest r_R/r_K that are allowed."""
 def place_range(extremes: Extremes, angles: Range) -> tuple[int, int]:
     """Slice bounds of the `extremes` between two cam angles, which are approached from inside.
 
-    `angles` may lie in any turn; the first index is included, the second is not.
+    The first index is included, the second is not. If the extremes begin behind the angles, these
+    are taken a turn later.
     """
     shift = TURN if angles[0] < extremes.phi[0] - SNAP else 0.0
     start, end = angles[0] + shift + SNAP, angles[1] + shift - SNAP
@@ -525,7 +527,7 @@ SQUARE = 1e-10
 """Largest cosine between chord and tangent that counts as a right angle; its square is rounding."""
 
 TOGETHER = 1e-3
-"""Ends closer than this [rad] are running into each other: between the ends of a neck the curve
+"""Ends closer than this [rad] are converging to one point: between the ends of a neck the curve
 makes half a turn, and where they meet their two equations become one."""
 
 Pair = tuple[int, float, float]
@@ -676,7 +678,7 @@ class Discs(tuple[Cam, ...]):
         )
 
     def narrowest(self) -> Neck | None:
-        """The neck with the smallest clearance near a crossing; None if none is found."""
+        """The neck with the smallest clearance near a crossing; None if there is no neck."""
         necks = [neck for pair in self.crossings() if (neck := self._neck(*pair)) is not None]
         return min(necks, key=lambda neck: neck.clearance, default=None)
 

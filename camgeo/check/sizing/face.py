@@ -313,10 +313,10 @@ FACE_TASKS: Final[dict[type[Follower], type[FaceTask]]] = {
 # -- faces ----------------------------------------------------------------------------------------
 # By exchange, from below, as for the transmission angle.
 #
-# The place with the smallest base circle that meets some conditions is found, those that it breaks
-# most are added, and so on until none is broken, see `camgeo.check.sizing.smallest`. On a rocker
-# that place is the smallest chi_0 that the arcs of all conditions have in common. So the answer is
-# exact.
+# The place with the smallest base circle that meets some conditions is determined, those that it
+# breaks most are added, and so on until none is broken, see `camgeo.check.sizing.smallest`. On a
+# rocker that place is the smallest chi_0 that the arcs of all conditions have in common. So the
+# answer is exact.
 
 
 JUMP = "contact-jump"

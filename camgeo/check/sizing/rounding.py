@@ -267,7 +267,7 @@ def _long_enough(mechanism: RoundedMechanism, unit: float) -> RoundedMechanism:
 
 
 # -- arm ------------------------------------------------------------------------------------------
-# The arm of an oscillating follower, sought within a range together with the cam axis.
+# The arm of an oscillating follower, optimised within a range together with the cam axis.
 #
 # For a given swing all lengths of a rocker scale with the arm l_3: places of the cam axis as P/l_3,
 # curvatures as kappa l_3. For the transmission angle alone the smallest base circle is therefore

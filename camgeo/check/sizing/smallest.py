@@ -277,7 +277,7 @@ def active_conditions(
 # The smallest base circle for a transmission angle: a convex problem, solved by exchange.
 #
 # Every cam angle gives half-planes in which the cam axis must lie. The place nearest to the roller
-# centre is found for some of them, those it violates most are added, and so on until none is
+# centre is determined for some of them, those it violates most are added, and so on until none is
 # violated. The worst violations are roots of a slope, so this converges like Newton's method.
 
 
@@ -548,11 +548,11 @@ def ratio_map(task: RollerTask, columns: FloatArray, rows: FloatArray, most: flo
 # problem.
 #
 # Seen from the roller centre at cam angle 0 the cam axis lies in a direction theta in (-pi, 0).
-# Cells of places that certainly break a condition at one of some cam angles are excluded, which
-# leaves the neighbourhoods of the nearest places; there the nearest place is sought along each
-# direction, and the direction with the smallest is enclosed. Then the cam angles at which the place
-# found is extreme join the set, and the pairs at which its flanks are cut off, until it meets the
-# conditions at all of them.
+# Conditions are examined at a set of cam angles. Cells of places that certainly break one of them
+# are excluded, which leaves the neighbourhoods of the nearest places; there the nearest place is
+# determined along each direction, and the direction with the smallest distance is enclosed. Then
+# the cam angles at which the conditions of that place are extreme join the set, and the pairs at
+# which its flanks are cut off, until it meets the conditions at all of them.
 
 
 REACH, ROOM = 40.0, 4.0

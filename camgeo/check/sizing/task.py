@@ -381,8 +381,8 @@ TASKS: Final[dict[type[Follower], type[RollerTask]]] = {
 # the place out, whatever else is known of it. Between places h apart it changes by at most h |1 -
 # E| + |d| times the turn of N_1, whose sine is at most h / |N_1|.
 #
-# There are too many pairs to examine all of them. The relevant ones are found from what the outline
-# of a place has lost.
+# There are too many pairs to examine all of them. The relevant ones follow from what the outline of
+# a place has lost.
 
 
 TOUCHING = 3e-9
@@ -492,7 +492,7 @@ def covered_pairs(task: RollerTask, place: complex) -> Covers:
             if not disc.outline(name).is_trimmed:
                 continue
             crossings = find_crossings(flank, disc.bends)
-        except GeometryError:  # nothing is left, or what is left cannot be decided
+        except GeometryError:  # nothing remains of the flank, or it is unknown what remains
             crossings = ()
         angles = sorted(
             angle for crossing in crossings for angle in (crossing.first, crossing.second)
