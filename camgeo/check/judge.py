@@ -363,6 +363,7 @@ def _deviation(
         f"{added}the motion deviates from the rows of its lift table by at most {largest:.3g}"
         f" {unit}, {at_cam_angles(angle)} (root mean square {scale * report.rms:.3g} {unit})"
     )
+    # Rows that begin with 0 count from where the segment starts; any other shift is worth a look.
     counted_from_start = shift <= _slack(move) or first_row == 0.0
     severity: Severity = "ok" if counted_from_start else "warning"
     return Finding("lift-table", severity, statement, largest, unit=unit, cam_angle=angle)

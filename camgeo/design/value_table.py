@@ -217,6 +217,7 @@ def rounded(table: Table, decimals: int | None) -> Table:
     if decimals is None:
         return table
     values = table.values.ravel()
+    # Python rounds the exact value; NumPy scales it first, and may round the other way.
     near = np.fromiter((round(float(value), decimals) for value in values), np.float64, len(values))
     return replace(table, values=near.reshape(table.values.shape), decimals=decimals)
 

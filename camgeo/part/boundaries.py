@@ -935,6 +935,8 @@ class LetterBoundary(Pickled):
         a, b = start - 2.0 * middle + end, 2.0 * (middle - start)
         radii: list[float] = np.abs(start).tolist()
         for k in range(len(start)):
+            # A point is p t^2 + q t + r; the cubic is the real part of its conjugate times its
+            # derivative. Real parts of complex roots only add further points of the curve.
             p, q, r = complex(a[k]), complex(b[k]), complex(start[k])
             cubic = [
                 2.0 * abs(p) ** 2,

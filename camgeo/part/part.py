@@ -176,6 +176,7 @@ class Part(Brief):
     def outermost(self) -> Boundary:
         """The boundary of the disc that surrounds all others; hubs lie within it."""
         first = [layer.boundaries[0] for layer in self.layers]
+        # With a hub or a second disc the layers have different ones.
         if all(boundary is first[0] for boundary in first):
             return first[0]
         return max(first, key=lambda boundary: boundary.farthest()[0])

@@ -508,6 +508,7 @@ def _no_roller_reason(task: CureTask, cam: Cam) -> str:
         return ": a knife edge has no roller to make smaller"
     bends = curvature_extremes(cam.disc.pitch_curve)
     extremes = bends.smallest()[0], bends.largest()[0]
+    # The largest curvature that matters for a flank in use, at either extreme.
     kappa = max(-flank.sign * curvature for flank in cam.contact.flanks for curvature in extremes)
     if kappa <= 0.0:
         return ""

@@ -188,6 +188,7 @@ class KnobSearch:
             try:
                 along = knob.worst(x, self.conditions)
             except GeometryError:
+                # No mechanism at this value: in growing steps to the next one that makes one.
                 x, lost = x + self._away * lost, lost * GROWTH
                 continue
             if along is None:
@@ -286,6 +287,7 @@ def first_root(along: MarginCurve, start: float, end: float, scale: float) -> fl
         cells = np.flatnonzero(~settled[:left])
         if not len(cells):
             return _bracketed(along, edges[left], edges[left + 1]) if len(across) else None
+        # A cell is settled if its margin cannot reach 0, or if it is too narrow to be a window.
         middles = 0.5 * (edges[cells] + edges[cells + 1])
         middle_values = along(middles)
         split = _highest(values[cells], middle_values, values[cells + 1]) >= 0.0
@@ -312,7 +314,7 @@ def _edges(start: float, end: float, scale: float) -> FloatArray:
     count = 1 + math.ceil(math.log(reach / first) / math.log(SPREAD))
     away = math.copysign(1.0, end - start) * np.geomspace(first, reach, count)
     edges: FloatArray = np.append(start, start + away)
-    edges[-1] = end
+    edges[-1] = end  # exactly, without the rounding of the geometric sequence
     return edges
 
 
@@ -664,6 +666,7 @@ class Discs(tuple[Cam, ...]):
                 if segment is not None:
                     places = place_range(extremes, self.segment_angles(segment))
                 worst = places[0] + int(np.argmin(extremes.values[slice(*places)]))
+                # A margin that is 0 up to rounding is that of a cusp, which is broken too.
                 if extremes.values[worst] <= CUSP:
                     return condition, number, float(extremes.phi[worst])
         return None

@@ -168,6 +168,7 @@ def _with_second(
         last = Decimal(1).scaleb(exponent - more)
         lengths: dict[str, float | list[float]] = {"base_radius": radius}
         for key, length in task.moved(place).items():
+            # A scene states a pivot by its two coordinates.
             if isinstance(length, complex):
                 lengths[key] = [_near(length.real, last, unit), _near(length.imag, last, unit)]
             else:

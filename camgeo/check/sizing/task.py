@@ -462,6 +462,7 @@ def pair_conditions(
     others, _ = _centres(task, second)
     turned = np.exp(-1j * task.sense * (second - first))
     distances = np.broadcast_to(np.asarray(distance, dtype=np.float64), first.shape)
+    # N_1 + P, along the normal of the pitch curve at the first angle.
     normals = places + 1j * task.sense * ways
     return Covers(first, second, distances, places - others * turned, 1.0 - turned, normals)
 
@@ -474,6 +475,7 @@ def no_pairs(task: RollerTask) -> Covers:
 def _centres(task: RollerTask, phi: FloatArray) -> tuple[ComplexArray, ComplexArray]:
     """B and B' (n,) at `phi` (n,) [rad], in the axes of places."""
     terms = task.terms(phi)
+    # `centre` is r B, so conj(r) turns it back.
     back = np.conj(terms.turn)
     return back * terms.centre, 1j * back * (terms.p1 + terms.turning * terms.centre)
 
@@ -504,6 +506,7 @@ def covered_pairs(task: RollerTask, place: complex) -> Covers:
         for start, end in stretches:
             if not (angles and np.any((kinks - start) % TURN <= end - start)):
                 pairs = pairs + _stretch_pairs(task, place, flank.distance, start, end)
+    # Pairs that only touch, up to rounding, do not rule the place out.
     gap = pairs.gap(np.array([place]))[0][0]
     order = np.argsort(gap)[:MOST]
     return pairs.some(order[gap[order] < -TOUCHING * np.abs(pairs.distance[order])])
