@@ -33,12 +33,12 @@ from camgeo.check.sizing.smallest import (
     Rating,
     Sizing,
     active_conditions,
-    conditions,
     excluded,
     flocke,
     local_conditions,
     nearest_cells,
     nearest_point,
+    place_conditions,
     ratio_map,
     row_limits,
     sample_angles,
@@ -165,7 +165,11 @@ def asked(name: str) -> tuple[RollerTask, PlaceConditions, float]:
     """Conditions of a scene at the first cam angles, and the answer's base radius [mm]."""
     task, angle, ratio = required(name)
     answer = known(Sizing.solve(task, angle, ratio).answer)
-    return task, conditions(task, math.tan(angle), ratio, sample_angles(task)), answer.base_radius
+    return (
+        task,
+        place_conditions(task, math.tan(angle), ratio, sample_angles(task)),
+        answer.base_radius,
+    )
 
 
 @pytest.mark.parametrize("name", BENT)

@@ -123,13 +123,18 @@ def _counts(finding: Finding) -> bool:
 
 
 def rounded(
-    task: RollerTask, place: complex, now: PlaceConditions, angle: float, ratio: float, unit: float
+    task: RollerTask,
+    place: complex,
+    conditions: PlaceConditions,
+    angle: float,
+    ratio: float,
+    unit: float,
 ) -> RoundedMechanism | None:
     """The next sizes from those of `place` on; None if no rounded ones are sound.
 
     Parameters
     ----------
-    now : the conditions that decide near `place`.
+    conditions : the conditions that decide near `place`.
     angle, ratio : required transmission angle [rad] and r_R/r_K.
     unit : mm per unit of the scene.
     """
@@ -139,14 +144,14 @@ def rounded(
     for step in STEPS:
         radius = float(first + step * Decimal(1).scaleb(exponent))
         for _ in range(TRIES):
-            middle = _roomiest(task, now, place, radius * unit)
+            middle = _roomiest(task, conditions, place, radius * unit)
             mechanism = _with_second(task, middle, radius, (angle, ratio), exponent, unit)
             if mechanism is not None and sound(mechanism.cam, angle, ratio):
                 return mechanism
-            phi = extreme_angles(task, middle, now.tangent, now.ratio)[0]
+            phi = extreme_angles(task, middle, conditions.tangent, conditions.ratio)[0]
             pairs = no_pairs(task) if mechanism is None else covered_pairs(task, middle)
-            now = now.with_more(task, phi, pairs)
-            if now.room(np.array([middle]))[0] >= 0.0:
+            conditions = conditions.with_more(task, phi, pairs)
+            if conditions.room(np.array([middle]))[0] >= 0.0:
                 break  # no known condition is broken
     return None
 
@@ -208,13 +213,15 @@ def _resized(
         return None
 
 
-def _roomiest(task: RollerTask, now: PlaceConditions, place: complex, radius: float) -> complex:
+def _roomiest(
+    task: RollerTask, conditions: PlaceConditions, place: complex, radius: float
+) -> complex:
     """The place with a base radius [mm], near `place`, that leaves the conditions most room."""
     theta = float(np.angle(place - task.start))
     width = WIDTH
     for _ in range(ZOOMS):
         ways = np.clip(theta + width * np.linspace(-1.0, 1.0, WAYS), *task.directions)
-        room = now.room(task.start + radius * np.exp(1j * ways))
+        room = conditions.room(task.start + radius * np.exp(1j * ways))
         theta = float(ways[int(np.argmax(room))])
         width /= ZOOM
     return complex(task.start + radius * np.exp(1j * theta))

@@ -188,10 +188,10 @@ class Sizing:
         proposal = (
             None if construction.place is None else Rating.from_place(task, construction.place)
         )
-        begun = Sizing(angle, ratio, construction, proposal)
+        sizing = Sizing(angle, ratio, construction, proposal)
         place = smallest_place(task, tangent)
         if place is None:
-            return replace(begun, nearest_angle=largest_angle(task), none_below=math.inf)
+            return replace(sizing, nearest_angle=largest_angle(task), none_below=math.inf)
         base = abs(place - task.start)
         if not base > 0.0:
             raise GeometryError(
@@ -200,14 +200,16 @@ class Sizing:
         for_angle = Rating.from_place(task, place)
         # If the place that the angle alone decides keeps the rest too, it is the exact answer.
         if for_angle is not None and meets(task, place, tangent, ratio):
-            now = conditions(task, tangent, ratio, extreme_angles(task, place, tangent, ratio)[0])
+            conditions = place_conditions(
+                task, tangent, ratio, extreme_angles(task, place, tangent, ratio)[0]
+            )
             return replace(
-                begun,
+                sizing,
                 for_angle=for_angle,
                 answer=for_angle,
                 active=active_conditions(task, for_angle, angle, ratio),
                 none_below=base,
-                examined=now,
+                examined=conditions,
             )
         least = max(base, task.half * (1.0 + AXIS_MARGIN))
         nearest = smallest_with_bends(task, tangent, ratio, least)
@@ -216,7 +218,7 @@ class Sizing:
         active = () if answer is None else active_conditions(task, answer, angle, ratio, pairs)
         least_ratio = nearest.least_ratio if math.isfinite(nearest.least_ratio) else None
         return replace(
-            begun,
+            sizing,
             for_angle=for_angle,
             answer=answer,
             active=active,
@@ -537,9 +539,9 @@ def ratio_map(task: RollerTask, columns: FloatArray, rows: FloatArray, most: flo
     stands still.
     """
     places = columns + 1j * rows[:, np.newaxis]
-    now = conditions(task, 0.0, most, sample_angles(task))
+    conditions = place_conditions(task, 0.0, most, sample_angles(task))
     with np.errstate(all="ignore"):  # a pitch curve may have cusps here
-        worst = np.array([now.worst_ratio(row) for row in places])
+        worst = np.array([conditions.worst_ratio(row) for row in places])
     return np.where(worst <= most, np.maximum(worst, 0.0), most)
 
 
@@ -650,25 +652,25 @@ def smallest_with_bends(task: RollerTask, tangent: float, ratio: float, least: f
     share, bound = 1.0, least
     previous = 0.0, math.inf
     for number in range(1, ROUNDS + 1):
-        now = conditions(task, tangent, ratio, phi, covers)
-        reached = [_enclosed(task, now, start, least, share) for start in last]
+        conditions = place_conditions(task, tangent, ratio, phi, covers)
+        reached = [_enclosed(task, conditions, start, least, share) for start in last]
         radius = min((pair[1] for pair in reached), default=math.inf)
         # Conditions are only added, so the nearest place can only move away; the cells are searched
         # again if it has moved by more than they left open.
         if not radius <= bound * (1.0 + STRAY):
-            cells = nearest_cells(now, task.start, bound, reach, task.directions)
+            cells = nearest_cells(conditions, task.start, bound, reach, task.directions)
             bound = max(bound, cells.bound)
             if not cells.starts:
-                least_ratio = _least_ratio(task, now, least, reach)
-                return Nearest(None, bound, least_ratio, reach, number, now)
-            reached += [_enclosed(task, now, start, least) for start in cells.starts]
+                least_ratio = _least_ratio(task, conditions, least, reach)
+                return Nearest(None, bound, least_ratio, reach, number, conditions)
+            reached += [_enclosed(task, conditions, start, least) for start in cells.starts]
             reached += [start[:2] for start in cells.starts]
         theta, radius = min(reached, key=lambda pair: pair[1])
         place = _place(task, theta, radius)
         extreme, broken = extreme_angles(task, place, tangent, ratio)
         more = no_pairs(task) if broken else covered_pairs(task, place)
         if not (broken or len(more.first)):
-            return Nearest(place, bound, 0.0, reach, number, now)
+            return Nearest(place, bound, 0.0, reach, number, conditions)
         # The next round searches about this place, in ranges that follow its last move.
         moves = abs(theta - previous[0]), abs(radius - previous[1]) / radius
         last = ((theta, radius, min(max(AGAIN[0] * moves[0], LEAST_WIDTH), WIDTH)),)
@@ -676,7 +678,7 @@ def smallest_with_bends(task: RollerTask, tangent: float, ratio: float, least: f
         phi = np.unique(np.concatenate((phi, extreme)))
         covers = covers + more
     place_beyond = _outward(task, theta, radius, tangent, ratio, reach)
-    return Nearest(place_beyond, bound, math.inf, reach, ROUNDS, now)
+    return Nearest(place_beyond, bound, math.inf, reach, ROUNDS, conditions)
 
 
 def _place(task: RollerTask, theta: float, radius: float) -> complex:
@@ -733,18 +735,20 @@ def extreme_angles(
     return np.concatenate(angles), broken
 
 
-def _least_ratio(task: RollerTask, now: PlaceConditions, least: float, reach: float) -> float:
+def _least_ratio(
+    task: RollerTask, conditions: PlaceConditions, least: float, reach: float
+) -> float:
     first, last = task.directions
     theta = first + (last - first) * (np.arange(DIRECTIONS) + 0.5) / DIRECTIONS
     radii = np.geomspace(least, reach, RADII)
     places = (task.start + radii * np.exp(1j * theta)[:, np.newaxis]).ravel()
-    free = PlaceConditions(now.terms, now.tangent, 0.0, 1.0, now.signs)
+    free = PlaceConditions(conditions.terms, conditions.tangent, 0.0, 1.0, conditions.signs)
     inside = places[free.met(places)]
-    return float(np.min(now.worst_ratio(inside))) if len(inside) else math.inf
+    return float(np.min(conditions.worst_ratio(inside))) if len(inside) else math.inf
 
 
 def _enclosed(
-    task: RollerTask, now: PlaceConditions, start: Start, least: float, share: float = 1.0
+    task: RollerTask, conditions: PlaceConditions, start: Start, least: float, share: float = 1.0
 ) -> tuple[float, float]:
     """Direction [rad] and base radius [mm] of the smallest circle near `start`; an infinite radius
     if there is none.
@@ -755,7 +759,7 @@ def _enclosed(
     for _ in range(MOST_STEPS):
         # Cam angles at which the whole neighbourhood meets the conditions can be skipped.
         places = np.array([task.start + radius * np.exp(1j * best)])
-        near = local_conditions(now, places, 1.1 * radius * (width + BELOW * share))
+        near = local_conditions(conditions, places, 1.1 * radius * (width + BELOW * share))
         theta = np.clip(best + width * np.linspace(-1.0, 1.0, 33), *task.directions)
         scan = radius * np.linspace(1.0 - BELOW * share, 1.0 + ABOVE * share, 46)
         halvings = max(1, math.ceil(math.log2(share / DIGITS)))
@@ -776,11 +780,15 @@ def _enclosed(
 
 
 def _nearest_along(
-    task: RollerTask, now: PlaceConditions, theta: FloatArray, scan: FloatArray, halvings: int
+    task: RollerTask,
+    conditions: PlaceConditions,
+    theta: FloatArray,
+    scan: FloatArray,
+    halvings: int,
 ) -> FloatArray:
     """(k,) smallest base radius [mm] within `scan` in each direction; infinite if there is none."""
     ways = np.exp(1j * theta)
-    met = now.met((task.start + scan * ways[:, np.newaxis]).ravel()).reshape(len(theta), -1)
+    met = conditions.met((task.start + scan * ways[:, np.newaxis]).ravel()).reshape(len(theta), -1)
     some = np.any(met, axis=1)
     first = np.argmax(met, axis=1)
     # The limit lies between the first radius that meets all conditions and the one before it; where
@@ -788,7 +796,7 @@ def _nearest_along(
     good, bad = scan[first], scan[np.maximum(first - 1, 0)]
     for _ in range(halvings):
         middle = 0.5 * (good + bad)
-        fine = now.met(task.start + middle * ways)
+        fine = conditions.met(task.start + middle * ways)
         good, bad = np.where(fine, middle, good), np.where(fine, bad, middle)
     return np.where(some, good, np.inf)
 
@@ -850,13 +858,13 @@ class Neighbourhoods:
 
 
 def nearest_cells(
-    now: PlaceConditions,
+    conditions: PlaceConditions,
     start: complex,
     least: float,
     reach: float,
     directions: tuple[float, float] = (-math.pi, 0.0),
 ) -> Neighbourhoods:
-    """The neighbourhoods of the places nearest to `start` that meet the conditions `now`.
+    """The neighbourhoods of the places nearest to `start` that meet `conditions`.
 
     They lie from `least` to `reach` [mm] away, in a range of `directions` [rad]; if the range is a
     single direction the cells have no width.
@@ -878,9 +886,9 @@ def nearest_cells(
         # A bound on half the diagonal of a cell: its far side is exp(height) times as long as its
         # middle.
         half = radius * math.exp(height) * math.hypot(width, height)
-        left = ~excluded(now, places, half)
+        left = ~excluded(conditions, places, half)
         theta, depth, radius, places = theta[left], depth[left], radius[left], places[left]
-        met = now.met(places)
+        met = conditions.met(places)
         if np.any(met):
             best = min(best, float(np.min(radius[met])))
             good = np.concatenate((good, np.stack((theta[met], radius[met]))), axis=1)
@@ -905,73 +913,77 @@ def nearest_cells(
     return Neighbourhoods(_starts(good, best, width), min(bound, (1.0 - GAP) * best))
 
 
-def excluded(now: PlaceConditions, places: ComplexArray, half: FloatArray) -> BoolArray:
+def excluded(conditions: PlaceConditions, places: ComplexArray, half: FloatArray) -> BoolArray:
     """(k,) whether all places within `half` (k,) [mm] of `places` (k,) break a condition."""
-    count = 1 + len(places) * now.count // BLOCK
+    count = 1 + len(places) * conditions.count // BLOCK
     parts = zip(np.array_split(places, count), np.array_split(half, count), strict=True)
     return np.concatenate(
-        [_excluded(now, block[:, None], reach[:, None]) for block, reach in parts]
+        [_excluded(conditions, block[:, None], reach[:, None]) for block, reach in parts]
     )
 
 
-def _excluded(now: PlaceConditions, places: ComplexArray, half: FloatArray) -> BoolArray:
-    terms = now.terms
+def _excluded(conditions: PlaceConditions, places: ComplexArray, half: FloatArray) -> BoolArray:
+    terms = conditions.terms
     u, v = terms.across_and_along(places)
-    tilted = u - now.tangent * np.abs(v) + half * math.hypot(1.0, now.tangent)
+    tilted = u - conditions.tangent * np.abs(v) + half * math.hypot(1.0, conditions.tangent)
     broken: BoolArray = np.any(tilted < 0.0, axis=1)
-    if now.half > 0.0:
-        broken |= np.any(terms.to_axis(places) + half <= now.half, axis=1)
-    if now.covers is not None and len(now.covers.first) and not np.all(broken):
+    if conditions.half > 0.0:
+        broken |= np.any(terms.to_axis(places) + half <= conditions.half, axis=1)
+    if conditions.covers is not None and len(conditions.covers.first) and not np.all(broken):
         rest = ~broken
-        gap, pace = now.covers.gap(places[rest, 0])
-        sure = gap + now.covers.change(half[rest], pace) < 0.0
+        gap, pace = conditions.covers.gap(places[rest, 0])
+        sure = gap + conditions.covers.change(half[rest], pace) < 0.0
         broken[rest] = np.any(sure, axis=1)
     rest = ~broken
-    if not np.any(rest) or not now.roller > 0.0:
+    if not np.any(rest) or not conditions.roller > 0.0:
         return broken
     u, v, half = u[rest], v[rest], half[rest]
     rho = np.hypot(u, v)
     linear = terms.alpha * u - terms.beta * v
     slack = half * np.hypot(terms.alpha, terms.beta)
     bent = np.zeros(len(u), dtype=np.bool_)
-    for sign in now.signs:
+    for sign in conditions.signs:
         # Without a maximum inside the range of rho, the larger value at its ends is the largest.
         value = np.full(rho.shape, -np.inf)
         for end in (np.maximum(rho - half, 0.0), rho + half):
             square = end * end
-            value = np.maximum(value, (now.ratio / now.roller) * square * end - sign * square)
+            value = np.maximum(
+                value, (conditions.ratio / conditions.roller) * square * end - sign * square
+            )
         bent |= np.any(value + sign * linear + slack < 0.0, axis=1)
     broken[rest] = bent
     return broken
 
 
-def local_conditions(now: PlaceConditions, place: ComplexArray, half: float) -> PlaceConditions:
-    """The conditions `now` without the cam angles and pairs at which all places within `half` [mm]
+def local_conditions(
+    conditions: PlaceConditions, place: ComplexArray, half: float
+) -> PlaceConditions:
+    """The `conditions` without the cam angles and pairs at which all places within `half` [mm]
     of `place` (1,) meet them.
 
     At least one cam angle remains.
     """
-    terms = now.terms
+    terms = conditions.terms
     u, v = terms.across_and_along(place)
-    needed = u - now.tangent * np.abs(v) - half * math.hypot(1.0, now.tangent) < 0.0
-    needed |= terms.to_axis(place) - half <= now.half
-    covers = now.covers
+    needed = u - conditions.tangent * np.abs(v) - half * math.hypot(1.0, conditions.tangent) < 0.0
+    needed |= terms.to_axis(place) - half <= conditions.half
+    covers = conditions.covers
     if covers is not None:
         gap, pace = covers.gap(place)
         covers = covers.some((gap - covers.change(np.array([[half]]), pace) < 0.0)[0])
-    if now.roller > 0.0:
-        slope = now.ratio / now.roller
+    if conditions.roller > 0.0:
+        slope = conditions.ratio / conditions.roller
         rho = np.hypot(u, v)
         low, high = np.maximum(rho - half, 0.0), rho + half
         linear = terms.alpha * u - terms.beta * v
         slack = half * np.hypot(terms.alpha, terms.beta)
-        for sign in now.signs:
+        for sign in conditions.signs:
             # The minimum of slope rho^3 - sign rho^2, at 2/(3 slope) if that is in the range.
             end = np.clip(2.0 / (3.0 * slope), low, high) if sign > 0.0 else low
             needed |= end * end * (slope * end - sign) + sign * linear - slack < 0.0
     if not np.any(needed):
         needed[0] = True
-    return replace(now, terms=taken(terms, needed), covers=covers)
+    return replace(conditions, terms=taken(terms, needed), covers=covers)
 
 
 def _starts(good: FloatArray, best: float, width: float) -> tuple[Start, ...]:
@@ -1071,7 +1083,7 @@ class PlaceConditions:
         """These conditions and those of the `task` at the cam angles `phi` (n,) [rad] and of the
         pairs `covers`.
         """
-        more = conditions(task, self.tangent, self.ratio, phi, covers).terms
+        more = place_conditions(task, self.tangent, self.ratio, phi, covers).terms
         every = covers if self.covers is None else self.covers + covers
         return replace(self, terms=joined((self.terms, more)), covers=every)
 
@@ -1094,7 +1106,7 @@ def sample_angles(task: RollerTask) -> FloatArray:
     return np.concatenate(samples)
 
 
-def conditions(
+def place_conditions(
     task: RollerTask, tangent: float, ratio: float, phi: FloatArray, covers: Covers | None = None
 ) -> PlaceConditions:
     """The conditions at the cam angles `phi` (n,) [rad] and on both sides of each break, and those
