@@ -288,7 +288,7 @@ def check_undercut(
         return (Finding(f"cusp-{name}", severity, statement, margin, 0.0, cam_angle=phi),)
     findings = []
     for start, end in undercut_ranges(flank, bends):
-        span = end - start if end > start else end - start + TURN
+        span = end - start if end > start else end - start + TURN  # it may pass cam angle 0
         # Every range has an extreme; it may lie at a break that ends the range, whose angle has
         # been rounded differently.
         inside = np.flatnonzero((bends.phi - start + INSIDE) % TURN <= span + 2.0 * INSIDE)
@@ -614,6 +614,7 @@ def check_standstill(curve: PitchCurve) -> tuple[Finding, ...]:
 
     def slope(phi: FloatArray, side: Side) -> FloatArray:
         relative = curve.relative_jet(phi, side, order=2)
+        # Half the slope, which has the same roots.
         (_, a1, a2), (_, b1, b2) = relative.along, relative.across
         return np.asarray(a1 * a2 + b1 * b2)
 

@@ -244,6 +244,7 @@ def assemble_part(
     # Heights that the scene does not give are invented so that the order of the layers is right;
     # `stated` sets them to 0 in the end.
     bottom = -(spec.thickness or 2.0 * max(sunk, depth) + 1.0)
+    # Without a depth the floor is halfway between the deepest mark or text and the lower face.
     floor = -depth or 0.5 * (bottom - sunk)
     grooved = len(flanks) > 1
     low, high = bottom, 0.0
@@ -409,6 +410,7 @@ def _require_clear(
             raise GeometryError(
                 f"the {boundary.name} must lie clear of the {other.name}, which it touches", key=key
             )
+        # As the two do not touch, one vertex tells whether one lies inside the other.
         if winding_number(boundary.exact, complex(other_fit.contour.vertices[0])):
             raise GeometryError(f"the {boundary.name} lies around the {other.name}", key=key)
         inside = winding_number(other_fit.contour, start) != 0

@@ -467,6 +467,7 @@ def fewest_chord_fit(exact: Contour, tolerance: float) -> Fit:
             continue
         count = _checked(arc_count(tolerance, radius, abs(sweep), WIDEST), tolerance)
         chains.append(_along_arc(exact, k, count, radius, abs(sweep)))
+    # The piece to which each vertex belongs, and the chord that starts there.
     index = np.repeat(np.arange(len(exact)), [len(chain) for chain in chains])
     return _fit(exact, np.concatenate(chains), index, tolerance)
 
@@ -870,6 +871,7 @@ class LetterBoundary(Pickled):
         index, number = grouped(counts.astype(np.intp))
         t = number / counts[index]
         vertices = _curve_points(self.pieces[index], t)
+        # Starts of curves are kept exactly, as the curves before them end there.
         rounding = 2.0 * ROUNDING * float(np.max(np.abs(self.pieces)))
         return Fit(
             Contour.polygon(np.where(number == 0, start[index], vertices)),
@@ -953,6 +955,7 @@ class LetterBoundary(Pickled):
 def _curve_points(pieces: ComplexArray, t: FloatArray) -> ComplexArray:
     """(n,) points of quadratic curves (n, 3) at `t` (n,)."""
     w = 1.0 - t
+    # The Bernstein polynomials of degree 2.
     weights = np.stack((w * w, 2.0 * w * t, t * t), axis=1)
     return np.asarray(np.sum(weights * pieces, axis=1))
 
