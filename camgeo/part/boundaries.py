@@ -871,8 +871,8 @@ class LetterBoundary(Pickled):
         index, number = grouped(counts.astype(np.intp))
         t = number / counts[index]
         vertices = _curve_points(self.pieces[index], t)
-        # Starts of curves are kept exactly, as the curves before them end there.
         rounding = 2.0 * ROUNDING * float(np.max(np.abs(self.pieces)))
+        # Starts of curves are kept exactly, as the curves before them end there.
         return Fit(
             Contour.polygon(np.where(number == 0, start[index], vertices)),
             float(np.max(bend / counts**2)) + rounding,
