@@ -31,7 +31,7 @@ import numpy as np
 import camgeo
 from camgeo.check.disc import transmission_angle_limit
 from camgeo.check.sizing.smallest import Sizing, row_limits, smallest_place
-from camgeo.check.sizing.task import Task
+from camgeo.check.sizing.task import RollerTask
 from camgeo.errors import GeometryError
 from camgeo.numeric.arrays import BoolArray, FloatArray
 
@@ -58,7 +58,7 @@ def main() -> None:
 def measure(name: str, rounds: int, angles: int) -> None:
     """Print the row of a scene."""
     design = camgeo.load(SCENES / f"{name}.toml")
-    task, limits = Task.from_cam(design.cam), design.scene.limits
+    task, limits = RollerTask.from_cam(design.cam), design.scene.limits
     angle, ratio = transmission_angle_limit(task.cam, limits), limits.radius_ratio
     tangent = math.tan(angle)
     alone = best(lambda: smallest_place(task, tangent), rounds)
@@ -81,7 +81,9 @@ def measure(name: str, rounds: int, angles: int) -> None:
     print(f"{name:20}{reported}{brute / exact:13.1f}{1e3 * EVERY**2 * single:13.0f}{differ:13d}")
 
 
-def feasible_map(task: Task, tangent: float, columns: FloatArray, rows: FloatArray) -> BoolArray:
+def feasible_map(
+    task: RollerTask, tangent: float, columns: FloatArray, rows: FloatArray
+) -> BoolArray:
     """(rows, columns) whether mu >= atan(`tangent`) all round with P at these places [mm]."""
     low, high = row_limits(task, tangent, rows)
     inside: BoolArray = (columns >= low[:, np.newaxis]) & (columns <= high[:, np.newaxis])
@@ -89,7 +91,7 @@ def feasible_map(task: Task, tangent: float, columns: FloatArray, rows: FloatArr
 
 
 def brute_map(
-    task: Task, tangent: float, columns: FloatArray, rows: FloatArray, angles: int
+    task: RollerTask, tangent: float, columns: FloatArray, rows: FloatArray, angles: int
 ) -> BoolArray:
     """As `feasible_map`, by the transmission angle at so many cam angles at every place."""
     terms = task.terms(np.linspace(0.0, 2.0 * np.pi, angles, endpoint=False))
@@ -100,7 +102,7 @@ def brute_map(
     return out
 
 
-def one_by_one(task: Task, columns: FloatArray, rows: FloatArray, angles: int) -> int:
+def one_by_one(task: RollerTask, columns: FloatArray, rows: FloatArray, angles: int) -> int:
     """How many of the places have a mechanism, each with its smallest transmission angle."""
     phi = np.linspace(0.0, 2.0 * np.pi, angles, endpoint=False)
     count = 0

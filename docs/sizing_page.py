@@ -12,7 +12,7 @@ from camgeo.app.answers.answer import figure
 from camgeo.app.answers.size import CamSize, Side, size
 from camgeo.check.sizing.rounding import size_with_arm
 from camgeo.check.sizing.smallest import Rating
-from camgeo.check.sizing.task import Task
+from camgeo.check.sizing.task import RollerTask
 
 HERE: Final = Path(__file__).parent
 PAGE: Final = HERE / "sizing.md"
@@ -236,7 +236,7 @@ def _row(name: str, rating: Rating | None) -> str:
 def _arms(present: Side, share: float) -> str:
     task, sizing = present.task, present.sizing
     roller = share * task.follower.roller_radius
-    other = Task.from_cam(task.cam.sized(roller_radius=roller))
+    other = RollerTask.from_cam(task.cam.sized(roller_radius=roller))
     best, found = size_with_arm(other, sizing.angle, sizing.ratio, *ARMS)
     ends = [size_with_arm(other, sizing.angle, sizing.ratio, arm, arm)[1] for arm in ARMS]
     arm = best.follower.arm

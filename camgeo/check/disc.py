@@ -59,32 +59,32 @@ if TYPE_CHECKING:
     from camgeo.geometry.outline.replay import Replay
 
 NOT_TRIMMABLE: Final = ("outline-", "closure")
-"""Beginnings of the names of findings that rule out a disc even if undercut is trimmed."""
+"""Beginnings of the names of findings that rule out a disc even where undercut may be trimmed."""
 
-TRIM: Final = 'limits.undercut = "trim" makes the disc that is left'
+TRIM: Final = 'limits.undercut = "trim" makes the disc that remains'
 
 
 class Checks(dict[str, tuple[Finding, ...]]):
-    """What checks find, by their names in the order of running; `ledger` records each."""
+    """The findings of each check by its name, in the order of running; `ledger` records them."""
 
     def __init__(self, ledger: Ledger) -> None:
         super().__init__()
         self._ledger = ledger
 
     def run(self, name: str, check: Callable[[], Iterable[Finding]]) -> tuple[Finding, ...]:
-        """The findings of `check`, kept by `name`."""
+        """Run a check and return its findings, which are stored under its `name`."""
         with self._ledger.entry(f"{FINDINGS}{name}"):
             self[name] = tuple(check())
         return self[name]
 
     @property
     def findings(self) -> tuple[Finding, ...]:
-        """Of all checks."""
+        """The findings of all checks that have run."""
         return tuple(chain.from_iterable(self.values()))
 
 
 def disc_findings(cam: Cam, limits: Limits) -> tuple[Finding, ...]:
-    """What the checks find in the mechanism and the disc, without the motion."""
+    """The findings on mechanism and disc, without those on the motion."""
     return disc_checks(cam, limits, cam.ledger).findings
 
 
@@ -105,12 +105,14 @@ def disc_checks(cam: Cam, limits: Limits, ledger: Ledger) -> Checks:
 
 
 def _face_checks(cam: Cam, limits: Limits, checks: Checks) -> None:
-    """Whether there is a cam for a flat face, and how the face is used."""
+    """Check whether there is a cam for a flat face, and which part of the face is used."""
     curve, severity = cam.disc.pitch_curve, _undercut_severity(limits)
     convex_findings = checks.run("convexity", lambda: check_convexity(curve, severity))
     wrong = [finding for finding in convex_findings if finding.severity != "ok"]
     outline_findings: tuple[Finding, ...] = ()
-    if len(wrong) == 1 and (wrong[0].name, wrong[0].unit) == ("convexity", "mm"):  # undercut
+    # A fault of convexity in mm is undercut; only if it is the sole fault is there an outline to be
+    # trimmed.
+    if len(wrong) == 1 and (wrong[0].name, wrong[0].unit) == ("convexity", "mm"):
         outline_findings = checks.run(
             "outline", lambda: _outline_findings(cam, Flank.INNER, severity)
         )
@@ -125,12 +127,12 @@ def _face_checks(cam: Cam, limits: Limits, checks: Checks) -> None:
 
 
 def _undercut_severity(limits: Limits) -> Severity:
-    """Severity of undercut and of what follows from it: a trimmed disc can still be made."""
+    """The severity of undercut and of its consequences: a trimmed disc can still be made."""
     return "broken" if limits.undercut == "trim" else "no-disc"
 
 
 def _roller_checks(cam: Cam, limits: Limits, checks: Checks) -> None:
-    """Whether a roller can follow the curve, and what remains of the flanks in use."""
+    """Check whether a roller can follow the curve, and what remains of the flanks in use."""
     disc = cam.disc
     curve = disc.pitch_curve
     if checks.run("standstill", lambda: check_standstill(curve)):
@@ -138,6 +140,7 @@ def _roller_checks(cam: Cam, limits: Limits, checks: Checks) -> None:
     severity = _undercut_severity(limits)
     limit = transmission_angle_limit(cam, limits)
     checks.run("transmission-angle", lambda: [check_transmission_angle(curve, limit)])
+    # No outline is computed where roller and guide make no mechanism.
     mechanism = not any(finding.severity == "invalid" for finding in checks.findings)
     radius = cam.follower.roller_radius
     try:
@@ -147,7 +150,8 @@ def _roller_checks(cam: Cam, limits: Limits, checks: Checks) -> None:
         checks.run("curvature", lambda: [Finding("curvature", "no-disc", reason)])
         return
 
-    # A limit other than the rule of thumb for rollers is meant for what is there.
+    # The rule of thumb is one for rollers, so it does not limit a curved face; any other value has
+    # been stated for this follower, whatever it is.
     curved = is_curved_face(cam, bends)
     ratio = None if curved and limits.radius_ratio == RULE_OF_THUMB else limits.radius_ratio
 
@@ -169,10 +173,11 @@ def _roller_checks(cam: Cam, limits: Limits, checks: Checks) -> None:
 
 
 def _name_trim(checks: Checks) -> None:
-    """If the disc is refused but could be trimmed, one of the findings names the key for that."""
+    """Name the key that allows trimming in one of the findings, if trimming would make a disc."""
     refused = [finding.name for finding in checks.findings if finding.severity == "no-disc"]
     if any(name.startswith(NOT_TRIMMABLE) for name in refused):
         return
+    # Only the first kind of finding that is there gets the remark.
     for named in ("lost-stroke-", "tangent-closure"):
         if any(name.startswith(named) for name in refused):
             for check, findings in checks.items():
@@ -188,7 +193,10 @@ def _name_trim(checks: Checks) -> None:
 def _outline_findings(
     cam: Cam, name: str, severity: Severity, flank: WorkingCurve | None = None
 ) -> list[Finding]:
-    """What is left of a disc, in words for a roller's `flank`, and what the follower does on it."""
+    """Findings on what remains of the flank `name`, and on the stroke lost where it is trimmed.
+
+    `flank` is the working curve of a roller, whose global undercut and lobes are reported too.
+    """
     disc, findings = cam.disc, list[Finding]()
     try:
         outline = disc.outline(name)
@@ -205,21 +213,22 @@ def _outline_findings(
 
 
 DISC_CHECKS: Final = {"roller": _roller_checks, "face": _face_checks}
-"""The findings of a disc, by what touches it."""
+"""The checks of a disc, by what touches it."""
 
 
 SLOW_ANGLES: Final[dict[LiftUnit, float]] = {"mm": 60.0, "rad": 45.0}
 """Smallest transmission angles to aim for [degrees] in slow mechanisms, by the unit of the lift."""
 
 FAST_ANGLE: Final = 60.0
+"""The same in fast mechanisms, whatever the unit of the lift."""
 
 
 def transmission_angle_limit(cam: Cam, limits: Limits) -> float:
-    """Smallest transmission angle allowed [rad]: the one stated, or the default of the sources
-    (Wirsig, section 2.4).
+    """Smallest transmission angle allowed [rad]: the stated one, or the default of Wirsig,
+    section 2.4.
 
-    60 degrees at any speed for translating followers, whose lift has the unit mm; for the others
-    45 degrees if the mechanism is slow, or no speed is given, else 60 degrees.
+    The default is 60 degrees at any speed for translating followers, whose lift has the unit mm.
+    For all others it is 45 degrees if the mechanism is slow or no speed is given, else 60 degrees.
     """
     if limits.transmission_angle is not None:
         return limits.transmission_angle
@@ -234,17 +243,19 @@ def check_radius_ratio(
     limit: float | None,
     roller_radius: float | None = None,
 ) -> Finding:
-    """Compare the roller radius with the smallest r_K that matters: r_R <= `limit` r_K (eq. 3.36);
-    with nothing if that is None.
+    """Compare the roller radius with the smallest r_K that matters: r_R <= `limit` r_K (eq. 3.36).
 
-    `roller_radius` [mm] is that of a roller with play; None if the flank is its envelope.
+    A `limit` of None reports the ratio without comparing it. `roller_radius` [mm] is that of a
+    roller with play; None if the flank is the roller's envelope.
     """
     kappa, phi = _tightest(flank, bends)
     roller = abs(flank.distance) if roller_radius is None else roller_radius
+    # r_R / r_K with the sign of curvature that matters: the inner flank, at a negative distance, is
+    # endangered where the pitch curve is convex, kappa > 0, the outer one where it is concave.
     ratio = -math.copysign(roller, flank.distance) * kappa
     if roller == 0.0 or ratio <= 0.0:
         bend = "concave" if flank.distance < 0.0 else "convex"
-        statement = f"{name} flank: the pitch curve is {bend} everywhere, any roller fits"
+        statement = f"{name} flank: the pitch curve is {bend} everywhere, so any roller fits"
         if roller == 0.0:
             statement = f"{name} flank: a knife edge, r_R = 0, fits any radius of curvature"
         return Finding(f"radius-ratio-{name}", "ok", statement, 0.0, limit)
@@ -253,16 +264,16 @@ def check_radius_ratio(
         f" {1 / abs(kappa):.4f} mm) {at_cam_angles(phi, form='.4f')}"
     )
     if limit is None:
-        statement += ", without a limit: the face is no roller's"
+        statement += ", without a limit, as the curved face is not a roller"
     return limit_finding(f"radius-ratio-{name}", statement, ratio, limit, cam_angle=phi)
 
 
 def check_undercut(
     flank: WorkingCurve, name: str, bends: Extremes, severity: Severity = "no-disc"
 ) -> tuple[Finding, ...]:
-    """Cusps and local undercut of a flank: where 1 + d kappa is zero or negative.
+    """Check a flank for cusps and local undercut, where 1 + d kappa is zero or negative.
 
-    `severity` is that of undercut: "no-disc" if no disc is made then, else "broken".
+    `severity` is reported for undercut: "no-disc" if undercut rules out a disc, else "broken".
     """
     kappa, phi = _tightest(flank, bends)
     margin = 1.0 + flank.distance * kappa
@@ -277,7 +288,7 @@ def check_undercut(
         return (Finding(f"cusp-{name}", severity, statement, margin, 0.0, cam_angle=phi),)
     findings = []
     for start, end in undercut_ranges(flank, bends):
-        span = end - start if end > start else end - start + TURN
+        span = end - start if end > start else end - start + TURN  # it may pass cam angle 0
         # Every range has an extreme; it may lie at a break that ends the range, whose angle has
         # been rounded differently.
         inside = np.flatnonzero((bends.phi - start + INSIDE) % TURN <= span + 2.0 * INSIDE)
@@ -285,9 +296,8 @@ def check_undercut(
         worst = int(np.argmin(margins))
         value, place = float(margins[worst]), float(bends.phi[inside[worst]])
         statement = (
-            f"{name} flank: undercut {cam_angle_range(start, end, '.6f')}, the roller is larger"
-            " than the radius of curvature of the pitch curve; the follower would not make its"
-            " motion"
+            f"{name} flank: undercut {cam_angle_range(start, end, '.6f')}, where the roller radius"
+            " exceeds the pitch curve's radius of curvature: the follower would not make its motion"
         )
         what = f"undercut-{name}"
         findings.append(Finding(what, severity, statement, value, 0.0, "", place, (start, end)))
@@ -295,13 +305,13 @@ def check_undercut(
 
 
 def _distance_name(flank: WorkingCurve) -> str:
-    """What the flank's distance from the pitch curve is called."""
+    """The name of the flank's distance from the pitch curve, for a sentence."""
     played = abs(flank.distance) != flank.pitch.follower.roller_radius
     return "half the groove's width" if played else "the roller radius"
 
 
 def _tightest(flank: WorkingCurve, bends: Extremes) -> tuple[float, float]:
-    """The curvature [1/mm] worst for the flank, and its cam angle."""
+    """The curvature [1/mm] of the pitch curve worst for the flank, and its cam angle [rad]."""
     return bends.largest() if flank.distance < 0.0 else bends.smallest()
 
 
@@ -320,18 +330,21 @@ def check_outline(
     severity: Severity,
     kinks: Sequence[float] = (),
 ) -> tuple[Finding, ...]:
-    """Where the flank `name` is cut off in spite of its curvature, and lobes that fall away.
+    """Report where the flank `name` is cut off in spite of its curvature, and lobes that fall off.
 
     Parameters
     ----------
     undercut : ranges of local undercut, which `check_undercut` reports.
-    severity : of a flank that is cut off: "no-disc" if no disc is made then, else "broken".
+    severity : reported for a flank that is cut off: "no-disc" if that rules out a disc, else
+        "broken".
     kinks : cam angles [rad] at which the velocity jumps, which `check_closure` reports.
     """
     findings, crossing = [], f"global-undercut-{name}"
     known = np.array([*(start for start, _ in undercut), *kinks])
     for start, end in outline.dropped:
-        if np.any((known - start) % TURN <= end - start):  # a noisy table has thousands of both
+        # What is cut off about an undercut or a kink is reported with that already. All are
+        # compared at once, as a noisy table has thousands of both.
+        if np.any((known - start) % TURN <= end - start):
             continue
         width, where = math.degrees(end - start), (start, end % TURN)
         sentence = (
@@ -351,9 +364,9 @@ def check_outline(
 
 
 def check_lost_stroke(replay: Replay, name: str, unit: LiftUnit, severity: Severity) -> Finding:
-    """How much of its lift the follower loses on the real disc, with shocks and drops.
+    """Report how much of its lift the follower loses on the real disc, with shocks and drops.
 
-    `unit` is that of the lift.
+    `unit` is the unit of the lift.
     """
     loss = replay.largest_loss
     scale, display_unit = STATED[unit]
@@ -384,12 +397,13 @@ def check_lost_stroke(replay: Replay, name: str, unit: LiftUnit, severity: Sever
 
 
 CURVED: Final = 0.9
-"""Radius of a face, in base radii, from which on it is no roller's: 9 times the cam's base circle.
-Crowned tappets have more than 10 times; levers with curved pads, and rollers, up to 4 times."""
+"""Radius of a face, as a fraction of the base radius, above which it does not count as a roller: 9
+times the radius of the cam's own base circle. Crowned tappets have more than 10 times that radius;
+levers with curved pads, and rollers, have up to 4 times."""
 
 
 def is_curved_face(cam: Cam, bends: Extremes) -> bool:
-    """Whether what is stated as a roller is a face curved about a centre far from the cam, on a
+    """Whether the stated roller is in fact a curved face, whose centre is far from the cam, on a
     flank without cusp or undercut.
     """
     radius, base = cam.follower.roller_radius, cam.follower.base_radius
@@ -398,10 +412,11 @@ def is_curved_face(cam: Cam, bends: Extremes) -> bool:
 
 
 def check_curved_face(curve: PitchCurve, bends: Extremes) -> tuple[Finding, ...]:
-    """Whether the cam is convex, and over which part of the face the contact runs."""
+    """Check whether the cam is convex, and over which part of the face the contact runs."""
     radius = curve.follower.roller_radius
     tightest, phi = bends.largest()
     hollow, there = bends.smallest()
+    # The flank is the parallel of the pitch curve at the radius of the face.
     value = 1.0 / tightest - radius if tightest > 0.0 else None
     sentence = "the cam has no convex part"
     if value is not None:
@@ -418,8 +433,10 @@ def check_curved_face(curve: PitchCurve, bends: Extremes) -> tuple[Finding, ...]
 
 
 def _contact_range(curve: PitchCurve) -> Finding:
+    """Over which part of a curved face the contact runs, as no limit applies to that."""
+
     def place(phi: FloatArray, side: Side) -> FloatArray:
-        """(n,) of the contact along the face [mm], from its middle."""
+        """(n,) position of the contact along the face [mm], from the middle of the face."""
         relative = curve.relative_jet(phi, side, order=1)
         sine = np.sign(relative.u) * relative.v / np.hypot(relative.u, relative.v)
         return np.asarray(curve.rotation * curve.follower.roller_radius * sine)
@@ -431,7 +448,7 @@ def _contact_range(curve: PitchCurve) -> Finding:
     sentence = (
         f"the contact runs along the curved face from {low:.6g} mm {first} to {high:.6g} mm"
         f" {last}, measured from its middle: a face of"
-        f" {high - low:.6g} mm is needed, and one of {across:.6g} mm in diameter if it turns"
+        f" {high - low:.6g} mm is needed, or of {across:.6g} mm in diameter if it rotates"
     )
     return Finding("face-length", "ok", sentence, high - low, unit="mm")
 
@@ -445,9 +462,9 @@ ROUNDING = 1e-12
 
 
 def check_convexity(curve: PitchCurve, severity: Severity = "no-disc") -> tuple[Finding, ...]:
-    """Findings of a flat follower's cam; with "no-disc" among them there is no such cam.
+    """Check that the cam of a flat face exists; with "no-disc" among the findings it does not.
 
-    `severity` is that of undercut: "no-disc" if no disc is made then, else "broken".
+    `severity` is reported for undercut: "no-disc" if undercut rules out a disc, else "broken".
 
     The smallest radius of curvature is always reported. Moving the face outward by D gives the
     parallel outline, whose radii are larger by D: so exactly that much more base radius, and on a
@@ -521,14 +538,14 @@ def _face_over_axis(shape: Convexity) -> Finding:
 
 
 def place_text(phi: float) -> str:
-    """The place `phi` [rad] in words."""
+    """The cam angle `phi` [rad] in words."""
     return at_cam_angles(phi, form=".4f")
 
 
 def check_face(curve: PitchCurve, outline: Path) -> tuple[Finding, ...]:
-    """The part of the face that the contact runs over; on a rocker, also whether it has a lever.
+    """Check which part of the face the contact runs over, and on a rocker whether it has a lever.
 
-    The contact is that with `outline`, the real one: over its corners too. Positions along the face
+    `outline` is the real one, so the contact also rests on its corners. Positions along the face
     are measured as in `FlatFollower`.
     """
     follower = flat_follower(curve.follower)
@@ -546,6 +563,7 @@ def check_face(curve: PitchCurve, outline: Path) -> tuple[Finding, ...]:
     face = follower.face
     if face is not None:
         sentence += f"; it reaches from {face[0]:g} to {face[1]:g} mm"
+        # The end of the face that the contact passes farthest, or comes closest to.
         short, place, end, phi = max(
             (high - face[1], high, face[1], at_high), (face[0] - low, low, face[0], at_low)
         )
@@ -584,8 +602,9 @@ def least_speed(pitch: PitchCurve) -> float:
 
 
 def check_standstill(curve: PitchCurve) -> tuple[Finding, ...]:
-    """A finding that there is no disc where |Z'| vanishes; nothing where it does not."""
+    """Report that there is no disc if |Z'| vanishes anywhere; nothing if it does not."""
     limit = STANDSTILL_SHARE * curve.follower.base_radius
+    # The bound needs no search and decides nearly all designs.
     if least_speed(curve) > limit:
         return ()
 
@@ -595,6 +614,7 @@ def check_standstill(curve: PitchCurve) -> tuple[Finding, ...]:
 
     def slope(phi: FloatArray, side: Side) -> FloatArray:
         relative = curve.relative_jet(phi, side, order=2)
+        # Half the slope, which has the same roots.
         (_, a1, a2), (_, b1, b2) = relative.along, relative.across
         return np.asarray(a1 * a2 + b1 * b2)
 
@@ -616,9 +636,9 @@ def check_standstill(curve: PitchCurve) -> tuple[Finding, ...]:
 
 @kept_with_each
 def transmission_angle_extremes(curves: Sequence[PitchCurve]) -> list[Extremes]:
-    """All local extremes of the transmission angle [rad]; Z' must not vanish.
+    """All local extremes of the transmission angle [rad] of each curve; Z' must not vanish.
 
-    Of curves with the same motion and sense, and followers that are `alike`.
+    The curves must have the same motion and sense of rotation, and followers that are `alike`.
     """
     first, many = curves[0], curves_together(curves)
     return extremes_of_members(
@@ -627,10 +647,14 @@ def transmission_angle_extremes(curves: Sequence[PitchCurve]) -> list[Extremes]:
 
 
 def _roller_angle_slopes(curve: PitchCurve) -> Quantity:
-    """What vanishes where the angle of a roller can be extreme."""
+    """A function of the cam angle that vanishes where the transmission angle of a roller can be
+    extreme.
+    """
 
     def slopes(phi: FloatArray, side: Side) -> FloatArray:
-        """Rows: slope of the angle; what vanishes where it is 0, and where it is 90 degrees."""
+        """(3, n) rows that vanish where the angle has slope 0, where it is 0, and where it is 90
+        degrees: at the last two its magnitude has a kink.
+        """
         motion = curve.motion.jet(phi, side)
         tangent = curve.follower.tangent_jet(motion, curve.rotation)
         turning = tangent.u[0] * tangent.w[1] - tangent.w[0] * tangent.u[1]
@@ -641,11 +665,12 @@ def _roller_angle_slopes(curve: PitchCurve) -> Quantity:
 
 
 def _face_angle_slope(curve: PitchCurve) -> Quantity:
-    """The same for a flat face, where the angle depends on the position of the contact alone."""
+    """The same for a flat face, whose angle depends on the position of the contact alone."""
     return lambda phi, side: touch(curve, phi, side).contact
 
 
 SLOPES: Final = {"roller": _roller_angle_slopes, "face": _face_angle_slope}
+"""What vanishes at extremes of the transmission angle, by what touches the cam."""
 
 
 def check_transmission_angle(curve: PitchCurve, limit: float) -> Finding:
@@ -704,12 +729,13 @@ TANGENT_LIMIT = 1e-9
 
 
 def check_closure(curve: PitchCurve, severity: Severity = "no-disc") -> tuple[Finding, ...]:
-    """Closure of the pitch curve and of its tangent.
+    """Check that the pitch curve and its tangent are continuous at all joints, and close.
 
-    `severity` is that of a corner in the pitch curve: "no-disc" if no disc is made then, else
+    `severity` is reported for a corner of the pitch curve: "no-disc" if that rules out a disc, else
     "broken".
     """
     join = joints(curve)
+    # Rounding grows with the size of the curve's coordinates, not only with its base circle.
     limit = POINT_LIMIT * (
         curve.follower.base_radius + float(np.max(np.abs(curve.point(join.phi))))
     )

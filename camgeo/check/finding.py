@@ -19,16 +19,16 @@ Severity = Literal["ok", "warning", "broken", "no-disc", "invalid"]
 """What a finding means to the designer.
 
 ok: within its limit, or without one, see `Verdict`. warning: worth knowing. broken: beyond its
-limit, though the disc can be made all the same. no-disc: no disc makes this motion, and no outline
+limit, though the disc can still be made. no-disc: no disc makes this motion, and no outline
 is written. invalid: what the scene describes is no cam mechanism, which a command treats as a fault
 of the scene.
 """
 
 Verdict = Literal["note", "figure", Severity]
-"""What is said of a finding: its severity where it is compared with anything or bad all the same.
+"""How a finding is presented: by its severity if it has a limit, or is bad without one.
 
-figure: a value that nothing limits, so that it is neither good nor bad. note: a sentence for which
-the same holds.
+figure: a value without a limit, so that it is neither good nor bad. note: a sentence without a
+value, which is neither good nor bad either.
 """
 
 FINDINGS: Final = "findings."
@@ -41,10 +41,10 @@ BROKEN: Final = ("broken", *NO_OUTLINE)
 """Severities of a limit that does not hold."""
 
 UNDERCUT: Final = ("cusp-", "undercut-", "global-undercut-")
-"""Beginnings of the names of findings for which a cure can be sought."""
+"""Beginnings of the names of findings against which a cure can be searched for."""
 
 CONVEXITY: Final = "convexity"
-"""Name of the finding for which a cure of a flat face can be sought."""
+"""Name of the finding against which a cure of a flat face can be searched for."""
 
 RETURN: Final = "return"
 """Marks the return disc: its files are NAME-return, its findings begin with "return: "."""
@@ -58,17 +58,18 @@ STATED: Final[dict[LiftUnit, tuple[float, str]]] = {
 
 @dataclass(frozen=True, slots=True)
 class Finding(Displayed):
-    """The answer of one check.
+    """The result of one check.
 
     Attributes
     ----------
-    name : of the check, e.g. "transmission-angle".
+    name : name of the check, e.g. "transmission-angle".
     severity : see `Severity`.
     sentence : the finding in words, with value, limit and place.
-    value : what was found, in `unit`; None if the check has no number.
-    limit : what it is compared with, in `unit`; None if there is none.
-    unit : "deg", "mm", "" ...
-    cam_angle : where, [rad], given in any turn, kept in [0, 2 pi); None for the whole turn.
+    value : the value found, in `unit`; None if the check has no number.
+    limit : the limit that the value is compared with, in `unit`; None if there is none.
+    unit : unit of value and limit: "deg", "mm", ... or empty.
+    cam_angle : place of the value [rad], given in any turn and stored in [0, 2 pi); None for the
+        whole turn.
     cam_range : start and end [rad] of the range over which the limit is broken, the end below the
         start if it passes cam angle 0; None where a single angle says it.
     """
@@ -89,8 +90,8 @@ class Finding(Displayed):
             object.__setattr__(self, "cam_angle", angle if angle < TURN else 0.0)
 
     def in_unit(self, unit: LengthUnit) -> Finding:
-        """The finding with the lengths in its sentence in the unit of a scene; value and limit stay
-        as they are.
+        """The finding with the lengths in its sentence in the unit of a scene; value and limit
+        remain in `self.unit`.
         """
         figures = (self.value, self.limit) if "mm" in self.unit else ()
         exact = [figure for figure in figures if figure is not None]
@@ -102,18 +103,18 @@ class Finding(Displayed):
 
     @property
     def verdict(self) -> Verdict:
-        """What is said of it, see `Verdict`."""
+        """How the finding is presented, see `Verdict`."""
         if self.severity != "ok" or self.limit is not None:
             return self.severity
         return "note" if self.value is None else "figure"
 
 
 NAMED: Final = 3
-"""Findings of a verdict that are named where many are described."""
+"""Most findings of one verdict that are named where many are summarised."""
 
 
 QUIET: Final = ("ok", "figure", "note")
-"""Verdicts on findings that are not bad."""
+"""Verdicts of findings that are not bad."""
 
 
 class Findings(tuple[Finding, ...], Displayed):
@@ -139,11 +140,11 @@ def findings_in_unit(unit: LengthUnit, findings: Iterable[Finding]) -> tuple[Fin
 
 
 class LazyFindings(Sequence[Finding], Displayed):
-    """Findings that are made when one looks at them, then shown as `Findings` are.
+    """Findings that are computed when they are first looked at, then shown as `Findings` are.
 
     Parameters
     ----------
-    find : makes them, once.
+    find : computes the findings; it must return the same object each time.
     """
 
     def __init__(self, find: Callable[[], Findings]) -> None:
@@ -175,16 +176,17 @@ class LazyFindings(Sequence[Finding], Displayed):
 
 
 MOST_ALIKE: Final = 12
-"""Findings of one name and severity that are told one by one."""
+"""Most findings of one name and severity that are reported one by one."""
 
 TOUCHING: Final = 1e-9
-"""Ranges [rad] this close to each other are told as one."""
+"""Ranges [rad] this close to each other are reported as one."""
 
 
 def folded(findings: Iterable[Finding]) -> tuple[Finding, ...]:
-    """The findings, but of more than `MOST_ALIKE` alike only the worst one, with the places of all.
+    """The findings; of more than `MOST_ALIKE` alike only the worst is reported, with all places.
 
-    The worst is the farthest from its limit, or from 0 without one, or has no value at all.
+    Findings are alike if they have the same name and severity. The worst is the farthest from its
+    limit, or from 0 without a limit; one without a value counts as worst.
     """
     all_findings = tuple(findings)
     alike: dict[tuple[str, str], list[Finding]] = {}
@@ -202,13 +204,13 @@ def folded(findings: Iterable[Finding]) -> tuple[Finding, ...]:
             reported.append(finding)
         elif finding is group[0]:
             worst = max(group, key=_beyond)
-            sentence = f"{worst.sentence}; {len(group)} alike in all, {_places(group)}"
+            sentence = f"{worst.sentence}; {len(group)} such findings in all, {_places(group)}"
             reported.append(replace(worst, sentence=sentence, cam_range=None))
     return tuple(reported)
 
 
 def _beyond(finding: Finding) -> float:
-    """By how much the value differs from its limit."""
+    """By how much the value differs from its limit, or from 0; infinite without a value."""
     if finding.value is None:
         return math.inf
     return abs(finding.value - (finding.limit or 0.0))
@@ -236,8 +238,9 @@ def limit_finding(
     *,
     least: bool = False,
 ) -> Finding:
-    """The finding that compares `value` with a `limit` that it must not exceed, or with `least` not
-    fall below; with none if that is None. The sentence is `statement` with the verdict.
+    """A finding that compares `value` with a `limit` that it must not exceed, or with `least` must
+    not fall below. A limit of None reports the value alone. The sentence is `statement` with the
+    verdict appended.
     """
     if limit is None:
         return Finding(name, "ok", statement, value, unit=unit, cam_angle=cam_angle)
@@ -253,8 +256,8 @@ DIGITS: Final = 6
 
 
 def rounded_beyond(value: float, digits: int, *, upward: bool, steps: int = 0) -> str:
-    """`value` rounded up or down to significant digits, to the side on which it cures, and `steps`
-    units of the last digit farther.
+    """`value` rounded up or down to significant digits, and then moved `steps` units of the last
+    digit farther in the same direction.
     """
     exact = Decimal(value)
     if not exact and not steps:
@@ -265,7 +268,7 @@ def rounded_beyond(value: float, digits: int, *, upward: bool, steps: int = 0) -
 
 
 def forbidding(findings: Iterable[Finding]) -> tuple[Finding, ...]:
-    """The findings that rule out the disc."""
+    """The findings among `findings` that rule out the disc."""
     return tuple(finding for finding in findings if finding.severity in NO_OUTLINE)
 
 
@@ -281,7 +284,7 @@ RULE_OF_THUMB: Final = 0.7
 
 
 def right_angle(key: str, value: Any) -> float:
-    """An angle above 0, a right angle at most [rad]."""
+    """Check that a value is an angle above 0 and at most a right angle [rad]."""
     return number(key, value, above=0.0, most=0.5 * math.pi, unit="radians")
 
 
@@ -329,5 +332,5 @@ class Limits:
 
 
 def is_slow(speed: float | None) -> bool:
-    """Whether a mechanism counts as slow at `speed` [rad/s]; so it does if none is given."""
+    """Whether a mechanism counts as slow at `speed` [rad/s], as it does without a stated speed."""
     return speed is None or speed <= SLOW

@@ -1,4 +1,4 @@
-"""What the checks find in a cam, or in the two cams of a conjugate pair."""
+"""The findings on a cam, or on the two cams of a conjugate pair."""
 
 from __future__ import annotations
 
@@ -49,10 +49,11 @@ WORST_FIRST: Final = ("invalid", "no-disc", "broken", "warning", "ok")
 """Order of the findings, by severity."""
 
 CURABLE: Final = (*UNDERCUT, CONVEXITY, "transmission-angle", "radius-ratio-")
-"""The same for any cure."""
+"""Beginnings of the names of all findings against which a cure can be searched for."""
 
 TrialFindings = tuple[Findings, Sequence[Finding]]
-"""What is found on a changed design, and what of its parts breaks a limit, once it is looked at."""
+"""The findings on a changed design, and those on its parts that break a limit, which are computed
+only when they are looked at."""
 
 ByCheck = Mapping[str, tuple[Finding, ...]]
 """Findings by the check that makes them."""
@@ -60,19 +61,19 @@ ByCheck = Mapping[str, tuple[Finding, ...]]
 
 @dataclass(frozen=True)
 class Judgement(Pickled, Displayed):
-    """What the checks find, on demand.
+    """The findings of all checks, computed on demand.
 
     Attributes
     ----------
-    drive : what moves the follower.
+    drive : drive of the follower: motion plan, linkage and speed.
     cams : the cam; for a conjugate pair the main and the return one, with that drive; empty without
         a follower.
-    limits : what they are compared with.
+    limits : the limits of the scene.
     tolerance : largest error of a flank along its normal [mm], for the closing error of a pair.
-    unit : that of the scene, in which findings and cures state lengths.
+    unit : unit of the scene, in which findings and cures state lengths.
     ledger : records what has been computed.
-    trial : what is found on the scene with other values by key, which make the cams that it is
-        given; None if there is no scene, where cures are judged by the discs alone.
+    trial : returns the findings on the scene with other values by key, given the cams that these
+        values make; None if there is no scene, so that cures are judged by the discs alone.
     """
 
     drive: Drive
@@ -115,7 +116,7 @@ class Judgement(Pickled, Displayed):
         )
 
     def _run_pair_checks(self, checks: Checks) -> None:
-        """What is found in the return disc and in both discs together."""
+        """Run the checks of the return disc and of both discs together."""
         main, other = self.cams
         # The linkage, which both discs share, is reported once.
         shared = checks.get(LINKAGE, ())
@@ -148,7 +149,10 @@ class Judgement(Pickled, Displayed):
         return not forbidding(self.findings)
 
     def require_outline(self, cam: Cam) -> None:
-        """Raise UndercutError if there is no such disc; for a return cam, also no main disc."""
+        """Raise UndercutError if a finding rules out the disc of `cam`.
+
+        Findings on the return disc do not rule out the main disc, but the other way round they do.
+        """
         sentences = [
             finding.sentence
             for finding in forbidding(self.findings)
@@ -159,8 +163,8 @@ class Judgement(Pickled, Displayed):
 
     @lazy
     def cures(self) -> tuple[Cure, ...]:
-        """What would cure undercut, a broken transmission angle and a broken radius ratio, see
-        `camgeo.check.cures.remedies`; empty if nothing is wrong with them.
+        """Cures of undercut and of a broken transmission angle or radius ratio, see
+        `camgeo.check.cures.remedies`; empty if there is nothing to cure.
         """
         if not any(
             finding.severity in BROKEN
@@ -170,6 +174,7 @@ class Judgement(Pickled, Displayed):
             return ()
         from camgeo.check.cures.remedies import remedies  # a search that few cams need
 
+        # Several knobs and both stages of the search ask for the same change.
         known: dict[tuple[tuple[str, object], ...], TrialFindings] = {}
 
         def judged(cams: tuple[Cam, ...], edits: Mapping[str, Any]) -> TrialFindings:
@@ -192,7 +197,7 @@ def worst(findings: Iterable[Finding]) -> Severity:
 
 
 def motion_findings(drive: Drive) -> tuple[Finding, ...]:
-    """What the checks find in the motion and the speed, without any disc."""
+    """The findings on motion and speed, which need no disc."""
     speed = check_speed(drive.plan, drive.time_course, drive.unit)
     return folded((*check_motion(drive.plan, drive.unit), *speed))
 
@@ -212,34 +217,38 @@ through exact rows of a law swings a little where the jerk jumps: 1e-7 of the st
 every degree of a move over 110 degrees, 6e-5 at every 10 degrees, 2e-3 at every 20."""
 
 SHOCK, JERK = 0, 1
-"""Order of continuity of the motion at a shock, and at a jerk."""
+"""Order of continuity of the motion at a shock (a step of the velocity) and at a jerk (a step of
+the acceleration, as VDI 2143 uses the word)."""
 
 
 NAMES = ("velocity", "acceleration", "jerk")
+"""Names of the first three derivatives of a motion, in the names of findings."""
 
 UNIT_SPEED = ConstantSpeed(1.0)
-"""At 1 rad/s derivatives over time are those over the cam angle."""
+"""At 1 rad/s derivatives with respect to time equal those with respect to the cam angle."""
 
 
 @kept_with_owner
 def check_motion(plan: MotionPlan, unit: LiftUnit) -> tuple[Finding, ...]:
-    """Shocks (jumps of s'), jerks (jumps of s''), overshoots, and deviations from lift tables.
+    """Report shocks (steps of s'), jerks (steps of s''), overshoots and deviations of lift tables.
 
     Parameters
     ----------
-    plan : in mm or rad.
-    unit : which of the two; findings give degrees for rad.
+    plan : the motion plan, with lifts in mm or rad.
+    unit : unit of the lifts; findings give degrees for rad.
     """
     findings = [_laws(plan), _continuity(plan)]
     scale, display_unit = STATED[unit]
     for joint in breaks(plan):
         if joint.order == SHOCK:
             findings.append(_jump(joint, 1, scale, display_unit))
+        # A shock may come with a step of the acceleration, which is reported separately.
         if joint.order in (SHOCK, JERK) and joint.left[2] != joint.right[2]:
             findings.append(_jump(joint, 2, scale, display_unit))
     position = 0.0
     for segment, start in zip(plan.segments, plan.joints_deg, strict=False):
         angle = math.radians(float(segment.span))
+        # A move with a scale returns to where it started, so there is no stroke to exceed.
         if isinstance(segment, Move) and segment.scale is None:
             findings += _overshoot(segment, position, float(start), scale, display_unit)
         if isinstance(segment, SplineMove):
@@ -253,7 +262,7 @@ def check_motion(plan: MotionPlan, unit: LiftUnit) -> tuple[Finding, ...]:
 
 
 def _laws(plan: MotionPlan) -> Finding:
-    """The law of each move, with the parameters chosen or computed for it."""
+    """Report the law of each move, with the parameters chosen or computed for it."""
     moves = [
         f"{float(start):g} to {float(end):g} deg {_law_text(segment)}"
         for segment, (start, end) in zip(plan.segments, pairwise(plan.joints_deg), strict=True)
@@ -276,7 +285,7 @@ def _law_text(segment: Move | SplineMove) -> str:
 
 
 def _continuity(plan: MotionPlan) -> Finding:
-    """The classes of all joints, and the order of continuity of the motion there."""
+    """Report the classes of all joints, and the order of continuity of the motion there."""
     all_joints = joints(plan)
     worst = min(joint.order for joint in all_joints)
     listed = ", ".join(
@@ -311,7 +320,7 @@ def _jump(joint: Joint, order: int, scale: float, unit: str) -> Finding:
 
 
 def _overshoot(move: Move, position: float, start: float, scale: float, unit: str) -> list[Finding]:
-    """How far a move goes beyond its start and its end."""
+    """Report how far a move overshoots its start and its end."""
     stroke = move.to - position
     if stroke == 0.0:
         return []
@@ -326,7 +335,7 @@ def _overshoot(move: Move, position: float, start: float, scale: float, unit: st
             beyond = scale * excess * abs(stroke)
             place = math.radians(angle)
             statement = (
-                f"the move by {move.law.name} goes {beyond:.6g} {unit} beyond its {what}, to"
+                f"the {move.law.name} move overshoots its {what} by {beyond:.6g} {unit}, to"
                 f" {scale * (position + stroke * extreme.value):.6g} {unit} {at_cam_angles(place)}"
             )
             findings.append(Finding("overshoot", "warning", statement, beyond, 0.0, unit, place))
@@ -336,7 +345,7 @@ def _overshoot(move: Move, position: float, start: float, scale: float, unit: st
 def _deviation(
     move: SplineMove, start: float, length: float, position: float, scale: float, unit: str
 ) -> Finding:
-    """How far a motion is from the rows of its table, and by how much these were shifted."""
+    """Report how far a motion is from the rows of its table, and by how much these were shifted."""
     report = move.report
     assert report is not None  # only those are passed
     angle = start + report.place * length
@@ -351,9 +360,10 @@ def _deviation(
             f" {scale * position:.6g} {unit}, "
         )
     statement = (
-        f"{added}the motion is at most {largest:.3g} {unit} off the rows of its lift table,"
-        f" {at_cam_angles(angle)} (root mean square {scale * report.rms:.3g} {unit})"
+        f"{added}the motion deviates from the rows of its lift table by at most {largest:.3g}"
+        f" {unit}, {at_cam_angles(angle)} (root mean square {scale * report.rms:.3g} {unit})"
     )
+    # Rows that begin with 0 count from where the segment starts; any other shift is worth a look.
     counted_from_start = shift <= _slack(move) or first_row == 0.0
     severity: Severity = "ok" if counted_from_start else "warning"
     return Finding("lift-table", severity, statement, largest, unit=unit, cam_angle=angle)
@@ -362,7 +372,7 @@ def _deviation(
 def _swing(
     move: SplineMove, start: float, length: float, position: float, scale: float, unit: str
 ) -> list[Finding]:
-    """How far a motion by data goes beyond two neighbouring rows or points between them."""
+    """Report how far a motion from data leaves the range of two neighbouring rows or points."""
     extreme = move.spline.beyond_knots()
     beyond = abs(extreme.value)
     allowed = _slack(move)
@@ -370,6 +380,7 @@ def _swing(
         return []
     angle = start + extreme.place * length
     knots = move.spline.knots
+    # Only the inner knots are searched, so that an extreme at an end has a knot on either side.
     right = int(np.searchsorted(knots[1:-1], extreme.place)) + 1
     first, last = (
         math.degrees(start + float(knot) * length) for knot in knots[right - 1 : right + 1]
@@ -387,25 +398,27 @@ def _swing(
 
 
 def _slack(move: SplineMove) -> float:
-    """The uncertainty of rows or points [mm or rad]."""
+    """The uncertainty of the rows or points [mm or rad], within which a swing is not reported."""
     deviation = 0.0 if move.report is None else move.report.largest_deviation
     return max(SWING * _stroke(move), deviation)
 
 
 def _stroke(move: SplineMove) -> float:
-    """Largest distance between rows or points [mm or rad]."""
+    """The range of the rows or points [mm or rad]."""
     return float(np.ptp(move.spline.values(move.spline.knots, 0)[0]))
 
 
 @kept_with_owner
 def check_speed(plan: MotionPlan, course: TimeCourse | None, unit: LiftUnit) -> tuple[Finding, ...]:
-    """Smallest and largest velocity, acceleration and jerk, and the torque to move a unit of mass.
+    """Report the smallest and largest velocity, acceleration and jerk, and the torque that moves a
+    unit of mass.
 
     Parameters
     ----------
-    plan : in mm or rad.
-    course : how the cam turns; None gives the derivatives over the cam angle, and no torque.
-    unit : mm or rad.
+    plan : the motion plan, with lifts in mm or rad.
+    course : the cam's speed variation; None gives the derivatives with respect to the cam angle,
+        and no torque.
+    unit : unit of the lifts, mm or rad.
     """
     peaks = plan_extremes(plan, course or UNIT_SPEED, unit)
     scale, display_unit = STATED[unit]
@@ -461,7 +474,7 @@ VANISHING: Final = 1e-12
 def check_pair(
     main: PitchCurve, other: PitchCurve, tolerance: float, limit: float
 ) -> tuple[Finding, ...]:
-    """Form closure of a pair of discs, and the error with which the pair closes.
+    """Check a pair of discs for form closure, and for the error with which the pair closes.
 
     Parameters
     ----------
@@ -469,8 +482,8 @@ def check_pair(
     tolerance : largest error of either flank along its normal [mm].
     limit : largest closing error allowed, as travel of the main roller [mm].
 
-    Without form closure there is no closing error. Raises GeometryError where Z' of one of the
-    curves vanishes.
+    Without form closure there is no closing error. Raises GeometryError if Z' of one of the curves
+    vanishes anywhere.
     """
     closed = _check_form_closure(main, other)
     if closed.severity != "ok":
@@ -490,7 +503,9 @@ def leverage_slope(curve: PitchCurve, phi: FloatArray, side: Side) -> FloatArray
 
 
 def _check_form_closure(main: PitchCurve, other: PitchCurve) -> Finding:
-    """Whether the product of the leverages, as sines of the transmission angles, is below 0."""
+    """Check that the product of the leverages, as sines of the transmission angles, is below 0."""
+    # A leverage is the reach times the sine of the transmission angle: without the reaches the
+    # product does not depend on the size of the mechanism.
     scale = 1.0 / abs(main.follower.reach * other.follower.reach)
 
     def product(phi: FloatArray, side: Side) -> FloatArray:
@@ -521,7 +536,7 @@ def _check_form_closure(main: PitchCurve, other: PitchCurve) -> Finding:
 def _check_closing_error(
     main: PitchCurve, other: PitchCurve, tolerance: float, limit: float
 ) -> Finding:
-    """Compare the play or squeeze of two discs true to `tolerance` with `limit`."""
+    """Compare the play or interference of two discs true to `tolerance` [mm] with `limit` [mm]."""
     scale = tolerance * abs(main.follower.reach)
 
     def play(phi: FloatArray, side: Side) -> FloatArray:
@@ -529,6 +544,7 @@ def _check_closing_error(
         return scale * sum(either, start=np.zeros(len(phi)))
 
     def slope(phi: FloatArray, side: Side) -> FloatArray:
+        # d/dphi of 1/|l| is -l' / (l |l|).
         total = np.zeros(len(phi))
         for curve in (main, other):
             lever = curve.leverage(phi, side)
@@ -544,14 +560,14 @@ def _check_closing_error(
 
 
 def check_breadth(cam: Breadth, breadth: float, limit: float) -> Finding:
-    """Compare how far the width of `cam` is from the `breadth` [mm] of a yoke with `limit` [mm].
+    """Compare the deviation of the cam's width from the `breadth` [mm] of a yoke with `limit` [mm].
 
     Where the cam is wider the yoke is squeezed, where it is narrower the yoke has play.
     """
     (least, narrow), (most, wide) = cam.range
     error, phi = max((most - breadth, wide), (breadth - least, narrow))
     statement = (
-        f"yoke of breadth {breadth:.6g} mm: the cam is {least:.6g} to {most:.6g} mm wide, off"
-        f" by up to {error + 0.0:.3g} mm {at_cam_angles(phi, form='.4f')}"
+        f"yoke of breadth {breadth:.6g} mm: the cam is {least:.6g} to {most:.6g} mm wide, which"
+        f" differs by up to {error + 0.0:.3g} mm {at_cam_angles(phi, form='.4f')}"
     )
     return limit_finding("closing-error", statement, error, limit, "mm", phi)

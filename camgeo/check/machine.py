@@ -30,8 +30,8 @@ SLOW_LINKAGE_ANGLE, FAST_LINKAGE_ANGLE = 40.0, 50.0
 (Volmer, Getriebetechnik)."""
 
 DEAD_CENTRE = 1e-9
-"""Crank and coupler are at a dead centre within this fraction of their lengths, or the sine of a
-transmission angle is."""
+"""A linkage counts as being at a dead centre within this fraction of the lengths of crank and
+coupler; likewise the sine of a transmission angle up to this counts as 0."""
 
 PARALLEL = math.radians(0.1)
 """The coupler counts as parallel to the guide within this angle: printed dimensions are rounded."""
@@ -58,11 +58,12 @@ ANGLE_MEMBERS: Final = {
     "lever": ("lever", "crank"),
     "crank": ("crank", GUIDE_NORMAL),
 }
-"""What makes the transmission angles with the coupler, `TO_FAR_END` and `TO_FOLLOWER`."""
+"""The members that make the transmission angles `TO_FAR_END` and `TO_FOLLOWER` with the coupler, by the member
+whose motion is demanded."""
 
 
 def linkage_findings(drive: Drive, limits: Limits) -> tuple[Finding, ...]:
-    """Findings on the linkage, which no size of a disc changes; none without one."""
+    """The findings on the linkage, which no size of a disc changes; none without a linkage."""
     motion, limit = drive.motion, limits.linkage_transmission_angle
     if not isinstance(motion, LinkedMotion):
         return ()
@@ -72,8 +73,8 @@ def linkage_findings(drive: Drive, limits: Limits) -> tuple[Finding, ...]:
 
 @kept_with_owner
 def check_linkage(motion: LinkedMotion, limit: float | None = None) -> tuple[Finding, ...]:
-    """A dead centre within the motion (no disc), else the distance from one and the smallest
-    transmission angles; a coupler not parallel to the guide (warning).
+    """Report a dead centre within the motion (no disc), or else the distance from one and the
+    smallest transmission angles; warn of a coupler that is not parallel to the guide.
 
     The force comes from the cam: the angle between coupler and far member is compared with `limit`
     [rad], and where that member cannot be driven there is no disc either. The other angle, between
@@ -88,7 +89,7 @@ def check_linkage(motion: LinkedMotion, limit: float | None = None) -> tuple[Fin
 
 
 def _to_dead_centre(motion: LinkedMotion) -> Finding:
-    """The length to spare where the linkage is nearest to a dead centre."""
+    """Report the length to spare where the linkage is nearest to a dead centre."""
     linkage = motion.linkage
     position, missing = motion.tightest(motion.runs.range)
     spare = max(0.0, -missing)
@@ -106,7 +107,7 @@ def _to_dead_centre(motion: LinkedMotion) -> Finding:
 
 
 def _forward_angle(motion: LinkedMotion, limit: float | None) -> Finding:
-    """The smallest angle between coupler and far member, or where that member cannot be driven."""
+    """Report the smallest angle between coupler and far member, or where that member is stuck."""
     name, linkage = "linkage-transmission-angle", motion.linkage
     sine, position = _smallest_sine(motion, TO_FAR_END)
     place, phi = _place(motion, position)
@@ -128,12 +129,12 @@ def _forward_angle(motion: LinkedMotion, limit: float | None) -> Finding:
 
 
 def _back_angle(motion: LinkedMotion) -> Finding:
-    """The smallest angle between coupler and the follower's member."""
+    """Report the smallest angle between coupler and the follower's member."""
     sine, position = _smallest_sine(motion, TO_FOLLOWER)
     angle = math.degrees(math.asin(min(1.0, sine)))
     place, phi = _place(motion, position)
     sentence = (
-        f"driven back, smallest transmission angle {angle:.3f} deg, between coupler and"
+        f"smallest transmission angle when driven back {angle:.3f} deg, between coupler and"
         f" {ANGLE_MEMBERS[motion.linkage.member][TO_FOLLOWER]}, {place}"
     )
     return Finding("linkage-back-angle", "ok", sentence, angle, unit="deg", cam_angle=phi)
@@ -142,7 +143,8 @@ def _back_angle(motion: LinkedMotion) -> Finding:
 def _smallest_sine(motion: LinkedMotion, way: int) -> tuple[float, float]:
     """Smallest magnitude of the sine of a transmission angle, and its position [mm or rad].
 
-    Exact: it is at an end of the motion, where the far member is stuck, or where the angle turns.
+    The position is exact: the smallest sine is at an end of the motion, where the far member is
+    stuck, or where the angle is extreme.
     """
     linkage, runs = motion.linkage, motion.runs
     low, high = runs.range
@@ -191,7 +193,7 @@ TANGENT = 1e-9
 def check_follower(
     follower: Follower, *, runs_on_inner: bool, clearance: float = 0.0
 ) -> tuple[Finding, ...]:
-    """Whether the roller covers the cam axis, or the follower locks on its guide; else nothing.
+    """Report a roller that covers the cam axis, or a follower that locks on its guide.
 
     `runs_on_inner` is True if the roller runs on the inner working curve, alone or in a groove,
     which is wider than the roller by `clearance` [mm].
@@ -208,6 +210,7 @@ def check_follower(
         )
         findings.append(Finding("roller-over-axis", "invalid", statement, half, base, "mm"))
     offset = abs(follower.offset)
+    # The height of the roller centre at lift 0; the product of sum and difference does not cancel.
     if math.sqrt((base - offset) * (base + offset)) <= TANGENT * base:
         statement = (
             f"the offset equals the base radius ({base:g} mm): the guide touches the base circle,"

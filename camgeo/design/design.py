@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 
 COMMON_KEYS: Final = ("law", "span", "to")
-"""Keys that a move has with every law."""
+"""Keys of a move in the scene that do not depend on its law."""
 
 SECOND_FLANKS: Final = ("outer", "return", "opposite")
 """Flanks of a scene that are the second side of a follower that is held both ways."""
@@ -40,10 +40,10 @@ SECOND_FLANKS: Final = ("outer", "return", "opposite")
 
 @dataclass(frozen=True)
 class Design(Pickled, Displayed):
-    """What follows from a scene, on demand.
+    """A scene with all quantities that follow from it, computed on demand.
 
     Errors of the mechanism are raised as `GeometryError` when a quantity is accessed. Any number of
-    threads may access it; pickles and copies hold the scene, and compute everything again.
+    threads may use a design; pickles and copies hold the scene, and compute everything again.
 
     Attributes
     ----------
@@ -67,7 +67,7 @@ class Design(Pickled, Displayed):
 
     @built
     def drive(self) -> Drive:
-        """What moves the follower."""
+        """The drive of the follower: motion plan, linkage and speed."""
         scene = self.scene
         unit = scene.lift_unit if scene.linkage is None else scene.linkage.unit
         return Drive(scene.plan, scene.linkage, unit, scene.speed, scene.speed_curve, self.ledger)
@@ -104,7 +104,7 @@ class Design(Pickled, Displayed):
 
     @built
     def judgement(self) -> Judgement:
-        """What the checks find; without a follower, only for the motion."""
+        """The findings of the checks; without a follower only those on the motion."""
         scene = self.scene
         cams = self.cams if scene.follower is not None else ()
         tolerance = scene.output.tolerance
@@ -113,13 +113,16 @@ class Design(Pickled, Displayed):
         )
 
     def _try_values(self, cams: tuple[Cam, ...], values: Mapping[str, Any]) -> TrialFindings:
-        """What is found on the scene with other `values` by key; of its cams, if they are these
-        `cams`, only what is not known yet is computed.
+        """The findings on the scene with other `values` by key, and those on its parts that break a
+        limit.
+
+        If the values make these `cams`, all that has been computed of them is shared.
         """
         other = Design(self.scene.with_values(self.edits(values)))
         if other.cams == cams:
             other.__dict__.update(drive=cams[0].drive, cams=cams)
 
+        # Looking at a part fits contours, so it waits until somebody asks.
         @cache
         def broken_parts() -> Findings:
             from camgeo.design.judged_part import broken_findings  # few designs need a cure
@@ -130,8 +133,8 @@ class Design(Pickled, Displayed):
         return other.findings, LazyFindings(broken_parts)
 
     def edits(self, values: Mapping[str, Any]) -> dict[str, Any]:
-        """What makes the scene have other `values` by key: these, and None for the parameters of a
-        law that another one replaces.
+        """The edits that give the scene other `values` by key: these values, and None for the
+        parameters of each law that is replaced, which another law does not have.
         """
         gone: dict[str, None] = {}
         for key in values:
@@ -144,7 +147,7 @@ class Design(Pickled, Displayed):
 
     @property
     def findings(self) -> Findings:
-        """What the checks find, both good and bad, worst first.
+        """The findings of the checks, both good and bad, the worst first.
 
         For a conjugate pair this includes findings on the return disc, and on both together.
         """
@@ -194,8 +197,8 @@ class Design(Pickled, Displayed):
 
     @property
     def writing(self) -> Writing:
-        """How the scene writes its contours: those of the drawing, in another form if [state] says
-        so.
+        """How contours are written, for the effects of written contours: as in the drawing, or in
+        the form that [state] names.
         """
         from camgeo.dynamics.state.written import Writing
         from camgeo.scene.formats.dxf import FORMAT
@@ -224,9 +227,9 @@ class Design(Pickled, Displayed):
         return notebook("plot")(self, names)
 
     def view(self) -> Any:
-        """The mechanism in a notebook, to be turned, with its diagrams: a widget of anywidget.
+        """A notebook widget of the mechanism, which can be turned, with its diagrams.
 
-        Its `angle` is the cam angle in degrees, to be read and set. Raises CamgeoError if
+        Its `angle` is the cam angle in degrees, and can be read and set. Raises CamgeoError if
         anywidget is not installed.
         """
         return notebook("viewer")(self)
@@ -239,7 +242,7 @@ class Design(Pickled, Displayed):
         from camgeo.design.product import Product  # a check needs none
 
         pieces: list[Product] = []
-        for cam in reversed(self.cams):  # the main one knows the other
+        for cam in reversed(self.cams):  # as the main disc refers to the other one
             others = tuple(pieces)
             columns = self._columns if cam is self.cam else tuple
             piece = Product(self.scene, cam, self.judgement, others, columns, cam.ledger)

@@ -33,11 +33,11 @@ class DrawnDisc(Pickled):
     ----------
     cam : the cam that the disc belongs to.
     spec : specification of the part beyond the flanks; None for none.
-    effort : how hard fits try.
-    judgement : whether such a disc exists.
+    effort : effort of the fits.
+    judgement : the findings, which decide whether such a disc exists.
     ledger : records what was computed.
-    printing : what the scene states on printing; None for nothing.
-    returning : for a conjugate pair in one piece, whose main disc has `cam`, that of the return
+    printing : the scene's specification of printing; None if it has none.
+    returning : for a conjugate pair in one piece, whose main disc has `cam`, the cam of the return
         disc; else None.
     """
 
@@ -66,8 +66,8 @@ class DrawnDisc(Pickled):
 
     @property
     def untrimmed(self) -> Part:
-        """The part between whole flanks, of which nothing is cut off, before it is known whether
-        there is such a disc; GeometryError if it is inconsistent.
+        """The part between whole flanks, of which nothing is cut off, whether or not there is such
+        a disc; GeometryError if it is inconsistent.
         """
         from camgeo.part.assembly import build_part
 
@@ -75,7 +75,7 @@ class DrawnDisc(Pickled):
         return build_part(self.cam.contact, *paths, spec, TOPOLOGY_TOLERANCE, self.ledger)
 
     def _specified_part(self, spec: PartSpec) -> Part:
-        """The part by another specification; raises like `part`."""
+        """The part by the specification `spec`; raises like `part`."""
         return self.part if spec == (self.spec or PartSpec()) else self._built(spec)
 
     def _built(self, spec: PartSpec) -> Part:
@@ -119,12 +119,12 @@ class DrawnDisc(Pickled):
 
 
 COMPENSATED: Final = "print-compensation"
-"""Name of the finding on a body that is not the part."""
+"""Name of the finding on a body that differs from the part, as it is compensated."""
 
 SLICER_ADVICE: Final = (
     "switch off the slicer's own: elephant foot compensation, XY and hole compensation, shrinkage"
 )
-"""What whoever prints such a body has to do."""
+"""What has to be done by whoever prints a compensated body."""
 
 
 @dataclass(frozen=True)
@@ -134,8 +134,8 @@ class PrintedDisc(Pickled):
     Attributes
     ----------
     make_part : returns the part by a specification.
-    stated : the specification of the part in the scene.
-    spec : what the scene states on printing; None for nothing.
+    stated : the scene's specification of the part.
+    spec : the scene's specification of printing; None if it has none.
     ledger : records what was computed.
     """
 
@@ -149,7 +149,7 @@ class PrintedDisc(Pickled):
         """The part with the clearances of bore and key; GeometryError with the key in `print` if it
         has no room for them.
         """
-        part = self.make_part(self.stated)  # whose own faults come first
+        part = self.make_part(self.stated)  # so that faults of the part itself are raised first
         if self.spec is None:
             return part
         wider = self.spec.with_clearance(self.stated)
@@ -183,11 +183,11 @@ class PrintedDisc(Pickled):
 
     @property
     def advice(self) -> str:
-        """The compensation in words, and what whoever prints has to do; empty if there is none."""
+        """The compensation in words, and what to do when printing; empty if there is none."""
         return self.text and f"{self.text}; {SLICER_ADVICE}"
 
     def findings(self, file: str) -> tuple[Finding, ...]:
-        """What whoever prints the `file` has to watch."""
+        """The finding that says what to watch when printing `file`; none if nothing."""
         if not self.text:
             return ()
         sentence = f"{file} is compensated for printing ({self.text}): {SLICER_ADVICE}"

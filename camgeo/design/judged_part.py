@@ -1,4 +1,4 @@
-"""The part of a disc, judged: size, mass properties, walls, and their limits."""
+"""The assessment of a disc's part: size, mass properties and walls, with their limits."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ WALL_RATIO: Final = "wall-ratio"
 """Name of the finding on the material that is thinnest as a share of its hole."""
 
 SET_SCREW: Final = "set-screw"
-"""Name of the finding on a hole that no file has."""
+"""Name of the finding on the hole of a set screw, which no file has."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,13 +48,13 @@ class Slice:
 
 
 @dataclass(frozen=True, slots=True)
-class Body:
+class PartBody:
     """The part as a body.
 
     Attributes
     ----------
-    solid : its volume and moments.
-    density : [t/mm^3]; None if the scene does not state it.
+    solid : volume and moments of the part.
+    density : density [t/mm^3]; None if the scene does not state it.
     """
 
     solid: Solid
@@ -62,46 +62,47 @@ class Body:
 
     @property
     def stated_density(self) -> float | None:
-        """The density [kg/m^3]."""
+        """The density [kg/m^3]; None if it is not stated."""
         return None if self.density is None else KG_M3 * self.density
 
     @property
     def mass(self) -> float | None:
-        """The mass [kg]."""
+        """The mass [kg]; None without a density."""
         return None if self.density is None else KG * self.density * self.solid.volume
 
     @property
     def axial_inertia(self) -> float | None:
-        """The moment of inertia about the cam axis [kg mm^2]."""
+        """The moment of inertia about the cam axis [kg mm^2]; None without a density."""
         return None if self.density is None else KG * self.density * self.solid.axial
 
     @property
     def inertia(self) -> FloatArray | None:
-        """(3, 3) inertia tensor about the centre of mass [kg mm^2]."""
+        """(3, 3) inertia tensor about the centre of mass [kg mm^2]; None without a density."""
         return None if self.density is None else KG * self.density * self.solid.inertia
 
 
 @dataclass(frozen=True, slots=True)
 class PartAssessment:
-    """What is found of a part.
+    """The properties of a part, and the findings on it.
 
     Attributes
     ----------
-    diameter : of the circle about the cam axis that it sweeps [mm]; None if there is no such part.
-    layers : from the lowest upward; empty if there is no such part.
-    body : None if the scene does not state all heights.
-    findings : diameter, mass and smallest wall, with their limits, what no file has, and what a
-        printer does not make; or why there is no such part.
+    diameter : diameter of the circle about the cam axis that the part sweeps [mm]; None if there is
+        no such part.
+    layers : layers of the part from the lowest upward; empty if there is no such part.
+    body : the part as a body; None if the scene does not state all heights.
+    findings : findings on diameter, mass and smallest wall, with their limits, on what no file has,
+        and on what a printer cannot make; or why there is no such part.
     """
 
     diameter: float | None
     layers: tuple[Slice, ...]
-    body: Body | None
+    body: PartBody | None
     findings: tuple[Finding, ...]
 
     @staticmethod
     def from_disc(disc: Product) -> PartAssessment:
-        """The part of a disc that exists."""
+        """The assessment of the part of a disc that exists."""
         try:
             part = disc.drawn.part
         except (GeometryError, ToleranceError) as error:
@@ -126,17 +127,17 @@ def part_findings(disc: Product) -> tuple[Finding, ...]:
 
 
 def _impossible(disc: Product, error: CamgeoError) -> Finding:
-    """Why there is no such part."""
+    """The finding that there is no such part, with the reason in the unit of the scene."""
     disc.scene.restate(error)
     return Finding("part", "invalid", str(error))
 
 
 def _stated(scene: Scene) -> bool:
-    """Whether a scene says anything of the part, or what it must hold."""
+    """Whether a scene states anything about the part, or limits its diameter."""
     return scene.part is not None or scene.limits.diameter is not None
 
 
-def _findings(disc: Product, part: Part, body: Body | None) -> tuple[Finding, ...]:
+def _findings(disc: Product, part: Part, body: PartBody | None) -> tuple[Finding, ...]:
     limits = disc.scene.limits
     diameter = _diameter(part, limits.diameter)
     walls = (*_smallest_wall(part, limits.wall), *_set_screw(disc.drawn.spec), *_printed(disc))
@@ -152,13 +153,15 @@ def broken_findings(disc: Product) -> tuple[Finding, ...]:
 
 
 def poor_findings(disc: Product) -> tuple[Finding, ...]:
-    """The same with those worth a warning. What makes a part impossible is left to its files."""
+    """The findings beyond a limit or worth a warning; what makes a part impossible is left out, as
+    its files report that.
+    """
     findings = _suspect_findings(disc, warned=True)
     return tuple(finding for finding in findings if finding.severity not in ("ok", "invalid"))
 
 
 def _suspect_findings(disc: Product, *, warned: bool) -> tuple[Finding, ...]:
-    """What may be poor, with what is worth no more than a warning if `warned`."""
+    """The findings that may be poor; with `warned` also those that can only be a warning."""
     if not _stated(disc.scene):
         return ()
     try:
@@ -179,36 +182,36 @@ def _suspect_findings(disc: Product, *, warned: bool) -> tuple[Finding, ...]:
 
 
 def _diameter(part: Part, limit: float | None) -> Finding:
-    """The largest diameter."""
+    """Compare the largest diameter with its limit [mm]."""
     diameter, angle = largest_diameter(part)
     where = "" if angle is None else f" {at_cam_angles(angle)}"
     statement = f"largest diameter {diameter:.6g} mm{where}"
     return limit_finding("largest-diameter", statement, diameter, limit, "mm", angle)
 
 
-def _body(disc: Product, part: Part) -> Body | None:
+def _body(disc: Product, part: Part) -> PartBody | None:
     """The part as a body; None if the scene does not state all heights."""
     try:
-        return Body(Solid.from_part(part), _density(disc.scene))
+        return PartBody(Solid.from_part(part), _density(disc.scene))
     except GeometryError:
         return None
 
 
-def _mass(body: Body | None, limit: float | None) -> Iterator[Finding]:
-    """The mass, where the scene states the density; the limit in t."""
+def _mass(body: PartBody | None, limit: float | None) -> Iterator[Finding]:
+    """Compare the mass with its limit [t], if the scene states the density."""
     if body is not None and body.mass is not None:
         most = None if limit is None else KG * limit
         yield limit_finding("mass", f"mass {body.mass:.6g} kg", body.mass, most, "kg")
 
 
-def _combined_mass(disc: Product, body: Body | None) -> Iterator[Finding]:
-    """Of a main disc and a return disc that is another piece, where the density is stated."""
+def _combined_mass(disc: Product, body: PartBody | None) -> Iterator[Finding]:
+    """Report the mass of a main disc and a return disc of two pieces, if the density is stated."""
     is_separate = disc.others and not disc.is_pair and disc.pair is None
     if not is_separate or body is None or body.density is None:
         return
     try:
         solids = [body.solid, *(Solid.from_part(other.drawn.part) for other in disc.others)]
-    except (GeometryError, ToleranceError):  # which the other disc reports
+    except (GeometryError, ToleranceError):  # the other disc has a finding on that
         return
     weight = KG * body.density
     mass = math.fsum(weight * solid.volume for solid in solids)
@@ -221,8 +224,10 @@ def _combined_mass(disc: Product, body: Body | None) -> Iterator[Finding]:
 
 
 def _smallest_wall(part: Part, limit: float | None) -> Iterator[Finding]:
-    """The thinnest wall between two boundaries; without a limit also that which is thinnest beside
-    its hole, a warning if it is thinner than usual.
+    """Compare the thinnest wall between two boundaries with its limit [mm].
+
+    Without a limit also report the wall that is thinnest for its hole, with a warning if it is
+    thinner than usual.
     """
     web, slimmest = Web.thinnest_webs(part, limit)
     if web is None:
@@ -234,7 +239,7 @@ def _smallest_wall(part: Part, limit: float | None) -> Iterator[Finding]:
     thin = slimmest.thickness < slimmest.usual
     share = SHARE * slimmest.thickness / slimmest.usual
     sentence = (
-        f"thinnest wall beside its hole {slimmest.thickness:.6g} mm, {_place(slimmest)}:"
+        f"thinnest wall for its hole {slimmest.thickness:.6g} mm, {_place(slimmest)}:"
         f" {100.0 * share:.3g}% of the diameter of the hole, {'below' if thin else 'at least'}"
         f" {SHARE:.0%}, {slimmest.usual:.4g} mm"
     )
@@ -247,7 +252,7 @@ def _place(web: Web) -> str:
 
 
 def _set_screw(spec: PartSpec | None) -> Iterator[Finding]:
-    """What upright walls cannot show."""
+    """Warn of the radial hole of a set screw, which prismatic layers cannot show."""
     if spec is None or spec.set_screw is None:
         return
     screw = spec.set_screw
@@ -256,16 +261,16 @@ def _set_screw(spec: PartSpec | None) -> Iterator[Finding]:
         SET_SCREW,
         "warning",
         f"the radial hole of the set screw, {screw.diameter:g} mm in diameter, {screw.height:g} mm"
-        f" above the face of the disc in the direction {angle:g} deg, is in no file and in no mass:"
-        " it is drilled by the drawing",
+        f" above the face of the disc in the direction {angle:g} deg, is in no file and not taken"
+        " off the mass: drill it by the drawing",
     )
 
 
 def _printed(disc: Product) -> Iterator[Finding]:
-    """Whether the part can be compensated as the scene asks, and what the nozzle cannot make."""
+    """Report a part that cannot be compensated as stated, and what the nozzle cannot make."""
     spec = disc.scene.printing
     if spec is None or not any(body is disc for body in solid_products(disc)):
-        return  # of a pair in one piece only that is printed
+        return  # the discs of a pair in one piece are not printed, but the piece
     from camgeo.design.drawn import COMPENSATED
 
     printed = disc.drawn.printed
@@ -282,7 +287,7 @@ def _printed(disc: Product) -> Iterator[Finding]:
 
 
 def _density(scene: Scene) -> float | None:
-    """Of the part [t/mm^3], where the scene states it."""
+    """Density of the part [t/mm^3]; None if the scene does not state it."""
     return None if scene.part is None else scene.part.density
 
 
@@ -296,16 +301,18 @@ def _density(scene: Scene) -> float | None:
 
 
 ANGLE: Final = 0.0
-"""Of the return disc to the main disc [degrees]."""
+"""Angle of the return disc relative to the main disc [degrees]."""
 
 DISC_ANGLE: Final = "disc-angle"
 ROLLER_WIDTH: Final = "roller-width"
-"""Names of findings."""
+"""Names of the findings on both discs together."""
 
 
 def relation_findings(disc: Product) -> tuple[Finding, ...]:
-    """The findings on both discs together: of the pair in one piece, or of a main disc whose return
-    disc is another piece; none of other discs, and if the scene states no part.
+    """The findings on both discs together, if the scene states a part.
+
+    They are reported for the pair in one piece, or for the main disc if the return disc is another
+    piece, and not for any other disc.
     """
     spec = disc.scene.part
     if not disc.others or spec is None:
@@ -320,7 +327,7 @@ def relation_findings(disc: Product) -> tuple[Finding, ...]:
 
 
 def in_one_piece(pair: Pair) -> str:
-    """How the discs stand to each other, in words."""
+    """How the discs of a pair in one piece stand to each other, in words."""
     side = "below" if pair.upper == MAIN else "above"
     return (
         f"both discs in one piece: the return disc at {ANGLE:g} deg to the main disc, {side} it,"
@@ -329,16 +336,19 @@ def in_one_piece(pair: Pair) -> str:
 
 
 def _two_piece_finding(main: Product, spec: PartSpec) -> Finding:
-    statement = f"the return disc belongs at {ANGLE:g} deg to the main disc, as both are drawn"
+    statement = f"the return disc must be mounted at {ANGLE:g} deg to the main disc, as drawn"
     steepest, limit = _steepest(main), main.scene.limits.closing_error
+    # Turned by a small angle, the pair opens or squeezes by the travel per radian times that angle.
     if steepest.value > 0.0:
         angle = math.degrees(limit / steepest.value)
-        play = f"the rollers have {limit:g} mm of play or squeeze"
-        statement = f"{statement}; off by {angle:.3g} deg, {play} {at_cam_angles(steepest.place)}"
+        statement += (
+            f"; if it is off by {angle:.3g} deg, the rollers have {limit:g} mm of play or squeeze"
+            f" {at_cam_angles(steepest.place)}"
+        )
     features, bolts = _angle_features(spec), spec.bolt_circle
     doubt = ""
     if not features:
-        doubt = "nothing on the discs shows it: neither keyway, flat, mark nor bolt circle"
+        doubt = "nothing on the discs shows this angle: neither keyway, flat, mark nor bolt circle"
     elif len(features) == 1 and bolts is not None and bolts.count > 1:
         doubt = f"the bolt holes fit in {bolts.count} positions, of which one is right"
     if doubt:
@@ -348,7 +358,7 @@ def _two_piece_finding(main: Product, spec: PartSpec) -> Finding:
 
 
 def _angle_features(spec: PartSpec) -> list[str]:
-    """The features by which an angle is seen, each at the same place of both discs."""
+    """The features, in words, that show the angle of a disc, at the same place of both discs."""
     named = {
         "keyway": spec.keyway,
         "flat of the bore": spec.d_shaft,
@@ -363,7 +373,7 @@ def _angle_features(spec: PartSpec) -> list[str]:
 
 
 def _steepest(main: Product) -> Extreme:
-    """The largest travel of the main roller for each radian of the cam [mm], and where it is."""
+    """The largest travel of the main roller per radian of the cam [mm], and its cam angle [rad]."""
     drive = main.cam.drive
     reach = abs(main.cam.follower.reach)
 
@@ -376,11 +386,13 @@ def _steepest(main: Product) -> Extreme:
 
 
 def _room(main: Product, spec: PartSpec, pair: Pair) -> Finding:
-    """How wide rollers may be before one reaches the other disc, or both reach each other."""
+    """Report how wide the rollers may be before one reaches the other disc, or both meet."""
     assert spec.thickness is not None  # a pair has one
     one, other = (cam.follower for cam in main.judgement.cams)
     distance = abs(one.traced_point(0.0) - other.traced_point(0.0))
     near = distance <= one.roller_radius + other.roller_radius
+    # A roller in the middle of its disc overhangs on both sides: by half the gap at most where the
+    # two rollers are near each other, else by the whole gap.
     most = spec.thickness + (1.0 if near else 2.0) * pair.gap
     reached = "the rollers reach each other" if near else "one reaches the other disc"
     widest = f"in the middle of their discs rollers may be {most:g} mm wide before {reached}"

@@ -1,4 +1,4 @@
-"""What is found in milling programs of any origin, by line, and what such programs do not say."""
+"""Findings on milling programs of any origin, by line, and the data that such programs lack."""
 
 from __future__ import annotations
 
@@ -7,16 +7,16 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class LineFinding:
-    """What is wrong in one line of a program.
+    """A fault in one line of a program.
 
     Attributes
     ----------
-    line : counted from 1; 0 for the program as a whole.
-    rule : the name of what is broken, e.g. "arc-radius".
-    concerns : "words", "path", "form", "safety", "frame" or "limits"; "work" if it is about the
-        blank and the part of a scene.
-    what : is wrong, a sentence without its full stop.
-    value : that was found, as text; empty if there is none.
+    line : number of the line from 1; 0 for the program as a whole.
+    rule : name of the rule that is broken, e.g. "arc-radius".
+    concerns : subject of the rule: "words", "path", "form", "safety", "frame" or "limits"; "work"
+        for the blank and the part of a scene.
+    what : what is wrong, as a sentence without its full stop.
+    value : value in the program, as text; empty if there is none.
     allowed : what would be right; empty if `what` says so.
     """
 
@@ -35,15 +35,16 @@ class LineFinding:
 
 
 @dataclass(frozen=True, slots=True)
-class Bench:
-    """What a program does not say of the work; lengths in mm.
+class WorkData:
+    """Data on the work that a program does not contain; lengths in mm.
 
     Attributes
     ----------
     stock_top : Z of the highest stock.
-    clearance : Z from which on traverses may go anywhere; None for `stock_top`.
-    radii : of cutters by the number of their offset, for compensation that the control computes.
-    operations : names that its comments may have in other letters, as they should be read.
+    clearance : Z above which traverses may go anywhere; None for `stock_top`.
+    radii : radii of cutters by the number of their offset, for compensation by the control.
+    operations : names of operations as they should be read, which comments may spell in other
+        letters.
     """
 
     stock_top: float = 0.0
@@ -53,20 +54,20 @@ class Bench:
 
     @property
     def free(self) -> float:
-        """The height from which on traverses may go anywhere."""
+        """The height above which traverses may go anywhere."""
         return self.stock_top if self.clearance is None else max(self.clearance, self.stock_top)
 
 
 @dataclass(frozen=True, slots=True)
 class Linted:
-    """One program with what was found in it.
+    """One program with the findings on it.
 
     Attributes
     ----------
-    findings : by line.
-    texts : of the lines with findings, by their numbers.
-    moves : how many it makes.
-    complete : whether it was read to its end, not only up to the last finding allowed.
+    findings : the findings, by line.
+    texts : texts of the lines with findings, by their numbers.
+    moves : number of moves that the program makes.
+    complete : whether the program was read to its end, not only up to the last finding allowed.
     """
 
     findings: tuple[LineFinding, ...]

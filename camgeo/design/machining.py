@@ -1,4 +1,4 @@
-"""The milling programs of a design's discs: how long they run, and what is found on them."""
+"""The milling programs of a design's discs: their running times and the findings on them."""
 
 from __future__ import annotations
 
@@ -23,22 +23,22 @@ if TYPE_CHECKING:
     from camgeo.milling.plan import OperationEngagement
 
 MILLING: Final = "milling"
-"""Name of findings on what cannot be planned."""
+"""Name of the findings on programs that cannot be planned."""
 
 
 @dataclass(frozen=True, slots=True)
-class Program:
+class SideProgram:
     """The milling program of one side of a disc.
 
     Attributes
     ----------
-    findings : what is told of its sequence, and what its simulation finds; why there is none, if
-        it cannot be planned: "broken" for a key that the scene lacks, "invalid" for a wrong one.
-    operations : the time of each; None if the machine's dynamics are not known, or if there is no
-        program.
-    faults : of the scene, if it cannot be planned.
-    roughing : how the cutter is engaged in operations that clear an area.
-    features : of the part, with the operations of all its sides; empty of a second side.
+    findings : findings of its sequence and its simulation; if it cannot be planned, the reasons:
+        "broken" for a key that the scene lacks, "invalid" for a wrong one.
+    operations : time of each operation; None if the machine's dynamics are unknown, or if there is
+        no program.
+    faults : faults of the scene for which it cannot be planned.
+    roughing : engagement of the cutter in operations that clear an area.
+    features : features of the part, with the operations of all its sides; empty for a second side.
     """
 
     findings: tuple[Finding, ...]
@@ -49,7 +49,7 @@ class Program:
 
     @property
     def seconds(self) -> float | None:
-        """Of the whole program, tool changes and dwells left out; None if it is not known."""
+        """Time of the whole program without tool changes and dwells [s]; None if it is unknown."""
         return None if self.operations is None else _total(self.operations)
 
 
@@ -60,15 +60,16 @@ class Machining:
     Attributes
     ----------
     machine : name of the controller.
-    programs : by the names of the discs, the main one first, each followed by its second side.
+    programs : the programs by the names of the discs, the main one first, each followed by its
+        second side.
     """
 
     machine: str
-    programs: Mapping[str, Program]
+    programs: Mapping[str, SideProgram]
 
     @property
     def seconds(self) -> float | None:
-        """Of all programs; None if one is not known."""
+        """Time of all programs [s]; None if that of one is unknown."""
         times = [program.seconds for program in self.programs.values()]
         return (
             None
@@ -78,19 +79,19 @@ class Machining:
 
     @property
     def findings(self) -> tuple[Finding, ...]:
-        """Of all programs."""
+        """The findings on all programs."""
         return tuple(chain.from_iterable(program.findings for program in self.programs.values()))
 
 
 def plan_machining(discs: Iterable[Product]) -> Machining:
-    """The programs of discs whose scene states milling, judged."""
+    """Plan, time and simulate the programs of discs whose scene states milling."""
     sides = [side for disc in discs for side in product_sides(disc)]
     machine = _machine(sides[0])
     return Machining(machine.name, {side.name: _program(side, machine) for side in sides})
 
 
 def machining_time(discs: Iterable[Product]) -> float:
-    """Seconds of all programs of discs whose scene states milling; nothing is simulated.
+    """Time of all programs of discs whose scene states milling [s]; nothing is simulated.
 
     Raises
     ------
@@ -120,8 +121,8 @@ def _machine(side: Product) -> Machine:
     return load(side.scene.output.options[FORMAT].machine)
 
 
-def _program(disc: Product, machine: Machine) -> Program:
-    """The program of one side of a disc at the scene's tolerance, judged."""
+def _program(disc: Product, machine: Machine) -> SideProgram:
+    """The program of one side of a disc at the scene's tolerance, with time and findings."""
     from camgeo.design.milled import compared
     from camgeo.scene.milling import is_missing
 
@@ -133,7 +134,7 @@ def _program(disc: Product, machine: Machine) -> Program:
         roughing = milled.engaged(toolpath)
     except SceneError as error:
         where, stated = f"{error.file}: " if error.file else "", disc.scene.stated
-        return Program(
+        return SideProgram(
             tuple(
                 Finding(
                     MILLING,
@@ -146,9 +147,9 @@ def _program(disc: Product, machine: Machine) -> Program:
         )
     except (ToleranceError, FileError, UndercutError) as error:
         disc.scene.restate(error)
-        return Program((Finding(MILLING, "invalid", str(error)),))
+        return SideProgram((Finding(MILLING, "invalid", str(error)),))
     findings = findings_in_unit(
         disc.unit, (*findings, *filter(None, (engaged.finding for engaged in roughing)))
     )
     timed = None if times is None else tuple(times)
-    return Program(findings, timed, roughing=roughing, features=compared(milled))
+    return SideProgram(findings, timed, roughing=roughing, features=compared(milled))

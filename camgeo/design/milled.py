@@ -38,13 +38,13 @@ class MilledDisc(Pickled):
     Attributes
     ----------
     disc : the disc to be milled.
-    scene : with tools, blank, holding and operations; what milling needs may be missing.
+    scene : the scene with tools, blank, holding and operations; what milling needs may be missing.
     ledger : records what was computed.
-    whole : of which this is one program, if the machine cannot change the tools that the disc
-        needs; None if it is all.
-    program : number of this one from 0.
+    whole : the side of which this is one program, if the machine cannot change the tools that the
+        disc needs; None if this is the whole side.
+    program : number of this program from 0.
     first : the first side of the disc, if this is the second.
-    kept : its latest program, see `kept_with_owner`: times, findings and files come from one plan.
+    kept : the latest program, see `kept_with_owner`: times, findings and files come from one plan.
     """
 
     disc: DrawnDisc
@@ -82,9 +82,9 @@ class MilledDisc(Pickled):
 
     @built
     def spec(self) -> MillingSpec | None:
-        """Tools, blank, holding and operations; None if the scene says nothing on milling.
+        """Tools, blank, holding and operations; None if the scene states nothing about milling.
 
-        Of the second side they follow from the sequence of the first, and raise as it does.
+        Those of the second side follow from the sequence of the first, and raise as that does.
         """
         spec, first = self.scene.milling, self.first
         if first is None or spec is None:
@@ -95,8 +95,8 @@ class MilledDisc(Pickled):
 
     @lazy
     def sequence(self) -> CutSequence:
-        """The exact cuts of all programs, and what is told of them; raises SceneError if the scene
-        lacks what milling needs, or its tools cannot do it.
+        """The exact cuts of all programs, with the findings of planning; raises SceneError if the
+        scene lacks what milling needs, or its tools cannot do it.
         """
         if self.whole is not None:
             return self.whole.sequence
@@ -112,10 +112,10 @@ class MilledDisc(Pickled):
 
     @contextmanager
     def _faults_of_scene(self) -> Iterator[None]:
-        """What planning finds wrong within it is the scene's fault."""
+        """Raise errors of planning as faults of the scene."""
         try:
             yield
-        except UndercutError:  # of the disc, not of how it is milled
+        except UndercutError:  # a fault of the disc, not of how it is milled
             raise
         except GeometryError as error:
             from camgeo.milling.milling import of_second_side
@@ -143,7 +143,7 @@ class MilledDisc(Pickled):
 
     @property
     def programs(self) -> tuple[MilledDisc, ...]:
-        """One for each program, in the order in which they are run."""
+        """The side once for each of its programs, in the order in which they are run."""
         count = len(self._groups)
         if count == 1 or self.whole is not None:
             return (self,)
@@ -151,16 +151,14 @@ class MilledDisc(Pickled):
 
     @property
     def contour_cuts(self) -> tuple[ContourCut, ...]:
-        """Those along a closed path, by which programs are measured."""
+        """The cuts along a closed path, by which programs are measured."""
         from camgeo.milling.cut import ContourCut
 
         return tuple(cut for cut in self.cuts if isinstance(cut, ContourCut))
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What is told of the sequence and of this program, a sentence each; raises like
-        `sequence`.
-        """
+        """Notes on the sequence and on this program, a sentence each; raises like `sequence`."""
         sentences = tuple(finding.sentence for finding in self.sequence.findings)
         if self.whole is None:
             return sentences
@@ -173,7 +171,7 @@ class MilledDisc(Pickled):
 
     @property
     def zero(self) -> Zero:
-        """Of the program; raises SceneError if the blank has no such corner."""
+        """The zero point of the program; raises SceneError if the blank has no such corner."""
         from camgeo.milling.milling import AXIS, FIRST_SIDE, Stock
         from camgeo.milling.moves import Zero
 
@@ -203,8 +201,8 @@ class MilledDisc(Pickled):
             return plan_toolpath(cuts, heights, limits, tolerance, effort)
 
     def flaws(self, toolpath: Toolpath, tolerance: float) -> tuple[Flaw, ...]:
-        """What the simulation of a program finds that lies within `tolerance` [mm]; of the second
-        side from what the first one leaves.
+        """The flaws that the simulation of a program finds, which lies within `tolerance` [mm]; the
+        second side begins with what the first one leaves.
         """
         from camgeo.milling.judged import side_flaws, toolpath_runs
 
@@ -213,8 +211,10 @@ class MilledDisc(Pickled):
             return side_flaws(job(self, cuts, toolpath_runs(toolpath), tolerance, ahead=False))[-1]
 
     def engaged(self, toolpath: Toolpath) -> tuple[OperationEngagement, ...]:
-        """How the cutter is engaged in each roughing operation of a program, with places as the
-        work lies; on the second side at most, as if the first had left all of the blank.
+        """The engagement of the cutter in each roughing operation of a program, with places as the
+        work lies.
+
+        On the second side it is an upper bound, as if the first side had left all of the blank.
         """
         from camgeo.milling.milling import mirrored
         from camgeo.milling.plan import program_engagements
@@ -229,8 +229,8 @@ class MilledDisc(Pickled):
         )
 
     def findings(self, toolpath: Toolpath, tolerance: float) -> tuple[Finding, ...]:
-        """What is told of the sequence and its programs, and what their simulation finds: "broken"
-        if they must not be run.
+        """The findings on the sequence, its programs and their simulation; "broken" if a program
+        must not be run.
         """
         from camgeo.milling.judged import feature_findings
 
@@ -238,6 +238,7 @@ class MilledDisc(Pickled):
             *feature_findings(compared(self)),
             *(flaw.finding for flaw in self.flaws(toolpath, tolerance)),
         )
+        # A finding of planning is left out where the simulation reports one of the same name.
         names = {finding.name for finding in program_findings}
         notes = [finding for finding in self.sequence.findings if finding.name not in names]
         if low := self._low_change():
@@ -245,13 +246,16 @@ class MilledDisc(Pickled):
         if len(self._groups) > 1:
             tools = ", ".join(str(group[0].tool.number) for group in self._groups)
             sentence = (
-                f"the machine cannot change tools: {len(self._groups)} programs, tools {tools}"
+                f"the machine cannot change tools, so there are {len(self._groups)} programs, for"
+                f" the tools {tools}"
             )
             notes.append(Finding("programs", "warning", sentence))
         return findings_in_unit(self.scene.unit, (*notes, *program_findings))
 
     def _low_change(self) -> str:
-        """That tools are changed close above the part, by nobody's wish; empty if not."""
+        """A warning that tools are changed close above the part though no height has been stated
+        for that; empty if they are not.
+        """
         from camgeo.milling.machine import load
 
         spec = self.gcode
@@ -265,7 +269,7 @@ class MilledDisc(Pickled):
         )
 
     def safe(self, toolpath: Toolpath, tolerance: float) -> tuple[Finding, ...]:
-        """What is to be watched in a program; raises UnsafeError if it must not be run."""
+        """The findings to be watched in a program; raises UnsafeError if it must not be run."""
         findings = self.findings(toolpath, tolerance)
         if wrong := "; ".join(
             finding.sentence for finding in findings if finding.severity == "broken"
@@ -275,8 +279,9 @@ class MilledDisc(Pickled):
 
 
 def compared(milled: MilledDisc) -> tuple[Feature, ...]:
-    """The part, feature by feature, with the operations of all sides of its job; none for a second
-    side, of whose operations the first one tells.
+    """The features of the part, each compared with the operations of all sides of its job.
+
+    Empty for a second side, whose operations are compared with those of the first one.
     """
     from camgeo.milling.judged import Side, compare_features
 
@@ -287,7 +292,7 @@ def compared(milled: MilledDisc) -> tuple[Feature, ...]:
     if first.second is not None:
         try:
             second, cuts = first.second.spec, first.second.sequence.cuts
-        except SceneError:  # which is told of that side
+        except SceneError:  # which the findings on that side report
             second, cuts = first.spec.of_second_side(faced=False, finished_walls=frozenset()), ()
         assert second is not None  # for there is that side
         sides.append(Side(first.second.part, second, cuts, ()))
@@ -310,9 +315,9 @@ def job(
 
     Parameters
     ----------
-    level, allowed : as of `camgeo.milling.simulation.simulate`; by default the tolerance is
-        allowed in addition to what is.
-    ahead : whether a side that follows is simulated, too.
+    level, allowed : as for `camgeo.milling.simulation.simulate`; by default the tolerance is
+        allowed in addition to what is allowed there.
+    ahead : whether a side that follows is simulated too.
     """
     from camgeo.milling.judged import Side, simulate_sides, toolpath_runs
     from camgeo.milling.simulation import ALLOWED, LEVEL

@@ -48,7 +48,7 @@ class TrimmedStretch:
 
     Attributes
     ----------
-    flank : the one that is cut off.
+    flank : the flank that is cut off.
     start, end : cam angles [rad] of the flank at the corner, start in [0, 2 pi), end above it.
     course : (n,) complex [mm], the flank between them, which is not on the disc; it begins and ends
         at the corner.
@@ -73,7 +73,7 @@ class PicturedCam(Pickled):
     ----------
     cam : the cam.
     returning : the follower on the return disc of a conjugate pair; None if there is none.
-    known : pages that a writer has drawn: its formats show the same.
+    known : pages that a writer has drawn already, as its formats show the same.
     """
 
     cam: Cam
@@ -87,12 +87,12 @@ class PicturedCam(Pickled):
 
     @property
     def follower_sketch(self) -> FollowerSketch:
-        """Where the follower is guided or pivoted."""
+        """The guide or pivot of the follower, and the ends of a flat face."""
         return FollowerSketch(*self.cam.follower.held(self._face_ends))
 
     @property
     def linkage_joint(self) -> tuple[complex, complex]:
-        """Where a linkage takes hold of the follower at lift 0 [mm]; see
+        """Joint of linkage and follower at lift 0 [mm], and the direction outward from there, see
         `Follower.linkage_joint`.
         """
         return self.cam.follower.linkage_joint(self._farthest)
@@ -101,14 +101,14 @@ class PicturedCam(Pickled):
     def _farthest(self) -> float:
         """The lift [mm or rad] at which the follower is farthest from the cam."""
         reach = self.cam.follower.reach
-        return max(lift_range(self.cam.drive.motion), key=lambda each: reach * each)
+        return max(lift_range(self.cam.drive.motion), key=lambda lift: reach * lift)
 
     def mechanism_sketch(self, phi: float) -> MechanismSketch[complex]:
-        """The mechanism at the cam angle `phi` [rad]: its links and joints."""
+        """The links and joints of the mechanism at the cam angle `phi` [rad]."""
         return self.mechanism_sketches(np.array([phi])).position(0)
 
     def mechanism_sketches(self, phi: FloatArray) -> MechanismSketch[Places]:
-        """The same at cam angles `phi` (n,) [rad]."""
+        """The links and joints of the mechanism at cam angles `phi` (n,) [rad]."""
         cam, follower, linkage = self.cam, self.cam.follower, self.cam.drive.linkage
         motion, ends = cam.drive.motion, self._face_ends
         lift = motion.jet(phi)[0]
@@ -116,6 +116,7 @@ class PicturedCam(Pickled):
         sketch = follower.sketch(lift, self._farthest, ends).of_table("follower")
         if self.returning is not None:
             both = (follower, self.returning)
+            # The largest distance of either roller from the cam axis at the ends of the stroke.
             reach = max(abs(roller.traced_point(lift_end)) for roller in both for lift_end in lifts)
             first = follower.traced(lift)
             sketch += self.returning.return_sketch(first, lift, reach).of_table("follower.return")
@@ -135,7 +136,9 @@ class PicturedCam(Pickled):
 
     @property
     def trimmed_stretches(self) -> tuple[TrimmedStretch, ...]:
-        """Where the flanks in use are cut off; empty also if what is left is unknown."""
+        """The stretches of the flanks in use that are cut off; none of a flank of which it is
+        unknown what remains.
+        """
         stretches: list[TrimmedStretch] = []
         for flank in self.cam.contact.flanks:
             try:
@@ -147,7 +150,7 @@ class PicturedCam(Pickled):
 
     @property
     def _face_ends(self) -> tuple[float, float]:
-        """Where a flat face begins and ends [mm]: as the scene states, else as contact requires.
+        """The ends of a flat face [mm]: as the scene states, else as the contact requires.
 
         Zeros for a roller, which has no face.
         """
@@ -164,7 +167,7 @@ class PicturedCam(Pickled):
 
 
 def _trimmed_stretches(curve: WorkingCurve, outline: Outline, flank: Flank) -> list[TrimmedStretch]:
-    """What is cut off at the corners of `outline`, the real outline of the flank `curve`.
+    """The stretches that are cut off at the corners of `outline`, the real outline of `curve`.
 
     Empty for a knife edge: the corners of its flank are those of the pitch curve, not cuts.
     """
@@ -180,8 +183,8 @@ def _trimmed_stretch(envelope: Envelope, corner: Pivot, flank: Flank) -> Trimmed
         envelope.path_parameter(start, "left"),
         envelope.path_parameter(corner.phi_end % TURN),
     )
-    last += envelope.total if last < first else 0.0
-    # Both sides of the roller's turns, to include the ends of their arcs.
+    last += envelope.total if last < first else 0.0  # the stretch passes cam angle 0
+    # Places on both sides of the roller's turns are added, to include the ends of their arcs.
     turns = [*envelope.starts, *(envelope.starts + envelope.total)]
     inside = [place for place in turns if first < place < last]
     places = np.unique(np.append(np.linspace(first, last, SAMPLES)[1:-1], inside))

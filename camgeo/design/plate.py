@@ -1,4 +1,4 @@
-"""Several bodies on one plate: those of a cam, its rollers, and a test ring."""
+"""Several bodies on one build plate: a cam, its rollers, and a test ring."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ COLOURS: Final[dict[str, str]] = {
     Body.RETURN_ROLLER: "#B0B0B0",
     Body.TEST_RING: "#E0A030",
 }
-"""On the screen, red, green and blue."""
+"""Colours of the bodies on the screen, red, green and blue, by kind."""
 
 STEP: Final = 0.001
 """Places are rounded to multiples of this [mm], away from each other."""
@@ -32,13 +32,13 @@ any processor."""
 
 
 @dataclass(frozen=True, slots=True)
-class Piece:
+class PlatePiece:
     """A body on a plate.
 
     Attributes
     ----------
-    kind : what it is, one of `camgeo.scene.formats.threemf.Body`.
-    name : what people call it.
+    kind : kind of the body, one of `camgeo.scene.formats.threemf.Body`.
+    name : name of the body for people.
     part : the body, compensated, about an axis of its own.
     reach : radius of the circle about that axis in which it lies [mm].
     x, y : where its axis stands on the plate [mm].
@@ -57,10 +57,10 @@ class Piece:
         return COLOURS[self.kind]
 
 
-def plate_pieces(product: Product) -> tuple[Piece, ...]:
-    """The bodies on the plate of a scene, side by side; empty if it asks for none.
+def plate_pieces(product: Product) -> tuple[PlatePiece, ...]:
+    """The bodies on the build plate of a scene, side by side; empty if it asks for none.
 
-    They stand in one row, in the positive quadrant, and the circles about them lie apart.
+    They stand in one row in the positive quadrant, and the circles about them do not overlap.
 
     Raises
     ------
@@ -74,19 +74,21 @@ def plate_pieces(product: Product) -> tuple[Piece, ...]:
     y = _rounded_place(options.gap + max(reaches, default=0.0))
     edge = 0.0
     for (kind, name, part), reach in zip(bodies, reaches, strict=True):
+        # Places are rounded up, away from the body before, so that the gap is kept.
         x = _rounded_place(edge + options.gap + reach)
-        pieces.append(Piece(kind, name, part, reach, x, y))
+        pieces.append(PlatePiece(kind, name, part, reach, x, y))
         edge = x + reach
     return tuple(pieces)
 
 
 def _rounded_place(place: float) -> float:
-    """The place [mm] rounded up to whole steps."""
+    """The coordinate [mm] rounded up to whole steps."""
+    # The inner rounding removes noise that would lift a whole number of steps to the next one.
     return round(math.ceil(round(place / STEP, 3)) * STEP, 3)
 
 
 def _body(kind: str, product: Product, options: ThreeMfSpec) -> tuple[str, Part]:
-    """The name of a body, and the body."""
+    """The name of a body of that kind, and its part, compensated."""
     missing = not product.others or (kind == Body.RETURN_CAM and product.is_pair)
     if kind in (Body.RETURN_CAM, Body.RETURN_ROLLER) and missing:
         message = f'there is no return disc of its own for "{kind}"'

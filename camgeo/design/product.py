@@ -29,16 +29,16 @@ if TYPE_CHECKING:
 
 
 SECOND: Final = "second-side"
-"""End of the names of programs of the second side."""
+"""Suffix of the names of programs of the second side."""
 
 ONE_PROGRAM: Final = re.compile(rf"(-{SECOND})?(-\d+-t\d+)?$", re.ASCII | re.IGNORECASE)
-"""End of the name of one of several programs."""
+"""Suffixes of the name of one of several programs: its side, its number and its tool."""
 
 PAIR: Final = "pair"
-"""End of the name of a conjugate pair in one piece."""
+"""Suffix of the name of a conjugate pair in one piece."""
 
 SHEET_SUFFIX: Final = "-drawing"
-"""End of the name of a sheet."""
+"""Suffix of the name of a drawing sheet."""
 
 
 @dataclass(frozen=True)
@@ -75,8 +75,10 @@ class Product(Pickled):
 
     @property
     def name(self) -> str:
-        """Name of the disc or pair, the stem of its files; of the programs of a second side with
-        that, of one of several programs with its number, counted from 1, and its tool.
+        """Name of the disc or pair, the stem of its files.
+
+        Programs of a second side have a suffix for that, and one of several programs has its number
+        from 1 and its tool.
         """
         if self.is_pair:
             return f"{self.scene.name}-{PAIR}"
@@ -88,7 +90,7 @@ class Product(Pickled):
 
     @property
     def position(self) -> int:
-        """0 of the main disc, 1 of the one that returns the follower."""
+        """0 for the main disc, 1 for the return disc."""
         return 0 if self.judgement.cams[0] is self.cam else 1
 
     @property
@@ -128,7 +130,7 @@ class Product(Pickled):
 
     @property
     def discs(self) -> tuple[Product, ...]:
-        """The disc, followed by those that turn with it; for pictures of all."""
+        """The disc, followed by those that turn with it, for pictures of all of them."""
         return (self, *self.others)
 
     @built
@@ -160,7 +162,7 @@ class Product(Pickled):
     @property
     def programs(self) -> tuple[Product, ...]:
         """The disc once for each milling program: one for each side, or more if the machine cannot
-        change the tools that it needs.
+        change tools and several are needed.
         """
         return tuple(chain.from_iterable(map(side_programs, product_sides(self))))
 
@@ -181,19 +183,21 @@ class Product(Pickled):
 
 
 def product_sides(product: Product) -> tuple[Product, ...]:
-    """The disc once for each side from which it is milled, the first one first; one that is a side
-    already alone.
+    """The disc once for each side from which it is milled, the first side first.
+
+    A product that is one program, or a second side, is returned alone.
     """
     second = product.milled.second
     if second is None or product.program is not None:
         return (product,)
     other = replace(product, second_side=True)
+    # The views that both sides share are not computed again.
     other.__dict__.update(drawn=product.drawn, milled=second)
     return (product, other)
 
 
 def side_programs(side: Product) -> tuple[Product, ...]:
-    """One side once for each of its programs."""
+    """The side of a disc once for each of its programs."""
     milled = side.milled.programs
     if len(milled) == 1:
         return (side,)
@@ -204,20 +208,22 @@ def side_programs(side: Product) -> tuple[Product, ...]:
 
 
 def solid_products(disc: Product) -> tuple[Product, ...]:
-    """What a solid is made of for a disc: itself, or of a pair in one piece the pair, once."""
+    """The products of which solids are made for a disc: the disc itself, or for a pair in one piece
+    that piece, for its main disc only.
+    """
     if disc.is_pair or disc.scene.part is None or disc.scene.part.pair is None:
         return (disc,)
     return () if disc.pair is None else (disc.pair,)
 
 
 def with_pair(discs: Sequence[Product]) -> tuple[Product, ...]:
-    """The discs, and the pair if they are one piece."""
+    """The discs, followed by the pair if they are one piece."""
     pair = discs[0].pair
     return (*discs, pair) if pair is not None else tuple(discs)
 
 
 def display_title(disc: Product) -> str:
-    """What people call the disc, in any characters: the title of the drawing, or its name."""
+    """The name of the disc for people, in any characters: the title of the drawing, or its name."""
     title = disc.scene.drawing.title
     if not title:
         return disc.name
@@ -227,12 +233,13 @@ def display_title(disc: Product) -> str:
 
 
 def find_disc(discs: Sequence[Product], stem: str) -> Product:
-    """The disc to which a file belongs that is named `stem` without its ending.
+    """The disc to which a file belongs whose name without extension is `stem`.
 
-    A name with the ending of a further disc belongs to that disc, whatever precedes the ending.
+    A name with the suffix of a further disc belongs to that disc, whatever precedes the suffix.
     """
     main, *others = with_pair(discs)
     stem = stem.removesuffix(SHEET_SUFFIX)
+    # The design itself may have a name that looks like that of a program.
     stem = stem if stem == main.name else ONE_PROGRAM.sub("", stem)
     marks = [(disc, disc.name.removeprefix(main.name)) for disc in others if stem != main.name]
     return next((disc for disc, mark in marks if stem.lower().endswith(mark)), main)

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 FULL_TURN = Decimal(360)
 
 NUMBERS: Final = 5_000_000
-"""In a table at most: 40 MB, as text twice as much, and both are there several times."""
+"""Most numbers of a table: 40 MB, as text twice as much, and both exist several times."""
 
 CAM_ANGLE: Final = "phi [deg]"
 
@@ -47,13 +47,13 @@ class Table(Displayed):
 
     Attributes
     ----------
-    names : of the columns, with their unit in brackets, e.g. "phi [deg]".
+    names : names of the columns, with their unit in brackets, e.g. "phi [deg]".
     values : (n, k), one column per name, without NaN.
-    cells : the same as text, for rounded numbers; None for `decimals`.
-    decimals : of all numbers, which are rounded to that many; None for the shortest form that reads
-        back the same, in which no number is -0.0.
-    separator : between columns as text.
-    decimal_comma : whether numbers as text have a comma.
+    cells : the numbers as text, if they have been rounded one by one; None to use `decimals`.
+    decimals : decimals to which all numbers are rounded; None for the shortest form that reads back
+        the same, in which no number is -0.0.
+    separator : separator between columns in the text.
+    decimal_comma : whether numbers in the text have a decimal comma.
     """
 
     names: tuple[str, ...]
@@ -81,12 +81,13 @@ class Table(Displayed):
         return self.encoded().decode()
 
     def encoded(self) -> bytes:
-        """The same in UTF-8, with no more memory than twice its size."""
+        """The table as CSV in UTF-8, which takes no more memory than twice its size."""
         buffer = io.BytesIO()
         stream = io.TextIOWrapper(buffer, "utf-8", newline="")
         rows = csv.writer(stream, delimiter=self.separator, lineterminator="\n")
         rows.writerow(self.names)
         spelled = repr if self.decimals is None else f"{{:.{self.decimals}f}}".format
+        # Adding 0.0 turns -0.0 into 0.0.
         numbers = ([spelled(value) for value in (row + 0.0).tolist()] for row in self.values)
         cells: Iterable[Sequence[str]] = self.cells or numbers
         if self.decimal_comma:
@@ -112,10 +113,10 @@ class TabulatedCam(Pickled):
 
     Attributes
     ----------
-    drive : what moves the follower.
-    scene : has the unit of lengths in the table, and its step.
+    drive : drive of the follower: motion plan, linkage and speed.
+    scene : the scene, with the unit of lengths in the table, and the step.
     cam : the cam; None if there is no follower.
-    columns : gives the effects over the cam angle.
+    columns : returns the effects over the cam angle.
     ledger : records what was computed.
     """
 
@@ -126,11 +127,12 @@ class TabulatedCam(Pickled):
     ledger: Ledger = field(default_factory=Ledger, repr=False, compare=False)
 
     def table(self, step: Decimal | float | None = None) -> Table:
-        """One row for every `step` degrees of cam angle, by default the scene's step; right-hand
-        values at the joints. A float counts as the decimal number that Python prints for it.
+        """The table with a row for every `step` degrees of cam angle, by default the scene's step.
 
-        With a speed also the time and the derivatives in time: velocity, acceleration and jerk;
-        then the cam's columns, if there is a cam, and the effects. In the scene's unit and degrees.
+        A float counts as the decimal number that Python prints for it. Joints have their right-hand
+        values. If there is a speed, the motion is followed by the time and by velocity,
+        acceleration and jerk; then come the columns of the cam, if there is one, and the effects.
+        Lengths are in the scene's unit, angles in degrees.
         """
         if step is None:
             return self.value_table
@@ -171,7 +173,7 @@ class TabulatedCam(Pickled):
 
 
 def _require_few(rows: int, columns: int) -> None:
-    """GeometryError with the key of the step, unless that many numbers are within the limit."""
+    """GeometryError with the key of the step, if a table would have more than `NUMBERS` numbers."""
     if rows * columns > NUMBERS:
         size = f"{counted(rows, 'row')} of {counted(columns, 'column')}"
         message = f"{size} are more than {counted(NUMBERS, 'number')}"
@@ -181,8 +183,9 @@ def _require_few(rows: int, columns: int) -> None:
 def stated_table(whole: Table, spec: CsvSpec, unit: LengthUnit) -> Table:
     """The columns of `whole` that a scene states, or all of them; its lengths are in `unit`.
 
-    Raises GeometryError with the key of a column that there is not.
+    Raises GeometryError with the key of a column that does not exist.
     """
+    # Without any option besides the step the table is as it is.
     if spec == CsvSpec(spec.step):
         return whole
     columns = whole.columns
@@ -193,7 +196,10 @@ def stated_table(whole: Table, spec: CsvSpec, unit: LengthUnit) -> Table:
         for place, name in enumerate(spec.columns, 1):
             if name not in named:
                 hint = meant(name, named)
-                message = f"is no column{f', {hint}' if hint else ''}; there are {', '.join(named)}"
+                message = (
+                    f"is not a column{f', {hint}' if hint else ''}; the columns are"
+                    f" {', '.join(named)}"
+                )
                 raise GeometryError(message, f"output.csv.columns[{place}]", f'"{name}"')
         columns = {named[name]: known[named[name]] for name in spec.columns}
     if spec.angle == "rad":
@@ -211,6 +217,7 @@ def rounded(table: Table, decimals: int | None) -> Table:
     if decimals is None:
         return table
     values = table.values.ravel()
+    # Python rounds the exact value; NumPy scales it first, and may round the other way.
     near = np.fromiter((round(float(value), decimals) for value in values), np.float64, len(values))
     return replace(table, values=near.reshape(table.values.shape), decimals=decimals)
 
@@ -221,11 +228,12 @@ def bare(heading: str) -> str:
 
 
 def _polar(columns: Mapping[str, FloatArray], unit: LengthUnit) -> dict[str, FloatArray]:
-    """Radius and angle of the points of each curve."""
+    """Radius and angle [degrees, 0 to 360] of the points of each curve, by column heading."""
     polar: dict[str, FloatArray] = {}
     for name in CURVES:
         x, y = (columns.get(f"{name} {axis} [{unit}]") for axis in "xy")
         if x is not None and y is not None:
+            # The remainder of a tiny negative angle rounds to 360.
             turned = np.degrees(np.arctan2(y, x)) % 360.0
             polar[f"{name} radius [{unit}]"] = np.hypot(x, y)
             polar[f"{name} angle [deg]"] = np.where(turned < 360.0, turned, 0.0)
@@ -233,7 +241,7 @@ def _polar(columns: Mapping[str, FloatArray], unit: LengthUnit) -> dict[str, Flo
 
 
 def _radians_column(heading: str, values: FloatArray) -> tuple[str, FloatArray]:
-    """A column with its degrees, or degrees per power of a second, in radians."""
+    """Heading and values of a column with radians in place of degrees; others as they are."""
     name, separator, unit = heading.rpartition(" [")
     if not separator or not unit.startswith("deg"):
         return heading, values
@@ -245,9 +253,10 @@ def _radians_column(heading: str, values: FloatArray) -> tuple[str, FloatArray]:
 
 
 POWERS = ("s", "s^2", "s^3")
+"""Divisors of the units of the first three derivatives with respect to time."""
 
 MARKS = ("", "'", "''", "'''")
-"""Units of a motion's derivatives over the cam angle."""
+"""Marks of a motion and its derivatives with respect to the cam angle."""
 
 ANGLES: dict[Demanded, str] = {"lever": "chi", "crank": "theta"}
 """Name of a prescribed angle that is not the follower's own."""
@@ -256,7 +265,7 @@ Quantity = Callable[[FloatArray, Side], FloatArray]
 """(n,) values at n cam angles [rad], approached from the given side."""
 
 JetOfMotion = Callable[[FloatArray, Side], Jet]
-"""(4, n) a motion and its derivatives, likewise."""
+"""(4, n) a motion and its three derivatives, likewise."""
 
 Value = TypeVar("Value", FloatArray, ComplexArray)
 
@@ -271,16 +280,16 @@ TIMED = ("v", "a", "j")
 
 
 def quantities(drive: Drive, lift_unit: LiftUnit, cam: Cam | None, unit: LengthUnit) -> Columns:
-    """What a value table has beside the cam angle and effects, its lengths in `unit`.
+    """The columns of a value table besides cam angle and effects, with lengths in `unit`.
 
-    Right and left values differ where something jumps, which is at borders of the motion only.
+    Right and left values differ where something jumps, which is only at breaks of the motion.
     """
     columns = quantities_of_drive(drive, lift_unit, unit)
     return columns if cam is None else columns + quantities_of_disc(cam.disc, unit)
 
 
 def quantities_of_drive(drive: Drive, lift_unit: LiftUnit, unit: LengthUnit) -> Columns:
-    """Motions over the cam angle and in time."""
+    """The columns of the motions over the cam angle and in time."""
     motions = _motions(drive, lift_unit)
     columns: Columns = []
     for name, motion in motions:
@@ -289,10 +298,11 @@ def quantities_of_drive(drive: Drive, lift_unit: LiftUnit, unit: LengthUnit) -> 
 
 
 def _once(compute: Callable[[FloatArray, Side], Value]) -> Callable[[FloatArray, Side], Value]:
-    """The same, computed once for the columns that share it: they are called one after another."""
+    """`compute`, called once for all columns that share it, which ask one after another."""
     latest: list[tuple[FloatArray, Side, Value]] = []
 
     def values(phi: FloatArray, side: Side) -> Value:
+        # Identity suffices, as all columns of a table get the same array.
         if not latest or latest[0][0] is not phi or latest[0][1] != side:
             latest[:] = [(phi, side, compute(phi, side))]
         return latest[0][2]
@@ -301,7 +311,7 @@ def _once(compute: Callable[[FloatArray, Side], Value]) -> Callable[[FloatArray,
 
 
 def quantities_of_disc(disc: Disc, unit: LengthUnit) -> Columns:
-    """Curves, transmission angle and curvature.
+    """The columns of curves, transmission angle and curvature.
 
     A flat face has one curve, the outline on which its contact runs, and the position of the
     contact on the face.
@@ -341,9 +351,9 @@ def quantities_of_disc(disc: Disc, unit: LengthUnit) -> Columns:
 
 
 def _motions(drive: Drive, lift_unit: LiftUnit) -> list[tuple[str, JetOfMotion]]:
-    """The motion that the scene prescribes, and the follower's own if it differs.
+    """The motion that the scene prescribes, and the follower's own motion if it differs.
 
-    Each gives (4, n), with the name of its angle, empty for a length.
+    Each comes with the name of its angle, which is empty for a length.
     """
     follower_jet = _once(lambda phi, side: drive.motion.jet(phi, side))
     motions: list[tuple[str, JetOfMotion]] = [("psi" if lift_unit == "rad" else "", follower_jet)]
@@ -365,9 +375,9 @@ def _timed(motion: JetOfMotion, course: TimeCourse) -> JetOfMotion:
     return lambda phi, side: in_time(motion(phi, side), course, phi)
 
 
-def _row(motion: JetOfMotion, order: int, shown: Callable[[FloatArray], FloatArray]) -> Quantity:
-    """One derivative of a motion, as it is shown."""
-    return lambda phi, side: shown(motion(phi, side)[order])
+def _row(motion: JetOfMotion, order: int, convert: Callable[[FloatArray], FloatArray]) -> Quantity:
+    """The derivative of a motion of that order, converted by `convert`."""
+    return lambda phi, side: convert(motion(phi, side)[order])
 
 
 def _length(unit: LengthUnit, motion: JetOfMotion) -> Columns:
@@ -393,7 +403,7 @@ def _angle(name: str, motion: JetOfMotion) -> Columns:
 def _time_columns(
     drive: Drive, motions: list[tuple[str, JetOfMotion]], unit: LengthUnit
 ) -> Columns:
-    """Time and derivatives in time: of the motion the scene prescribes, and of the follower."""
+    """The columns of time and of derivatives with respect to time, for each of the `motions`."""
     course, mm = drive.time_course, MM_PER[unit]
     if course is None:
         return []
@@ -411,7 +421,7 @@ def _time_columns(
 
 
 def effect_column(unit: LengthUnit, column: Column) -> tuple[str, Quantity]:
-    """Heading and values of an effect's column, lengths in `unit`."""
+    """Heading and values of an effect's column, with lengths in `unit`."""
     unit_text, divisor = unit_and_divisor(column.unit, unit)
 
     def divided(phi: FloatArray, side: Side) -> FloatArray:

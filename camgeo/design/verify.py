@@ -1,4 +1,4 @@
-"""What verifying a file finds: checks, each with its value and its limit; and what a verifier is.
+"""Checks of a file that is verified, each with value and limit, and the protocol of a verifier.
 
 Verifiers register as entry points of the group ``camgeo.verifiers``; the entry point's name is the
 ending of the files that it reads, without the dot, and it loads an object that is a `Verifier`.
@@ -19,17 +19,17 @@ from camgeo.units import LengthUnit, in_unit
 
 @dataclass(frozen=True, slots=True)
 class Check:
-    """One thing that was checked.
+    """The result of one check of a file.
 
     Attributes
     ----------
-    name : what was checked, e.g. "deviation".
+    name : name of the checked property, e.g. "deviation".
     of : the boundary or operation checked; empty for the whole file.
-    value : what was found; None if it could not be determined.
-    expected : what it should be; None if only `limit` bounds it.
+    value : value in the file; None if it could not be determined.
+    expected : value that it should be; None if only `limit` bounds it.
     limit : largest value, or largest difference from `expected`; None if it must be equal.
-    unit : of the numbers, or empty.
-    ok : whether it passes; None for information only.
+    unit : unit of the numbers, or empty.
+    ok : whether the check passes; None for information only.
     note : a sentence or a place, or empty.
     """
 
@@ -43,7 +43,7 @@ class Check:
     note: str = ""
 
     def in_unit(self, length: LengthUnit) -> Check:
-        """The check with the lengths in its texts in the unit of a scene; its numbers stay."""
+        """The check with the lengths in its texts in the unit of a scene; its numbers remain."""
         fields = ((name, getattr(self, name)) for name in ("of", "value", "expected", "note"))
         texts: dict[str, Any] = {
             name: in_unit(text, length) for name, text in fields if isinstance(text, str)
@@ -51,7 +51,7 @@ class Check:
         return replace(self, **texts)
 
     def record(self) -> dict[str, Any]:
-        """As data; what is empty is left out."""
+        """The check as data for JSON; fields that are empty are left out."""
         fields = {key: getattr(self, key) for key in ("of", "value", "expected", "limit", "unit")}
         stated = {key: value for key, value in fields.items() if value not in ("", None)}
         end = {"note": self.note} if self.note else {}
@@ -86,15 +86,15 @@ def reported(name: str, value: float | str, unit: str = "", of: str = "", note: 
     return Check(name, of, value, None, None, unit, None, note)
 
 
-def unit_check(unit: str, reading: Reading) -> Check:
+def unit_check(unit: str, reading: ReadingOptions) -> Check:
     """The unit of a file, which must be the user's if one is given."""
     if reading.unit is not None:
-        return equal("unit", unit, reading.unit, note="the file is not in the unit of --unit")
+        return equal("unit", unit, reading.unit, note="the file has another unit than --unit")
     return reported("unit", unit)
 
 
 def failed(name: str, note: str, of: str = "") -> Check:
-    """A check that could not even be measured, and why."""
+    """A check whose value could not be measured; `note` says why."""
     return Check(name, of, ok=False, note=note)
 
 
@@ -104,11 +104,11 @@ class Origin:
 
     Attributes
     ----------
-    version : of camgeo, if it states that camgeo wrote it; else empty.
+    version : version of camgeo, if the file states that camgeo wrote it; else empty.
     scene : hash of the scene that it names, or its first digits; empty if it names none.
-    tolerance : [mm] that it names, or None.
+    tolerance : tolerance that it names [mm], or None.
     damage : why it cannot be read at all; empty if it can.
-    format : that it was written in, if it is not the verifier's.
+    format : format that it was written in, if that is not the verifier's.
     """
 
     version: str = ""
@@ -125,15 +125,15 @@ def parse_tolerance(text: str) -> float | None:
 
 
 @dataclass(frozen=True, slots=True)
-class Reading:
+class ReadingOptions:
     """How to read a file.
 
     Attributes
     ----------
-    name : of the file, for messages.
-    layer : the one read in a drawing; None for CUT if it exists, else for all layers.
-    unit : of the file if it does not state one; None if the user has not given it either.
-    origin : of a drawing: where the cam axis lies in its axes [mm].
+    name : name of the file, for messages.
+    layer : the layer to read in a drawing; None for CUT if it exists, else for all layers.
+    unit : unit of a file that does not state one; None if the user has not given it either.
+    origin : place of the cam axis in the axes of a drawing [mm].
     """
 
     name: str
@@ -151,8 +151,8 @@ class Verifier(Protocol):
 
     @property
     def slack(self) -> float:
-        """By how much numbers of files of one scene may differ where another processor has
-        computed them, as a share of their size.
+        """Largest difference of numbers in two files of one scene, as a share of their size, if
+        different processors have computed them.
         """
 
     def tokens(self, data: bytes) -> Iterator[tuple[str, str]]:
@@ -162,7 +162,7 @@ class Verifier(Protocol):
         """What the file states about itself; raises nothing."""
 
     def checks(
-        self, product: Product, data: bytes, reading: Reading, tolerance: float
+        self, product: Product, data: bytes, reading: ReadingOptions, tolerance: float
     ) -> tuple[Check, ...]:
         """All checks of a file of any origin, against `tolerance` [mm]; what cannot be measured
         fails.

@@ -84,7 +84,8 @@ Progress = Callable[[str], None]
 
 
 Accounts = Mapping[str, Callable[[Path], bool]]
-"""Names of files that describe the set in their folder, and whether what lies there is one."""
+"""Names of files that may describe the set in their folder, each with a test whether the file there
+does."""
 
 NO_ACCOUNTS: Final[Accounts] = MappingProxyType({})
 
@@ -105,8 +106,8 @@ def write_set(
 
     The last of several files vouches for the others, as a certificate does. A file that already
     exists with the same content counts as written. A link is replaced, not what it points to.
-    `accounts` of the set that was there are removed with it; they hold if nothing changes.
-    `progress` is told if another process has to be waited for, and of each file that is removed.
+    `accounts` of the set that was there are removed with it, unless nothing changes. `progress`
+    reports if another process has to be waited for, and each file that is removed.
 
     Raises
     ------
@@ -125,7 +126,7 @@ def write_set(
             outdated = _outdated(folder, files, accounts)
             _replace(folder, files, outdated)
             for name in outdated:
-                progress(f"{name} of the files before: removed")
+                progress(f"{name} of the previous files was removed")
     except OutputError:
         raise
     except (OSError, ValueError) as error:
@@ -153,8 +154,8 @@ def interrupted(folder: Path) -> bool:
 def settle(folder: Path, progress: Progress = silent) -> str:
     """Put `folder` back in the state before a run that was stopped there.
 
-    Returns what was found, in words; nothing if no run was stopped. Raises OutputError if the
-    state cannot be restored, or another process is writing there.
+    Returns a sentence on what was done, which is empty if no run was stopped. Raises OutputError if
+    the state cannot be restored, or another process is writing there.
     """
     try:
         if not os.path.lexists(folder / STAGING):
@@ -194,9 +195,9 @@ def _locked(folder: Path, progress: Progress) -> Generator[None]:
 
 
 def acquire_lock(place: Path, flags: int) -> int | None:
-    """A lock as an open file, opened with `flags`; None if another process has it.
+    """Lock `place` and return the lock, a file opened with `flags`; None if another process has it.
 
-    Where a file system has no locks everybody gets it: what is locked is still safe, but two
+    On a file system without locks every process gets one: what is locked is still safe, but two
     processes at once are not kept apart.
     """
     if sys.platform == "win32":
@@ -265,7 +266,7 @@ def _refuse_overwriting(folder: Path, files: Mapping[str, bytes], *, force: bool
 
 
 def _outdated(folder: Path, files: Mapping[str, bytes], accounts: Accounts) -> tuple[str, ...]:
-    """Those of the accounts in `folder` that do not hold with `files`."""
+    """Names of the accounts in `folder` that no longer hold once `files` are written."""
     paths = [folder / name for name in files]
     if all(path.is_file() and path.read_bytes() == files[path.name] for path in paths):
         return ()
@@ -320,7 +321,7 @@ def _move_into_place(folder: Path, names: tuple[str, ...], outdated: tuple[str, 
 
 
 def _restore(folder: Path) -> str:
-    """Undo what a stopped run did; return what was found, see `settle`.
+    """Undo what a stopped run did and return a sentence on it, see `settle`.
 
     Each step leaves a state from which all steps can be taken again: a new file is either in place
     or in the staging folder, and an old one is put back once no new one is in place.
@@ -425,13 +426,13 @@ class FileReport:
 
     Attributes
     ----------
-    name : of the file.
+    name : name of the file.
     format : name of its writer.
-    size : in bytes.
-    tolerance : the requested one [mm].
-    deviation : proved for the file as read back [mm]; None for pictures.
+    size : size in bytes.
+    tolerance : requested tolerance [mm].
+    deviation : proved deviation of the file as read back [mm]; None for pictures.
     facts : what its writer reports, e.g. the number of arcs.
-    findings : what whoever uses the file has to watch.
+    findings : findings that matter to whoever uses the file.
     """
 
     name: str
@@ -445,11 +446,11 @@ class FileReport:
 
 @dataclass(frozen=True, slots=True)
 class Report(Displayed):
-    """What was written.
+    """A report on the files that were written.
 
     Attributes
     ----------
-    paths : of all files, the certificate last.
+    paths : paths of all files, the certificate last.
     files : one report per file, without the certificate.
     """
 
@@ -480,7 +481,7 @@ def write_files(
 
 
 def is_verification(path: Path) -> bool:
-    """Whether a file is a verification of camgeo's."""
+    """Whether a file is a verification that camgeo has written."""
     try:
         document = json.loads(read_limited(path, VERIFIED))
     except (OSError, ValueError, RecursionError):
@@ -500,7 +501,7 @@ def make_files(
     The files of the first disc, then those of the next. Raises like `Design.write`.
     """
     if not formats:
-        message = f"no format is named; there are {', '.join(writer_names())}"
+        message = f"no format is named; the formats are {', '.join(writer_names())}"
         raise SceneError([Fault("format", "", message)])
     product = discs[0]
     contents: dict[str, bytes] = {}
@@ -533,7 +534,7 @@ def make_files(
 def _pieces(
     discs: Sequence[Product], writers: Sequence[tuple[str, Writer]]
 ) -> Iterator[tuple[Product, str, Writer]]:
-    """What each file is made of, with the name of its format and its writer."""
+    """The product of which each file is made, with the name of its format and its writer."""
     for disc in discs:
         for name, writer in writers:
             for piece in file_products(writer, disc):
@@ -545,7 +546,7 @@ def _make(
 ) -> tuple[Written, float | None]:
     """One file of one disc, and its deviation as read back [mm]; `name` is for messages.
 
-    What is read has limits (`camgeo.reading`); a file beyond them is not written.
+    Files that are read have limits (`camgeo.reading`); a file beyond them is not written.
     """
     progress(f"{name}: computing")
     try:
@@ -563,7 +564,7 @@ def _make(
     except FileError as error:
         raise FileError(f"{name}: the file cannot be read back: {error}") from error
     if deviation is not None and not deviation <= tolerance:
-        raise ToleranceError(f"the {name} file, read back, is off", tolerance, deviation)
+        raise ToleranceError(f"the {name} file, read back, deviates", tolerance, deviation)
     return written, deviation
 
 
@@ -573,8 +574,8 @@ def _certificate(
     reports: list[FileReport],
     contents: dict[str, bytes],
 ) -> bytes:
-    """What has been proved about the files, and found on the discs and their parts, as JSON; the
-    same for the same scene.
+    """The certificate as JSON: what has been proved about the files, and the findings on the discs
+    and their parts. It is the same for the same scene.
     """
     product = discs[0]
     document: dict[str, Any] = {
@@ -611,7 +612,7 @@ def _certificate(
 
 
 def _stated(finding: Finding) -> dict[str, Any]:
-    """A finding as the certificate has it."""
+    """A finding as the certificate states it."""
     return {key: getattr(finding, key) for key in ("name", "severity", "value", "limit", "unit")}
 
 
@@ -631,7 +632,7 @@ class Written:
     data : the whole file.
     facts : what the certificate should state besides the deviation, e.g. {"arcs": 64}; numbers and
         short texts, in the order of writing.
-    findings : what whoever uses the file has to watch.
+    findings : findings that matter to whoever uses the file.
     """
 
     data: bytes
@@ -644,11 +645,11 @@ class Writer(Protocol):
 
     Attributes
     ----------
-    format : its declaration; the name is that of the entry point.
+    format : declaration of the format, whose name is that of the entry point.
 
     A writer may also have `companions`, a tuple of writers of the format's further files, each
-    with its own suffix, and `pieces`, which gives the products of which it makes a file each where
-    one file cannot hold all.
+    with its own suffix, and `pieces`, which returns the products of which it makes one file each,
+    where one file cannot hold all.
     """
 
     @property
@@ -676,7 +677,7 @@ def with_companions(writer: Writer) -> tuple[Writer, ...]:
 
 
 def file_products(writer: Writer, product: Product) -> tuple[Product, ...]:
-    """The products of which the writer makes a file each, mostly `product` alone."""
+    """The products of which the writer makes one file each, usually `product` alone."""
     pieces: Callable[[Product], tuple[Product, ...]] | None = getattr(writer, "pieces", None)
     return (product,) if pieces is None else pieces(product)
 
@@ -687,13 +688,13 @@ def find_writer(name: str) -> Writer:
 
 
 def find_writers(names: Iterable[str]) -> dict[str, Writer]:
-    """As `find_writer`, for several: what is installed is looked through once."""
+    """Load the writers of several formats, as `find_writer`, searching the installation once."""
     entries = writer_entries()
     writers: dict[str, Writer] = {}
     for name in names:
         if name not in entries:
             known = sorted(entries)
-            message = f"no writer for this format; there are {', '.join(known)}"
+            message = f"there is no writer for this format; the formats are {', '.join(known)}"
             hint = NO_FORMATS.get(name) or meant(name, known, '"')
             raise SceneError([Fault("format", name, message, hint)])
         writers[name] = load_format(entries[name])[0]

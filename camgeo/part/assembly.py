@@ -74,15 +74,15 @@ def build_part(
     contact : flank on which the roller runs.
     inner, outer : the real outlines of the flanks; only those of the contact are used.
     spec : the scene's specification of the part.
-    tolerance : by which one boundary must at least lie inside another [mm]: contours of both that
-        are as exact as that do not touch.
+    tolerance : least distance [mm] by which a boundary must lie inside another, so that contours of
+        both that are as exact as that do not touch.
     ledger : records fits of the flanks.
 
     Raises
     ------
     GeometryError
-        With the key of the scene if a bore or a hub does not fit inside the disc, a flank not
-        inside the rim, or a mark is not clear of all of them.
+        With the key of the scene, if a bore or a hub does not fit inside the disc, a flank does not
+        fit inside the rim, or a mark is not clear of all of these.
     """
     return PARTS[contact](inner, outer, spec, tolerance, ledger or Ledger())
 
@@ -117,6 +117,7 @@ def _grooved(inner: Path, outer: Path, spec: PartSpec, tolerance: float, book: L
 
 
 PARTS: Final = {Contact.INNER: _plate, Contact.OUTER: _ring, Contact.GROOVE: _grooved}
+"""Functions that build the part, by the flank on which the roller runs."""
 
 
 def _rim(spec: PartSpec, outer: Path, tolerance: float, book: Ledger) -> ExactBoundary:
@@ -134,13 +135,16 @@ def _rim(spec: PartSpec, outer: Path, tolerance: float, book: Ledger) -> ExactBo
 
 
 def _bore_fits(spec: PartSpec, flank: CurveBoundary, tolerance: float) -> None:
-    """GeometryError unless the flank surrounds bore and keyway, which may point to where there is
-    more room than beside the bore.
+    """GeometryError unless the flank surrounds bore and keyway.
+
+    The keyway may point in a direction in which there is more room than elsewhere.
     """
     if spec.bore is None:
         return
     outline = bore_outline(spec.bore, spec.keyway)
     reach = largest_radius(outline)
+    # Three tests of growing precision: bounds of the pitch curve, the flank's exact least radius,
+    # and contours of both, which tell the direction of the keyway.
     if flank.surely_around(reach + tolerance):
         return
     room = flank.nearest()
@@ -174,9 +178,9 @@ class Feature:
 
     Attributes
     ----------
-    boundary : of the part.
-    z0, z1 : between which it bounds the part [mm].
-    layer : name of the layer that begins at its lower end; empty if it gives none a name.
+    boundary : the boundary, which the part shares.
+    z0, z1 : heights between which it bounds the part [mm].
+    layer : name of the layer that begins at the lower height; empty if the feature names none.
     """
 
     boundary: Boundary
@@ -186,6 +190,7 @@ class Feature:
 
 
 HUBS: Final = (UPPER_HUB, LOWER_HUB)
+"""Names of all layers that are hubs."""
 
 HOLES: Final = {"bolt_circle": "bolt hole", "lightening_holes": "lightening hole"}
 """Tables of holes, with the name of each hole."""
@@ -220,9 +225,9 @@ def assemble_part(
     ----------
     spec : the scene's specification.
     outer : outermost boundary of the disc.
-    flanks : its other flanks: two of a groove, sunk to its depth, or one through the disc.
-    rooms : within which a hub on the upper and on the lower face must stay.
-    tolerance : by which boundaries must at least lie apart [mm], and of the contours that show it.
+    flanks : other flanks of the disc: two of a groove, sunk to its depth, or one through the disc.
+    rooms : boundaries within which a hub on the upper and on the lower face must stay.
+    tolerance : least distance of boundaries [mm], and tolerance of the contours that show it.
 
     Raises
     ------
@@ -236,8 +241,10 @@ def assemble_part(
     if spec.bolt_circle is not None and spec.bolt_circle.counterbore is not None:
         sunk = max(sunk, spec.bolt_circle.counterbore.depth)
     depth = spec.groove_depth or 0.0
-    # What the scene does not give is taken as anything that keeps the order, and is 0 in the end.
+    # Heights that the scene does not give are invented so that the order of the layers is right;
+    # `stated` sets them to 0 in the end.
     bottom = -(spec.thickness or 2.0 * max(sunk, depth) + 1.0)
+    # Without a depth the floor is halfway between the deepest mark or text and the lower face.
     floor = -depth or 0.5 * (bottom - sunk)
     grooved = len(flanks) > 1
     low, high = bottom, 0.0
@@ -279,6 +286,7 @@ def assemble_part(
             lower_holes.append(Feature(hole, foot, seat))
     if spec.mark is not None:
         mark = ExactBoundary("mark", hole=True, exact=mark_outline(spec.mark))
+        # The mark is in the upper face, so it may lie above the lower hub.
         upper = [feature for feature in features if feature.layer != LOWER_HUB]
         if hub := _require_clear(mark, "part.mark", upper, tolerance):
             raise GeometryError(f"the mark lies under the {hub}", key="part.mark")
@@ -355,18 +363,20 @@ def _require_bore_in_hub(bore: ExactBoundary, hub: Hub) -> None:
 
 
 def _require_clear_of_screw(hole: ExactBoundary, screw: SetScrew) -> None:
-    """GeometryError unless a hole through the hub lies beside the radial hole of a set screw."""
+    """GeometryError unless a hole through the hub is clear of the radial hole of a set screw."""
+    # In axes along the screw, whose hole runs from the cam axis outward.
     middle = complex(hole.exact.centres[0]) * cmath.exp(-1j * screw.angle)
     away = abs(middle.imag) if middle.real > 0.0 else abs(middle)
     if away <= hole.round_radius + 0.5 * screw.diameter:
         raise GeometryError(
-            f"the hole of the set screw meets the {hole.name}", key="part.set_screw.angle"
+            f"the hole of the set screw would meet the {hole.name}", key="part.set_screw.angle"
         )
 
 
 def _seat(counterbore: Counterbore, foot: float, top: float, *, known: bool) -> float:
-    """Height of the floor of a counterbore in material from `foot` to `top` [mm]; GeometryError
-    unless there is some below it, if the heights are `known`.
+    """Height of the floor of a counterbore in material from `foot` to `top` [mm].
+
+    GeometryError if no material is left below it, which is only tested if the heights are `known`.
     """
     if known and counterbore.depth >= top - foot:
         raise GeometryError(
@@ -380,8 +390,10 @@ def _seat(counterbore: Counterbore, foot: float, top: float, *, known: bool) -> 
 def _require_clear(
     boundary: ExactBoundary, key: str, others: Iterable[Feature], tolerance: float
 ) -> str:
-    """The name of a hub within which a hole or mark lies, the upper one if there is; empty if it
-    lies beside them.
+    """Check that a hole or mark is clear of the other features and lies in material.
+
+    Returns the name of the hub within which it lies, of the upper hub if it lies within both; empty
+    if it lies in neither.
 
     Raises
     ------
@@ -398,6 +410,7 @@ def _require_clear(
             raise GeometryError(
                 f"the {boundary.name} must lie clear of the {other.name}, which it touches", key=key
             )
+        # As the two do not touch, one vertex tells whether one lies inside the other.
         if winding_number(boundary.exact, complex(other_fit.contour.vertices[0])):
             raise GeometryError(f"the {boundary.name} lies around the {other.name}", key=key)
         inside = winding_number(other_fit.contour, start) != 0
@@ -405,6 +418,7 @@ def _require_clear(
             covering = covering or (other.name if inside else "")
         else:
             around += inside
+    # Boundaries are nested without crossing, so there is material inside an odd number of them.
     if not around % 2:
         raise GeometryError(f"the {boundary.name} lies where the disc has no material", key=key)
     return covering
@@ -425,10 +439,11 @@ def require_room(
 
     Parameters
     ----------
-    texts : the letters of each.
+    texts : the letters of each text.
     boundaries : other boundaries on the upper face of the disc.
-    hubs : those that stand on it.
-    tolerance : of the contours by which boundaries are compared [mm]; their deviation counts.
+    hubs : the hubs that stand on that face.
+    tolerance : tolerance of the contours by which boundaries are compared [mm]; their deviation is
+        accounted for.
     """
     around: dict[Letter, int] = {}
     for boundary in (neighbours := tuple(boundaries)) + tuple(hubs):
@@ -440,7 +455,7 @@ def require_room(
             if least_distance(whole, pieces) <= fit.deviation + max(
                 letter.deviation for letter in letters
             ):
-                letter = min(letters, key=lambda each: _letter_distance(each, pieces))
+                letter = min(letters, key=lambda letter: _letter_distance(letter, pieces))
                 raise GeometryError(
                     f"must lie clear of the {boundary.name}, which the {letter.where} touches",
                     key=key,
@@ -486,6 +501,7 @@ SPACER: Final = "spacer"
 """Name of the boundary, and of its layer."""
 
 SPACER_KEY: Final = "part.pair.spacer"
+"""Key of the spacer's diameter in the scene."""
 
 
 def build_pair(
@@ -500,8 +516,8 @@ def build_pair(
     Parameters
     ----------
     paths : the real outlines of main disc and return disc.
-    spec : of the part, with the pair and a thickness.
-    tolerance : as of `camgeo.part.assembly.build_part`.
+    spec : the specification of the part, with the pair and a thickness.
+    tolerance : as for `build_part`.
     ledger : records fits of the flanks.
 
     Raises
@@ -524,6 +540,7 @@ def build_pair(
     other = tuple(_return_layers(*parts.values()))
     main = parts[MAIN].layers
     upper, lower = (main, other) if pair.upper == MAIN else (other, main)
+    # The upper disc has its upper face at height 0 as it is; only the lower disc moves.
     down = spec.thickness + pair.gap
     lower = tuple(replace(layer, z0=layer.z0 - down, z1=layer.z1 - down) for layer in lower)
     circle = ExactBoundary(SPACER, hole=False, exact=Contour.circle(0.5 * pair.spacer))
@@ -534,7 +551,9 @@ def build_pair(
 
 
 def _bearing(spec: PartSpec, pair: Pair, name: str) -> PartSpec:
-    """A disc with the hub on its outer face, if there is one there, and with sharp edges."""
+    """The specification of a disc with the hub on its outer face, if there is one, and without
+    chamfers.
+    """
     disc, hub = replace(spec.alone(name), chamfers=None), spec.hub
     side = UPPER if name == pair.upper else LOWER
     if hub is None or hub.side not in (side, BOTH):
@@ -556,7 +575,9 @@ def _require_spacer_fits(pair: Pair, path: Path, name: str, tolerance: float) ->
 
 
 def _return_layers(main: Part, other: Part) -> Iterator[Layer]:
-    """The layers of the return disc, with its own names, and the boundaries shared with `main`."""
+    """The layers of the return disc under names of their own; boundaries that are the same in the
+    main disc are that disc's objects.
+    """
     main_boundaries = {boundary.name: boundary for boundary in main.boundaries}
     known: dict[str, Boundary] = {}
 
@@ -590,9 +611,9 @@ def _alike(one: Boundary, other: Boundary) -> bool:
 def _through_holes(
     circle: ExactBoundary, upper: Layer, lower: Layer, tolerance: float
 ) -> tuple[Boundary, ...]:
-    """The holes that go through the spacer, as through both discs.
+    """The holes that go through both discs, and therefore through the spacer.
 
-    Raises GeometryError if one touches the spacer, or ends at it.
+    Raises GeometryError if one of them touches the spacer, or ends at it.
     """
     sides = [list(_inside(circle, layer, tolerance)) for layer in (upper, lower)]
     for one, other in (sides, sides[::-1]):
@@ -603,7 +624,7 @@ def _through_holes(
 
 
 def _inside(circle: ExactBoundary, layer: Layer, tolerance: float) -> Iterator[Boundary]:
-    """The boundaries of a disc within the spacer."""
+    """The boundaries of a disc that lie within the spacer."""
     ring = circle.distance_fit(tolerance)
     for boundary in layer.boundaries[1:]:
         fit = boundary.distance_fit(tolerance)
@@ -661,6 +682,7 @@ def bore_outline(diameter: float, keyway: Keyway | None) -> Contour:
     corners = np.array(
         [reach - 1j * half, bottom - 1j * half, bottom + 1j * half, reach + 1j * half]
     )
+    # The mouth of the slot takes this angle of the bore.
     opening = 2.0 * math.asin(half / radius)
     vertices = corners * cmath.exp(1j * keyway.angle)
     sweeps = np.array([0.0, 0.0, 0.0, 2.0 * math.pi - opening])
@@ -670,6 +692,7 @@ def bore_outline(diameter: float, keyway: Keyway | None) -> Contour:
 def flattened(diameter: float, flat: DShaft) -> Contour:
     """A bore with a flat about the cam axis [mm], counter-clockwise: up the flat, and round."""
     radius = 0.5 * diameter
+    # Distance of the flat from the cam axis; sum and difference do not cancel as squares would.
     away = flat.across - radius
     half = math.sqrt((radius - away) * (radius + away))
     corners = cmath.exp(1j * flat.angle) * np.array([away - 1j * half, away + 1j * half])
@@ -732,8 +755,9 @@ def bevelled(part: Part, chamfers: Chamfers, tolerance: float) -> Part:
 
     Parameters
     ----------
-    part : with its heights, and sharp edges.
-    tolerance : of contours [mm] that show that chamfers stay clear of all else.
+    part : the part with all its heights and with sharp edges.
+    chamfers : the scene's specification.
+    tolerance : tolerance [mm] of the contours that show that chamfers stay clear of all else.
 
     Raises
     ------
@@ -757,14 +781,14 @@ def bevelled(part: Part, chamfers: Chamfers, tolerance: float) -> Part:
 
 
 def _table(boundary: Boundary) -> str:
-    """Which chamfer a boundary has."""
+    """The field of `Chamfers` that applies to a boundary; empty if none does."""
     name = boundary.name.removeprefix(RETURN_PREFIX)
     kind, _, number = name.rpartition(" ")
     return TABLES.get(kind if number.isdigit() else name, "")
 
 
 def _bevels(part: Part, name: str, chamfer: Chamfer, tolerance: float) -> Iterator[Bevel]:
-    """A chamfer along all edges that it is stated for."""
+    """The bevels along all edges for which the chamfer `name` is stated."""
     key, width = f"{KEY}.{name}.width", chamfer.width
     for wall in part.walls:
         if _table(wall.boundary) != name:
@@ -777,6 +801,7 @@ def _bevels(part: Part, name: str, chamfer: Chamfer, tolerance: float) -> Iterat
         if not ends:
             continue
         high = wall.z1 - wall.z0
+        # Some of the wall must be left between two chamfers, or below one.
         if len(ends) * width >= high:
             raise GeometryError(
                 f"must be less than {high / len(ends):.6g} mm, of a wall of {high:.6g} mm with"
@@ -791,8 +816,8 @@ def _bevels(part: Part, name: str, chamfer: Chamfer, tolerance: float) -> Iterat
 
 
 def _is_outer(part: Part, wall: Wall, tolerance: float, *, upper: bool) -> bool:
-    """Whether a wall ends at a face on which nothing stands beyond it: neither at the foot of a
-    hub, nor at the floor of a groove or a counterbore.
+    """Whether a wall ends at a free face: neither at the foot of a hub, nor at the floor of a
+    groove or a counterbore.
     """
     if upper:
         beyond = [layer for layer in part.layers if layer.z0 == wall.z1]
@@ -837,6 +862,7 @@ def _require_parallel(boundary: CurveBoundary, width: float, key: str) -> None:
             key=key,
             value=value,
         )
+    # All stretches of an outline lie on one curve.
     curve = boundary.path.stretches[0].curve
     sign = 1.0 if boundary.hole else -1.0
     limit, angle = _smallest_radius(curve, sign)
@@ -855,17 +881,18 @@ def _require_parallel(boundary: CurveBoundary, width: float, key: str) -> None:
         trimmed = True
     if trimmed:
         raise GeometryError(
-            f"is too large: the chamfer of the {boundary.name} would come to itself",
+            f"is too large: the chamfer of the {boundary.name} would meet itself",
             key=key,
             value=value,
         )
 
 
 def _smallest_radius(curve: WorkingCurve, sign: float) -> tuple[float, float]:
-    """Of a flank where it goes round material [mm], and at which cam angle [rad]; infinite if it
-    does so nowhere. `sign` is that of the parallel within the material.
+    """Smallest radius of curvature [mm] of a flank where it goes round material, and its cam angle
+    [rad]; infinite if it does so nowhere.
 
-    A parallel of the pitch curve at d is regular while 1 + d kappa > 0.
+    `sign` is +1 if the parallel within the material lies outward of the flank, else -1. A parallel
+    of the pitch curve at d is regular while 1 + d kappa > 0.
     """
     bends = curvature_extremes(curve.pitch)
     bend, angle = bends.smallest() if sign > 0.0 else bends.largest()
@@ -876,7 +903,9 @@ def _smallest_radius(curve: WorkingCurve, sign: float) -> tuple[float, float]:
 
 
 def _reach(bevel: Bevel) -> float:
-    """How far [mm] from its boundary the edge of a chamfer is at most: farther at corners."""
+    """Largest distance [mm] of the edge of a chamfer from its boundary: its width, or more at
+    mitred corners.
+    """
     wall, edge = bevel.boundary, bevel.edge
     if isinstance(wall, ExactBoundary) and isinstance(edge, ExactBoundary) and wall.corner_radius:
         return float(np.max(np.abs(edge.exact.vertices - wall.exact.counter_clockwise().vertices)))
@@ -884,14 +913,14 @@ def _reach(bevel: Bevel) -> float:
 
 
 def _heights(bevel: Bevel) -> tuple[float, float]:
-    """Between which a chamfer is [mm]."""
+    """The lower and the upper height of a chamfer [mm]."""
     return min(bevel.z, bevel.foot), max(bevel.z, bevel.foot)
 
 
 def _require_bevel_clear(
     bevel: Bevel, bevels: Sequence[Bevel], part: Part, tolerance: float
 ) -> None:
-    """GeometryError if a chamfer comes to another boundary, or to its chamfer, at its heights."""
+    """GeometryError if a chamfer reaches another boundary, or its chamfer, at its heights."""
     low, high = _heights(bevel)
     near = {
         boundary.name: boundary
@@ -913,7 +942,7 @@ def _require_bevel_clear(
         if distance <= _reach(bevel) + max(widths, default=0.0):
             name = _table(bevel.boundary)
             raise GeometryError(
-                f"the chamfer of the {bevel.boundary.name} comes to the {other.name},"
+                f"the chamfer of the {bevel.boundary.name} would reach the {other.name}, which is"
                 f" {distance:.4g} mm away",
                 key=f"{KEY}.{name}.width",
                 value=f"{bevel.width:g}",

@@ -62,7 +62,7 @@ from camgeo.record import Pickled
 from camgeo.units import TURN
 
 DISTANCES = "distances"
-"""Key of fits from which distances are taken."""
+"""Key of the fits from which distances are taken."""
 
 FitKind = TypeVar("FitKind", Fit, SplineFit)
 
@@ -114,7 +114,7 @@ class CurveBoundary(Pickled, CheckedFields):
         )
 
         fit = fit_arcs if effort == "fast" else fewest_arcs
-        return self._simple_fit("arcs", fit, tolerance, lambda found: found.contour)
+        return self._simple_fit("arcs", fit, tolerance, lambda fitted: fitted.contour)
 
     def distance_fit(self, tolerance: float) -> Fit:
         """See `camgeo.part.part.Boundary`; raises ToleranceError."""
@@ -129,7 +129,7 @@ class CurveBoundary(Pickled, CheckedFields):
         from camgeo.geometry.contour.fewest_chords import fewest_chords  # a check has the fast fit
 
         fit = fit_polyline if effort == "fast" else fewest_chords
-        return self._simple_fit("chords", fit, tolerance, lambda found: found.contour)
+        return self._simple_fit("chords", fit, tolerance, lambda fitted: fitted.contour)
 
     def sampled(self, tolerance: float) -> Contour:
         """See `camgeo.geometry.contour.chords.sampled_polyline`."""
@@ -148,7 +148,7 @@ class CurveBoundary(Pickled, CheckedFields):
             "cubics",
             fit,
             tolerance,
-            lambda found: approximating_arcs(found.contour, tolerance).contour,
+            lambda fitted: approximating_arcs(fitted.contour, tolerance).contour,
         )
 
     def _simple_fit(
@@ -156,13 +156,16 @@ class CurveBoundary(Pickled, CheckedFields):
         what: str,
         fit: Callable[[Path, float], FitKind],
         tolerance: float,
-        drawn: Callable[[FitKind], Contour],
+        as_arcs: Callable[[FitKind], Contour],
     ) -> FitKind:
-        """The fit; its contour as lines and arcs, `drawn`, does not cross itself."""
+        """The fit of the path, computed or known already; GeometryError if it crosses itself.
+
+        `as_arcs` gives its contour as lines and arcs, by which that is tested.
+        """
         if (fit, tolerance) not in self.known:
             with self.ledger.entry(f"{what} of {self.name}"):
                 new_fit = fit(self.path, tolerance)
-            require_simple(drawn(new_fit), self.name)
+            require_simple(as_arcs(new_fit), self.name)
             self.known[fit, tolerance] = new_fit
         known: FitKind = self.known[fit, tolerance]
         return known
@@ -186,11 +189,12 @@ class CurveBoundary(Pickled, CheckedFields):
 
     def offset(self, distance: float) -> CurveBoundary:
         """See `camgeo.part.part.Boundary`; the cutter rolls around corners on arcs."""
+        # The side without material is inside a hole, and outside anything else.
         path = self.path.offset(-distance if self.hole else distance)
         return CurveBoundary(f"path of the cutter along the {self.name}", self.hole, path)
 
     def inset(self, distance: float, name: str) -> CurveBoundary:
-        """See `camgeo.part.part.Boundary`; its fits go into the same ledger."""
+        """See `camgeo.part.part.Boundary`; fits of the parallel are recorded in the same ledger."""
         if any(pivot.distance == 0.0 for pivot in self.path.pivots):
             raise GeometryError(
                 f"the {self.name} has a corner, along which there is no parallel", "part", self.name
@@ -217,10 +221,11 @@ class CurveBoundary(Pickled, CheckedFields):
         return nearest if nearest > 0.0 and self.path.encloses_axis else 0.0
 
     def surely_around(self, radius: float) -> bool:
-        """True if bounds show that it goes round the cam axis farther than `radius` [mm] from it.
+        """True if bounds show that the boundary goes round the cam axis and stays farther than
+        `radius` [mm] from it.
 
         False is inconclusive; `nearest` decides then. A roller centre that stays on one side goes
-        round the axis, and with it a whole parallel that is nearer to it than the axis.
+        round the axis, and so does a whole parallel that is nearer to the centre than the axis is.
         """
         if not self.path.is_whole or not self.path.stretches:
             return False
@@ -232,7 +237,9 @@ class CurveBoundary(Pickled, CheckedFields):
 def once(
     known: dict[Any, Any], contour: Contour | SplineContour, find: Callable[[], float]
 ) -> float:
-    """The deviation of `contour`, found now or known for the same numbers from another start."""
+    """The deviation of `contour`, computed by `find` unless it is `known` for the same contour,
+    whose start may be another one.
+    """
     key = hashlib.blake2b(contour_bytes(contour)).digest()
     if key not in known:
         known[key] = find()
@@ -241,7 +248,7 @@ def once(
 
 
 def contour_bytes(contour: Contour | SplineContour) -> bytes:
-    """All numbers of a contour; of lines and arcs the same wherever it begins."""
+    """All numbers of a contour as bytes; of lines and arcs the same bytes wherever it begins."""
     if isinstance(contour, SplineContour):
         return b"".join(
             strand.knots.tobytes() + strand.controls.tobytes()
@@ -249,6 +256,7 @@ def contour_bytes(contour: Contour | SplineContour) -> bytes:
             else np.array([strand.start, strand.end, strand.sweep, strand.centre]).tobytes()
             for strand in contour.strands
         )
+    # The vertex that is first by X, then by Y, becomes the start.
     first = -int(np.lexsort((contour.vertices.imag, contour.vertices.real))[0])
     # + 0.0 turns -0.0 into 0.0
     rolled = (np.roll(values + 0.0, first) for values in (contour.vertices, contour.sweeps))
@@ -263,6 +271,7 @@ def corner_radius(contour: Contour) -> float | None:
     areas within parallels are analytic in d down to -(r + p) / 2, below -r / 2.
     """
     is_corner = corners(contour)
+    # A piece ends at a corner if its start, or the start of the next one, is a corner.
     radii = contour.radii[(is_corner | np.roll(is_corner, -1)) & (contour.sweeps != 0.0)]
     return float(np.min(radii)) if len(radii) else None
 
@@ -276,7 +285,7 @@ class ExactBoundary(Pickled, CheckedFields):
     exact : the outline.
     core : for a bore with keyway, the circle that a round cutter makes; None if that is the whole
         outline.
-    known : the deviations already found, by contour.
+    known : the deviations already computed, by contour.
     """
 
     name: Name
@@ -291,13 +300,13 @@ class ExactBoundary(Pickled, CheckedFields):
 
     @property
     def is_round(self) -> bool:
-        """Whether what a round cutter makes is a circle."""
+        """Whether the core, or the outline if it has none, is a circle."""
         circle = self.core or self.exact
         return circle.arc_count == len(circle) and not np.any(circle.centres != circle.centres[0])
 
     @property
     def round_radius(self) -> float:
-        """Radius [mm] of what a round cutter makes; GeometryError if that is not a circle."""
+        """Radius [mm] of the core, or of the outline; GeometryError if that is not a circle."""
         circle = self.core or self.exact
         if not self.is_round:
             raise GeometryError(f"the {self.name} is not round", key="part", value=self.name)
@@ -317,7 +326,7 @@ class ExactBoundary(Pickled, CheckedFields):
         return corner_radius(self.exact)
 
     def inset(self, distance: float, name: str) -> ExactBoundary:
-        """See `camgeo.part.part.Boundary`; of a circle, or with the corners mitred."""
+        """See `camgeo.part.part.Boundary`; corners of outlines other than circles are mitred."""
         if self.core is not None or not self.is_round:
             displacement = distance if self.hole else -distance
             return ExactBoundary(
@@ -328,7 +337,7 @@ class ExactBoundary(Pickled, CheckedFields):
         return ExactBoundary(name, self.hole, circle)
 
     def moments(self, tolerance: float) -> Moments:
-        """In closed form, see `camgeo.part.part.Boundary`."""
+        """See `camgeo.part.part.Boundary`; in closed form."""
         return self.exact.moments.counter_clockwise()
 
     def second_moments(self, tolerance: float) -> SecondMoments:
@@ -392,6 +401,8 @@ def _radii(contour: Contour) -> list[float]:
         contour.vertices, contour.ends, contour.sweeps, contour.centres, strict=True
     ):
         radii += (abs(start), abs(end))
+        # A line has its nearest point at the foot of the axis, an arc its extremes where the ray
+        # through its centre meets it, if these lie between the ends.
         if sweep == 0.0:
             chord = end - start
             share = -(start * np.conj(chord)).real / abs(chord) ** 2
@@ -411,7 +422,7 @@ def _radii(contour: Contour) -> list[float]:
 
 
 MAX_CHORDS = 2_000_000
-"""Chords at most."""
+"""Most chords of a contour."""
 
 
 WIDEST = 1.6
@@ -429,6 +440,7 @@ def chord_fit(exact: Contour, tolerance: float) -> Fit:
         steps = 4.0 * np.arcsin(np.sqrt(np.minimum(tolerance / (2.0 * radii), 0.5)))
     counts = np.where(radii > 0.0, np.ceil(np.abs(exact.sweeps) / np.minimum(steps, WIDEST)), 1)
     index, number = grouped(counts.astype(np.intp))
+    # `index` is the piece of each chord, `number` counts the chords within it; a line has one.
     arm = exact.vertices[index] - exact.centres[index]
     turned = exact.centres[index] + arm * np.exp(1j * exact.sweeps[index] * number / counts[index])
     vertices = np.where(exact.sweeps[index] == 0.0, exact.vertices[index], turned)
@@ -455,13 +467,16 @@ def fewest_chord_fit(exact: Contour, tolerance: float) -> Fit:
             continue
         count = _checked(arc_count(tolerance, radius, abs(sweep), WIDEST), tolerance)
         chains.append(_along_arc(exact, k, count, radius, abs(sweep)))
+    # The piece to which each vertex belongs, and the chord that starts there.
     index = np.repeat(np.arange(len(exact)), [len(chain) for chain in chains])
     return _fit(exact, np.concatenate(chains), index, tolerance)
 
 
 def matching_chords(contours: Sequence[Contour], tolerance: float) -> list[ComplexArray]:
-    """(n,) complex [mm] polygons within `tolerance` [mm] of contours with the same kinds of pieces,
-    such as parallels, as many pieces along each: vertices that belong together have the same index.
+    """(n,) complex [mm] vertices of a polygon within `tolerance` [mm] of each contour.
+
+    The contours must have the same kinds of pieces, as parallels have. Corresponding vertices have
+    the same index: along an arc all polygons have as many as the one that needs most.
     """
     chains: list[list[ComplexArray]] = [[] for _ in contours]
     for k, sweep in enumerate(contours[0].sweeps):
@@ -477,7 +492,11 @@ def matching_chords(contours: Sequence[Contour], tolerance: float) -> list[Compl
 
 
 def _along_arc(contour: Contour, k: int, count: int, radius: float, sweep: float) -> ComplexArray:
-    """(count,) vertices of the chords of an arc, the first one its start."""
+    """(count,) vertices of the chords of the arc `k`, without its end.
+
+    The first one is the start of the arc; the inner ones lie off it, so that the chords deviate to
+    both sides.
+    """
     start, centre = contour.vertices[k], contour.centres[k]
     offset = arc_offset(count, radius, sweep)
     turned = arc_angles(count, radius, sweep, offset)[1:-1]
@@ -487,8 +506,10 @@ def _along_arc(contour: Contour, k: int, count: int, radius: float, sweep: float
 
 
 def _circle_chords(exact: Contour, tolerance: float) -> Fit:
-    """At least three chords, none over more than `WIDEST`; their vertices lie r tan^2(pi/(2 n)) off
-    the circle.
+    """At least three chords of a whole circle, none over more than `WIDEST`.
+
+    The n vertices lie r tan^2(pi/(2 n)) outside the circle, as far as the middles of the chords lie
+    inside it.
     """
     centre, radius = complex(exact.centres[0]), float(exact.radii[0])
     count = _checked(circle_count(tolerance, radius, WIDEST), tolerance)
@@ -537,29 +558,29 @@ def _shares_first_circle(exact: Contour) -> BoolArray:
 
 
 COARSEST: Final = 0.004
-"""Of the fits of an outline, as a share of the height of capital letters: strokes are an eighth of
-it wide."""
+"""Coarsest tolerance of the fits of an outline, as a share of the height of capital letters:
+strokes are an eighth of it wide."""
 
 LEAST_GAP: Final = 0.01
-"""By which outlines must at least lie apart, as a share of the height of capital letters."""
+"""Least distance of outlines, as a share of the height of capital letters."""
 
 
 FAR: Final = 1.5
-"""Of the distances at which letters can touch, beyond which they need not be compared; it covers
-how far arcs bulge beyond their ends."""
+"""Multiple of the distance at which letters can touch, beyond which they are not compared; it
+covers how far arcs bulge beyond their ends."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Letter:
-    """A letter in place.
+    """A letter of an engraved text, in its place.
 
     Attributes
     ----------
-    character : which it is.
-    place : its middle [mm], at half the height of capital letters.
-    boundaries : its outlines, holes and what stands within them, by which it is cut.
-    contours : these as lines and arcs.
-    deviation : of these [mm].
+    character : the character.
+    place : middle of the letter [mm], at half the height of capital letters.
+    boundaries : outlines of the letter, holes and what stands within them, by which it is cut.
+    contours : the boundaries as lines and arcs.
+    deviation : largest deviation of the contours [mm].
     """
 
     character: str
@@ -570,12 +591,12 @@ class Letter:
 
     @property
     def where(self) -> str:
-        """Which letter, and where it is."""
+        """The letter and its place in words."""
         return f'"{self.character}" at X {self.place.real:.4g}, Y {self.place.imag:.4g} mm'
 
 
 def place_letters(texts: Sequence[Engraving]) -> tuple[tuple[Letter, ...], ...]:
-    """The letters of each text.
+    """The letters of each text in their places.
 
     Raises
     ------
@@ -596,8 +617,9 @@ def place_letters(texts: Sequence[Engraving]) -> tuple[tuple[Letter, ...], ...]:
 
 
 def _near(letters: Sequence[Letter]) -> list[tuple[int, int]]:
-    """The pairs of letters that may touch, by their numbers, in order."""
+    """The pairs of letters that may touch, by their indices, in order."""
     places = np.array([letter.place for letter in letters])
+    # Radii of circles about the letters, in which the ends of all pieces lie.
     reaches = np.array(
         [
             max(
@@ -637,6 +659,7 @@ def _places(text: Engraving, key: str) -> Iterator[tuple[str, complex, complex]]
     moved = [0.0, *(kerning(*pair) for pair in pairwise(text.text))]
     starts = np.cumsum(moved) + np.concatenate(([0.0], np.cumsum(advances)[:-1]))
     first, last = _ink(text.text, starts)
+    # Middles of the characters along the line, from the middle of what is drawn of the text.
     sizes = text.height * (starts + 0.5 * np.array(advances) - 0.5 * (first + last))
     ray = cmath.exp(1j * text.angle)
     outward = text.tops == OUTWARD
@@ -647,6 +670,7 @@ def _places(text: Engraving, key: str) -> Iterator[tuple[str, complex, complex]]
         for character, size in zip(text.text, sizes.tolist(), strict=True):
             yield character, text.radius * ray + size * way, way
         return
+    # The circle on which the letters are nearest to the cam axis, by their feet or their tops.
     radius = text.radius - 0.5 * text.height
     if text.height * (last - first) >= TURN * radius:
         raise GeometryError(
@@ -661,7 +685,7 @@ def _places(text: Engraving, key: str) -> Iterator[tuple[str, complex, complex]]
 
 
 def _ink(text: str, starts: ComplexArray) -> tuple[float, float]:
-    """Where what is drawn of a straight text begins and ends, in heights of capital letters."""
+    """Where the strokes of a straight text begin and end, in heights of capital letters."""
     ends = [
         (start + float(np.min(outline.real)), start + float(np.max(outline.real)))
         for character, start in zip(text, starts.tolist(), strict=True)
@@ -678,7 +702,7 @@ def _letter(
     text: Engraving,
     key: str,
 ) -> Letter:
-    """A letter of its outlines, by turns holes and what stands within them."""
+    """A letter made of its outlines: holes, and islands that stand within them."""
     coarsest = COARSEST * text.height
     outline_boundaries = [
         LetterBoundary(f"{name} outline {number}", True, outline, coarsest)
@@ -710,7 +734,7 @@ def _letter(
 
 
 ARCS: Final = "unchecked arcs"
-"""Key of fits that may cross themselves."""
+"""Key of the fits that may cross themselves."""
 
 CLAMPED: Final = np.repeat((0.0, 1.0), 4)
 """Knots of a spline of one cubic."""
@@ -719,18 +743,19 @@ SHARPNESS: Final = 0.005
 """Largest share of a measured distance that is due to the arcs by which it is measured."""
 
 FIRST: Final = 2.5e-4
-"""Tolerance of these arcs to begin with, as a share of the coarsest one of fits."""
+"""First tolerance of these arcs, as a share of the coarsest tolerance of fits."""
 
 FINEST: Final = 1e-10
-"""How near to the outline these arcs come at most, as a share of its distance from the cam axis,
-and no nearer than a proof needs."""
+"""Last tolerance of these arcs, as a share of the outline's distance from the cam axis; it is not
+below what a proof needs."""
 
 FOREIGN: Final = 1e-5
-"""Tolerance of the arcs by which splines of others are measured, as a share of the coarsest one."""
+"""Tolerance of the arcs by which other programs' splines are measured, as a share of the coarsest
+tolerance of fits."""
 
 CLOSE: Final = 1e-3
-"""Distance of the points of two outlines, as a share of their size, up to which they are taken to
-have been written as one and the same; beyond it they are compared as curves."""
+"""Distance of the control points of two outlines, as a share of their length, up to which they
+count as the same curves, compared point by point; beyond it they are compared as curves."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -743,7 +768,7 @@ class LetterBoundary(Pickled):
         middle one lies halfway. Counter-clockwise once made.
     coarsest : tolerance [mm] beyond which fits become no coarser, so that the narrow strokes of a
         letter, and letters side by side, stay apart.
-    known : the fits already made, by form and tolerance, and the deviations already found.
+    known : the fits already made, by form and tolerance, and the deviations already computed.
     """
 
     name: Name
@@ -764,12 +789,13 @@ class LetterBoundary(Pickled):
                 "must be quadratic curves, end to end and closed", "part", self.name
             )
         if Moments.of_quadratics(pieces).area < 0.0:
+            # Both the order of the curves and the points of each are reversed.
             pieces = pieces[::-1, ::-1]
         object.__setattr__(self, "pieces", frozen(pieces, np.complex128))
 
     @property
     def curve(self) -> SplineContour:
-        """The same outline: each quadratic curve as a cubic, which has the same points."""
+        """The same outline with each quadratic curve as a cubic, which has the same points."""
         if "curve" not in self.known:
             cubics = elevated(self.pieces)
             self.known["curve"] = SplineContour(
@@ -801,7 +827,7 @@ class LetterBoundary(Pickled):
         return self._fit("polyline", tolerance)
 
     def sampled(self, tolerance: float) -> Contour:
-        """The same straight pieces."""
+        """The straight pieces of `polyline`."""
         return self.polyline(tolerance).contour
 
     def spline(self, tolerance: float, effort: Effort = "fewest") -> SplineFit:
@@ -833,8 +859,10 @@ class LetterBoundary(Pickled):
         return known
 
     def _chords(self, tolerance: float) -> Fit:
-        """A quadratic curve leaves the chord of 1/n of it by at most 1/(4 n^2) of the distance
-        between its middle point and that of its chord, and at the same share of both.
+        """Straight pieces with vertices at equal steps of each curve's parameter.
+
+        A quadratic curve deviates from the chord of 1/n of it by at most 1/n^2 of the distance at
+        its middle, which is a quarter of |start - 2 middle + end|.
         """
         start, middle, end = self.pieces.T
         bend = 0.25 * np.abs(start - 2.0 * middle + end)
@@ -846,6 +874,7 @@ class LetterBoundary(Pickled):
         t = number / counts[index]
         vertices = _curve_points(self.pieces[index], t)
         rounding = 2.0 * ROUNDING * float(np.max(np.abs(self.pieces)))
+        # Starts of curves are kept exactly, as the curves before them end there.
         return Fit(
             Contour.polygon(np.where(number == 0, start[index], vertices)),
             float(np.max(bend / counts**2)) + rounding,
@@ -864,6 +893,7 @@ class LetterBoundary(Pickled):
             by_arcs = approximating_arcs(contour, FOREIGN * self.coarsest)
             return self._deviation(by_arcs.contour) + by_arcs.distance
         share, finest = FIRST * self.coarsest, max(FINEST * self.curve.reach, ENOUGH)
+        # The arcs of the outline are refined until they matter little for the distance measured.
         while True:
             fine = self._arcs(share)
             reached = deviation_bound(fine.contour, contour)
@@ -902,13 +932,15 @@ class LetterBoundary(Pickled):
         return min(self._radii()) if around else 0.0
 
     def _radii(self) -> list[float]:
-        """Distances from the cam axis of the ends of pieces, and where they are least or largest
-        in between: where x x' = 0, a cubic.
+        """Distances from the cam axis of the ends of pieces, and of the places in between where the
+        distance is extreme: there the point is square to its derivative, which is a cubic equation.
         """
         start, middle, end = self.pieces.T
         a, b = start - 2.0 * middle + end, 2.0 * (middle - start)
         radii: list[float] = np.abs(start).tolist()
         for k in range(len(start)):
+            # A point is p t^2 + q t + r; the cubic is the real part of its conjugate times its
+            # derivative. Real parts of complex roots only add further points of the curve.
             p, q, r = complex(a[k]), complex(b[k]), complex(start[k])
             cubic = [
                 2.0 * abs(p) ** 2,
@@ -925,19 +957,24 @@ class LetterBoundary(Pickled):
 def _curve_points(pieces: ComplexArray, t: FloatArray) -> ComplexArray:
     """(n,) points of quadratic curves (n, 3) at `t` (n,)."""
     w = 1.0 - t
+    # The Bernstein polynomials of degree 2.
     weights = np.stack((w * w, 2.0 * w * t, t * t), axis=1)
     return np.asarray(np.sum(weights * pieces, axis=1))
 
 
 def _control_point_distance(one: SplineContour, other: SplineContour) -> float:
-    """Largest distance [mm] of the control points of two outlines of as many strands of the same
-    kinds; infinite of others. Curves lie within it, for each point is a mean of these.
+    """Largest distance [mm] of corresponding control points of two outlines; infinite unless both
+    have the same number of strands, of the same kinds.
+
+    The curves are no farther apart, as each point of one is a weighted mean of its control points.
     """
     kinds = [[type(strand) for strand in contour.strands] for contour in (one, other)]
     count = len(one.strands)
     if len(other.strands) != count:
         return math.inf
     starts = np.array([complex(strand.start) for strand in other.strands])
+    # The other outline may begin elsewhere: its strand that starts nearest corresponds to the
+    # first.
     first = int(np.argmin(np.abs(starts - one.strands[0].start)))
     if kinds[0] != kinds[1][first:] + kinds[1][:first]:
         return math.inf

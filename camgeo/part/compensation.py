@@ -1,7 +1,7 @@
 """The part that a printer is given, so that what it makes is the part that the scene states.
 
 First bore and key get their clearance, then everything is scaled about the cam axis, then the
-lowest layers are drawn in: layers are counted in millimetres of the file, as a slicer counts them.
+lowest layers are inset: their heights are in millimetres of the file, as a slicer counts them.
 """
 
 from __future__ import annotations
@@ -41,10 +41,10 @@ from camgeo.record import Pickled
 
 
 LEAST_SHRINKAGE, MOST_SHRINKAGE = -10.0, 20.0
-"""Of a length, in percent; printed parts of some materials grow."""
+"""Range of the shrinkage of a length, in percent; printed parts of some materials grow."""
 
 MOST_STEPS: Final = 20
-"""Of an elephant's foot."""
+"""Most steps of an elephant's foot."""
 
 Percent = Annotated[float, partial(number, least=LEAST_SHRINKAGE, most=MOST_SHRINKAGE, unit="%")]
 Steps = Annotated[int, partial(whole, least=1, most=MOST_STEPS)]
@@ -52,13 +52,14 @@ Steps = Annotated[int, partial(whole, least=1, most=MOST_STEPS)]
 
 @dataclass(frozen=True, slots=True)
 class Foot(CheckedFields, path="print.elephant_foot."):
-    """How the lowest layers are drawn in: the weight of the part and the hot bed squeeze them wide.
+    """How the lowest layers are inset, as the weight of the part and the hot bed squeeze them wide.
 
     Attributes
     ----------
-    inset : by which every edge of the lowest face is drawn into the material, per side [mm].
-    height : above the lowest face, from which on the part has its size [mm].
-    steps : of equal height, each drawn in less by the same amount.
+    inset : distance by which every edge of the lowest face is moved into the material, per side
+        [mm].
+    height : height above the lowest face from which on the part has its size [mm].
+    steps : number of steps of equal height, over which the inset decreases evenly.
 
     Raises
     ------
@@ -72,17 +73,17 @@ class Foot(CheckedFields, path="print.elephant_foot."):
 
     @property
     def insets(self) -> tuple[float, ...]:
-        """By which each step is drawn in [mm], from the lowest one upwards."""
+        """Inset of each step [mm], from the lowest one upwards."""
         return tuple(self.inset * (self.steps - step) / self.steps for step in range(self.steps))
 
 
 @dataclass(frozen=True, slots=True)
 class Shrinkage(CheckedFields, path="print.shrinkage."):
-    """How much smaller a printed part comes out than its file says.
+    """How much smaller a printed part comes out than its file states.
 
     Attributes
     ----------
-    xy, z : of a length in the plane of the disc and along the cam axis [%].
+    xy, z : shrinkage of a length in the plane of the disc and along the cam axis [%].
 
     Raises
     ------
@@ -95,26 +96,26 @@ class Shrinkage(CheckedFields, path="print.shrinkage."):
 
     @property
     def scale_xy(self) -> float:
-        """By which the part in the file is larger in the plane of the disc."""
+        """Factor by which the part in the file is larger in the plane of the disc."""
         return 1.0 / (1.0 - 0.01 * self.xy)
 
     @property
     def scale_z(self) -> float:
-        """By which it is larger along the cam axis."""
+        """Factor by which the part in the file is larger along the cam axis."""
         return 1.0 / (1.0 - 0.01 * self.z)
 
 
 @dataclass(frozen=True, slots=True)
 class PrintSpec(CheckedFields, path="print."):
-    """`[print]`: how bodies are compensated, and with what they are printed.
+    """`[print]`: how bodies are compensated, and with what nozzle they are printed.
 
     Attributes
     ----------
-    bore_clearance : by which the bore is larger in diameter [mm]; None for not at all.
-    key_clearance : by which the keyway is wider [mm], half of it per side; its bottom, and the flat
-        of a bore for a D-shaft, lie half of it farther from the cam axis. None for not at all.
-    elephant_foot : of the lowest layers; None for none.
-    shrinkage : that the part in the file makes up for; None for none.
+    bore_clearance : enlargement of the bore in diameter [mm]; None for none.
+    key_clearance : enlargement of the keyway in width [mm], half of it per side; its bottom, and
+        the flat of a bore for a D-shaft, lie half of it farther from the cam axis. None for none.
+    elephant_foot : compensation of the lowest layers; None for none.
+    shrinkage : shrinkage for which the part in the file makes up; None for none.
     nozzle : width of the lines that the nozzle lays down [mm]; None if it is not stated.
 
     Raises
@@ -198,6 +199,7 @@ class PrintSpec(CheckedFields, path="print."):
         keyway, flat = part.keyway, part.d_shaft
         try:
             if keyway is not None:
+                # The depth counts from the edge of the bore, which moves by the bore's clearance.
                 bottom = radius + keyway.depth + 0.5 * key
                 depth = bottom - (radius + 0.5 * wider)
                 keyway = replace(keyway, width=keyway.width + key, depth=depth)
@@ -208,7 +210,7 @@ class PrintSpec(CheckedFields, path="print."):
             raise self.fault_of_clearance(error) from None
 
     def fault_of_clearance(self, error: GeometryError) -> GeometryError:
-        """Why a part has no room for its clearance, as a fault of the key that asks for it."""
+        """The fault of the key that asks for a clearance for which the part has no room."""
         key = "bore_clearance" if self.bore_clearance else "key_clearance"
         value = getattr(self, key)
         return GeometryError(
@@ -220,17 +222,18 @@ class PrintSpec(CheckedFields, path="print."):
 
 
 TOLERANCE: Final = 1e-3
-"""Of the contours that show that boundaries lie apart [mm]; their deviation is accounted for."""
+"""Tolerance of the contours that show that boundaries lie apart [mm]; their deviation is accounted
+for."""
 
 FOOT: Final = "foot"
-"""Name of the layers that are drawn in."""
+"""Name of the layers that are inset."""
 
 
 def compensate_part(part: Part, spec: PrintSpec) -> Part:
-    """The part as the file has it: scaled, its lowest layers drawn in.
+    """The part as the file has it: scaled, and its lowest layers inset.
 
     `part` has its clearance already. Raises GeometryError with the key in `print`, if a boundary of
-    the lowest face cannot be drawn in.
+    the lowest face cannot be inset.
     """
     part = _scaled(part, spec.scale_xy, spec.scale_z)
     foot = spec.elephant_foot
@@ -261,7 +264,7 @@ def _scaled(part: Part, xy: float, z: float) -> Part:
 
 
 def _with_foot(part: Part, foot: Foot) -> Part:
-    """The part with its lowest layer drawn in, step by step."""
+    """The part with its lowest layer inset, step by step."""
     lowest, *others = part.layers
     part.require_heights()
     room = lowest.z1 - lowest.z0
@@ -278,6 +281,7 @@ def _with_foot(part: Part, foot: Foot) -> Part:
             value=f"{foot.height:g}",
         )
     rise = foot.height / foot.steps
+    # The last height is the stated one, not a sum of rounded steps.
     heights = [lowest.z0 + step * rise for step in range(foot.steps)]
     heights.append(lowest.z0 + foot.height)
     layers = []
@@ -302,7 +306,9 @@ def _with_foot(part: Part, foot: Foot) -> Part:
 
 
 def _require_alike(moved: tuple[Boundary, ...], originals: tuple[Boundary, ...]) -> None:
-    """GeometryError unless boundaries lie apart, each in those that it lay in before."""
+    """GeometryError unless the moved boundaries lie apart, each within those in which its original
+    lies.
+    """
     fits, original_fits = (
         [boundary.distance_fit(TOLERANCE) for boundary in group] for group in (moved, originals)
     )
@@ -325,8 +331,8 @@ def _nested(one: Contour, other: Contour) -> tuple[bool, bool]:
     )
 
 
-# -- drawn in -------------------------------------------------------------------------------------
-# Boundaries drawn into the material by a distance, each face parallel to what it was.
+# -- inset ----------------------------------------------------------------------------------------
+# Boundaries moved into the material by a distance, each parallel to its original.
 
 
 def inset_boundary(boundary: Boundary, distance: float, name: str) -> Boundary:
@@ -335,8 +341,8 @@ def inset_boundary(boundary: Boundary, distance: float, name: str) -> Boundary:
     Raises
     ------
     GeometryError
-        If nothing, or not one piece, is left of what it bounds, or if it is neither the outline of
-        a flank nor lines and arcs, at any scale.
+        If nothing, or more than one piece, is left of what it bounds, or if it is neither the
+        outline of a flank nor lines and arcs, at any scale.
     """
     if isinstance(boundary, ScaledBoundary):
         unscaled = inset_boundary(boundary.unscaled, distance / boundary.factor, name)
@@ -352,14 +358,14 @@ def inset_boundary(boundary: Boundary, distance: float, name: str) -> Boundary:
     if isinstance(boundary, CurveBoundary):
         path = _inset_flank(boundary, distance)
         return CurveBoundary(name, boundary.hole, path, boundary.ledger)
-    raise GeometryError(f"the {boundary.name} cannot be drawn in", key="part")
+    raise GeometryError(f"the {boundary.name} cannot be inset", key="part")
 
 
 def _inset_flank(boundary: CurveBoundary, distance: float) -> Path:
     """The outline of the disc without a rim of `distance` [mm].
 
-    What a roller leaves of a disc, without such a rim, is what a roller larger in radius by it
-    leaves; and of a disc that a face touches, what the face leaves that comes nearer by it.
+    What a roller leaves of a disc is, without such a rim, what a roller leaves that is larger in
+    radius by the distance; with a flat face, what the face leaves that is nearer by it.
     """
     flank = boundary.path.stretches[0].curve
     displacement = distance if boundary.hole else -distance
@@ -381,15 +387,15 @@ def _inset_flank(boundary: CurveBoundary, distance: float) -> Path:
         raise _nothing_left(boundary.name, distance) from None
     if outline.lobes and len(outline.lobes) > len(real_outline(flank).lobes):
         raise GeometryError(
-            f"drawn in by {distance:g} mm, the {boundary.name} falls into several pieces",
+            f"inset by {distance:g} mm, the {boundary.name} falls into several pieces",
             key="part",
         )
     return outline.path
 
 
 def _nothing_left(name: str, distance: float) -> GeometryError:
-    message = f"nothing is left of the {name}, or not as it was, when it is drawn in by"
-    return GeometryError(f"{message} {abs(distance):g} mm", key="part")
+    message = f"an inset of {abs(distance):g} mm leaves nothing of the {name}, or changes its shape"
+    return GeometryError(message, key="part")
 
 
 # -- scaled ---------------------------------------------------------------------------------------
@@ -397,7 +403,8 @@ def _nothing_left(name: str, distance: float) -> GeometryError:
 
 
 ROUNDING: Final = 4.0 * EPS
-"""Of a scaled coordinate, relative: of the factor, of the product and of the proof at both ends."""
+"""Relative rounding of a scaled coordinate: of the factor, of the product and of the proof at both
+ends."""
 
 Factor = Annotated[float, positive]
 
@@ -412,7 +419,7 @@ class ScaledBoundary(Pickled, CheckedFields):
     Attributes
     ----------
     unscaled : the boundary itself.
-    factor : by which it is larger.
+    factor : ratio of the scaled boundary to the boundary itself.
     """
 
     unscaled: BoundaryField
@@ -420,17 +427,17 @@ class ScaledBoundary(Pickled, CheckedFields):
 
     @property
     def name(self) -> str:
-        """That of the boundary itself."""
+        """The name of the boundary itself."""
         return self.unscaled.name
 
     @property
     def hole(self) -> bool:
-        """As of the boundary itself."""
+        """Whether the boundary itself is a hole."""
         return self.unscaled.hole
 
     def arcs(self, tolerance: float, effort: Effort = "fewest") -> Fit:
         """See `camgeo.part.part.Boundary`."""
-        return self._fit(lambda own: self.unscaled.arcs(own, effort), tolerance)
+        return self._fit(lambda finer: self.unscaled.arcs(finer, effort), tolerance)
 
     def distance_fit(self, tolerance: float) -> Fit:
         """See `camgeo.part.part.Boundary`."""
@@ -438,14 +445,14 @@ class ScaledBoundary(Pickled, CheckedFields):
 
     def polyline(self, tolerance: float, effort: Effort = "fewest") -> Fit:
         """See `camgeo.part.part.Boundary`."""
-        return self._fit(lambda own: self.unscaled.polyline(own, effort), tolerance)
+        return self._fit(lambda finer: self.unscaled.polyline(finer, effort), tolerance)
 
     def sampled(self, tolerance: float) -> Contour:
         """See `camgeo.part.part.Boundary`."""
         return scaled_contour(self.unscaled.sampled(tolerance / self.factor), self.factor)
 
     def _fit(self, fit: Callable[[float], Fit], tolerance: float) -> Fit:
-        """A fit within what the scaling leaves of the tolerance."""
+        """A fit of the boundary itself within what rounding leaves of the tolerance, scaled."""
         lost = self._rounding
         unscaled_fit = fit((tolerance - lost) / self.factor)
         contour = scaled_contour(unscaled_fit.contour, self.factor)
@@ -460,6 +467,7 @@ class ScaledBoundary(Pickled, CheckedFields):
 
     def deviation(self, contour: Contour | SplineContour) -> float:
         """See `camgeo.part.part.Boundary`."""
+        # The contour is compared at the scale of the boundary itself, where proofs are made.
         back = 1.0 / self.factor
         if isinstance(contour, SplineContour):
             unscaled: Contour | SplineContour = scaled_splines(contour, back)
@@ -508,12 +516,12 @@ class ScaledBoundary(Pickled, CheckedFields):
 
     @property
     def _rounding(self) -> float:
-        """Of a fit's coordinates [mm]."""
+        """Rounding of a fit's coordinates [mm]."""
         return ROUNDING * self.farthest()[0]
 
 
 def scaled(boundary: Boundary, factor: float) -> Boundary:
-    """The boundary about the cam axis, larger by `factor`; itself if that is 1."""
+    """The boundary scaled about the cam axis by `factor`; the same object if that is 1."""
     if factor == 1.0:
         return boundary
     if isinstance(boundary, ExactBoundary):
@@ -524,12 +532,12 @@ def scaled(boundary: Boundary, factor: float) -> Boundary:
 
 
 def scaled_contour(contour: Contour, factor: float) -> Contour:
-    """The contour about the origin, larger by `factor`."""
+    """The contour scaled about the origin by `factor`."""
     return Contour(contour.vertices * factor, contour.sweeps, contour.centres * factor)
 
 
 def scaled_splines(contour: SplineContour, factor: float) -> SplineContour:
-    """The same, of splines and arcs."""
+    """The contour of splines and arcs scaled about the origin by `factor`."""
     return SplineContour(
         tuple(
             CubicSpline(strand.knots, strand.controls * factor)

@@ -23,13 +23,13 @@ FILE: Final = "fonts/ttf/DejaVuSans.ttf"
 """The font, and its file within the data of matplotlib."""
 
 CAPITAL: Final = 1493.0
-"""Height of its capital letters in its units; that of "H"."""
+"""Height of the font's capital letters in its units, measured on "H"."""
 
 MOVE, LINE, QUADRATIC, CLOSEST = 1, 2, 3, 79
-"""Codes of paths."""
+"""Codes of the path commands of matplotlib."""
 
 FIXED: Final = 65536.0
-"""Units of a fixed-point number."""
+"""Units of FreeType's fixed-point numbers, 16.16."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -101,8 +101,10 @@ def _index(font: Any, character: str) -> Any:
 
 
 def _font() -> Any:
-    """The font, at as many points as it has units: its outlines are in these, not rounded. It holds
-    the letter loaded last, so each caller has its own.
+    """A new object of the font, whose size is its number of units, so that outlines are in units
+    and not rounded.
+
+    The object holds the letter loaded last, so each caller needs one of its own.
     """
     import matplotlib as mpl
     from matplotlib.ft2font import FT2Font
@@ -113,7 +115,7 @@ def _font() -> Any:
 
 
 def _outlines(points: ComplexArray, codes: list[int]) -> list[ComplexArray]:
-    """(n, 3) each: the closed outlines of a path; what encloses no area is left out."""
+    """The closed outlines of a path, (n, 3) each; an outline that encloses no area is left out."""
     outlines: list[ComplexArray] = []
     pieces: list[tuple[complex, complex, complex]] = []
     point, number = 0j, 0
@@ -125,6 +127,7 @@ def _outlines(points: ComplexArray, codes: list[int]) -> list[ComplexArray]:
             pieces.append((point, 0.5 * (point + here), here))
             point = here
         elif code == QUADRATIC:
+            # A quadratic curve takes two points, the middle one and its end.
             number += 1
             end = complex(points[number])
             pieces.append((point, here, end))
@@ -137,5 +140,6 @@ def _outlines(points: ComplexArray, codes: list[int]) -> list[ComplexArray]:
             if len(moving) > 1:
                 outlines.append(np.array(moving))
         number += 1
+    # The pieces of each outline must be end to end.
     assert all(one[2] == two[0] for outline in outlines for one, two in pairwise(outline.tolist()))
     return outlines

@@ -30,10 +30,11 @@ from camgeo.part.part import Band, Boundary, Layer, Part
 from camgeo.part.spec import text_name
 
 TOLERANCE: Final = 1e-10
-"""Of the integrals over each boundary, see `camgeo.geometry.outline.path.Path.moments`."""
+"""Tolerance of the integrals over each boundary, a share, see
+`camgeo.geometry.outline.path.Path.moments`."""
 
 NODES: Final = 3
-"""Of the Gauss rule over the height of a chamfer without corners."""
+"""Nodes of the Gauss rule over the height of a chamfer without corners."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -43,7 +44,7 @@ class Solid(CheckedFields):
 
     Attributes
     ----------
-    volume : [mm^3].
+    volume : volume [mm^3].
     centre : (3,) centre of mass [mm].
     inertia : (3, 3) inertia tensor about the centre of mass, for a density of 1 [mm^5]: moments of
         inertia in the diagonal, products with a minus sign off it.
@@ -66,11 +67,13 @@ class Solid(CheckedFields):
         volume, first, second, axial = [], [], [], []
         volume_errors, first_errors, axial_errors = [], [], []
         for part_slice in _slices(part):
+            # A boundary counts with what it encloses, a hole negatively.
             sign = -1.0 if part_slice.section.hole else 1.0
             plane = part_slice.section.moments(tolerance).scaled(sign)
             plane2 = part_slice.section.second_moments(tolerance).scaled(sign)
             height, z1, z2 = part_slice.height, part_slice.first, part_slice.second
             x, y = plane.first.real, plane.first.imag
+            # From the polar second moment of x + i y and that of its square.
             xx, yy = (0.5 * (plane2.polar + turn * plane2.square.real) for turn in (1.0, -1.0))
             xy = 0.5 * plane2.square.imag
             volume.append(plane.area * height)
@@ -84,6 +87,7 @@ class Solid(CheckedFields):
         centre = np.array([math.fsum(column) for column in zip(*first, strict=True)]) / whole
         xx, yy, zz, xy, xz, yz = (math.fsum(column) for column in zip(*second, strict=True))
         inertia = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+        # Steiner: from second moments about the origin to those about the centre of mass.
         inertia -= whole * np.outer(centre, centre)
         turning, unsure = math.fsum(axial), math.fsum(volume_errors) / whole
         return Solid(
@@ -98,7 +102,13 @@ class Solid(CheckedFields):
 
 @dataclass(frozen=True, slots=True)
 class _Slice:
-    """A section, and what it stands for in integrals of 1, z and z^2 over z [mm, mm^2, mm^3]."""
+    """A section with its weights in the integrals of 1, z and z^2 over the height z.
+
+    Attributes
+    ----------
+    section : the boundary of the section.
+    height, first, second : the weights [mm], [mm^2] and [mm^3].
+    """
 
     section: Boundary
     height: float
@@ -107,12 +117,12 @@ class _Slice:
 
 
 def _slices(part: Part) -> Iterator[_Slice]:
-    """The sections over which integrals of a part are taken: of an upright face its only one.
+    """The sections over which integrals of a part are taken.
 
-    Of a chamfer those at the nodes of a Gauss rule. What a parallel of a smooth boundary encloses
-    is a polynomial of its distance, the area of degree 2, the first moments of 3, the second ones
-    of 4, and with the powers of z none is above degree 4; the rule is exact for 5. Beside mitred
-    corners more nodes are exact but for rounding, see
+    An upright face has one, a chamfer those at the nodes of a Gauss rule. What a parallel of a
+    smooth boundary encloses is a polynomial of its distance: the area of degree 2, the first
+    moments of 3, the second ones of 4. With the powers of z no integrand is above degree 4, and the
+    rule is exact up to 5. At mitred corners more nodes are exact up to rounding, see
     `camgeo.part.boundaries.corner_radius`.
     """
     for band in part.bands:
@@ -134,7 +144,7 @@ def _sections(band: Band) -> Iterator[_Slice]:
 
 
 def chamfer_volume(band: Band, tolerance: float = TOLERANCE) -> float:
-    """What a chamfer encloses [mm^3], of a hole as well."""
+    """Volume that a chamfer encloses [mm^3], positive for the chamfer of a hole as well."""
     return math.fsum(
         section.height * section.section.moments(tolerance).area for section in _sections(band)
     )
@@ -152,27 +162,28 @@ def disc_moments(part: Part, density: float, tolerance: float) -> Moments:
     ----------
     part : with known thickness. Each boundary counts with the height of its faces.
     density : [t/mm^3].
-    tolerance : of the integrals over the outlines, see `camgeo.geometry.outline.path.Path.moments`.
+    tolerance : share, for the integrals over the outlines, see
+        `camgeo.geometry.outline.path.Path.moments`.
     """
     return Moments.total(
         Moments.total(_material(part_slice.section, tolerance) for part_slice in slices).scaled(
             density * height
         )
-        for height, slices in groupby(_slices(part), lambda each: each.height)
+        for height, slices in groupby(_slices(part), lambda part_slice: part_slice.height)
     )
 
 
 def _material(boundary: Boundary, tolerance: float) -> Moments:
-    """Inside a boundary there is material along its wall; inside a hole there is none."""
+    """What a boundary adds to the moments of the material: negative for a hole."""
     return boundary.moments(tolerance).scaled(-1.0 if boundary.hole else 1.0)
 
 
 def largest_diameter(part: Part) -> tuple[float, float | None]:
-    """Of the circle about the cam axis that the part sweeps [mm]; where a flank is its farthest
-    place, with the cam angle [rad] at which that is in contact.
+    """Diameter of the circle about the cam axis that the part sweeps [mm]; if a flank is farthest,
+    with the cam angle [rad] at which its farthest place is in contact, else with None.
     """
     outer = [boundary.farthest() for boundary in part.boundaries if not boundary.hole]
-    radius, place = max(outer, key=lambda found: found[0])
+    radius, place = max(outer, key=lambda farthest: farthest[0])
     return 2.0 * radius, place
 
 
@@ -181,7 +192,8 @@ def largest_diameter(part: Part) -> tuple[float, float | None]:
 
 
 TOLERANCES: Final = (1e-2, 1e-4, 1e-6)
-"""Of the contours of flanks [mm], each tried if the one before leaves a comparison open."""
+"""Tolerances of the contours of flanks [mm], each tried if the one before leaves a comparison open.
+"""
 
 SHARE: Final = 0.1
 """Least thickness of a web as a share of the diameter of the larger hole beside it: a ring of that
@@ -189,14 +201,14 @@ wall bears at its bore, by Lame's equations, 5.5 times the pressure there as hoo
 """
 
 POINTS: Final = 400
-"""Along a hole, by which the place of a web is found."""
+"""Number of points along a hole by which the place of a web is determined."""
 
 STEP: Final = 0.1
-"""Turn of the arcs [rad] by whose ends circles about holes are found."""
+"""Sweep of the arcs [rad] by whose ends circles about holes are determined."""
 
 
 Size = Callable[[float, float], float]
-"""By which webs are compared, of thickness and usual thickness [mm]."""
+"""What webs are compared by, as a function of thickness and usual thickness [mm]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -205,13 +217,13 @@ class Web:
 
     Attributes
     ----------
-    one, other : their names, the other one that of a hole.
+    one, other : names of the boundaries, of which the other one is a hole.
     thickness : the smallest distance between them [mm], exact of lines and arcs, beside a circle
         about the cam axis, and where a circle or corner of a hole is nearest to a flank; else
         within the second of `TOLERANCES`, or the last if that decides how it compares.
     usual : thickness that it should have [mm], by `SHARE`; 0 beside flanks alone, whose loads
         decide it.
-    place : of the hole, where it is thinnest [mm], for the eye.
+    place : point on the hole where the web is thinnest [mm], as exact as the eye needs it.
     """
 
     one: str
@@ -222,9 +234,12 @@ class Web:
 
     @staticmethod
     def thinnest_webs(part: Part, limit: float | None = None) -> tuple[Web | None, Web | None]:
-        """The web of the smallest thickness, as exact as its comparison with a `limit` [mm] takes,
-        or without one with its usual thickness, None if the part has no holes; and without a limit
-        the web that is thinnest as a share of its usual thickness, None if no web has one.
+        """The web of the smallest thickness, and the web that is thinnest as a share of its usual
+        thickness.
+
+        The first is as exact as its comparison with the `limit` [mm] takes, or with its usual
+        thickness if there is no limit; None if the part has no holes. The second is None with a
+        limit, or if no web has a usual thickness.
 
         Raises
         ------
@@ -235,6 +250,7 @@ class Web:
         best: dict[Size, tuple[float, float, Web]] = {}
         for one, hole in _pairs(part):
             usual, least = _usual(one, hole), _least(one, hole)
+            # A lower bound above the best value so far spares the comparison of contours.
             beaten = [size for size in sizes if size in best and size(least, usual) > best[size][0]]
             if len(beaten) == len(sizes) or not _has_material(one, hole):
                 continue
@@ -251,8 +267,7 @@ class Web:
     @staticmethod
     def surely_thick(part: Part, limit: float | None = None) -> bool:
         """Whether circles about the boundaries suffice to show that no web is thinner than the
-        `limit` [mm], or where that is None than its usual thickness; raises like
-        `thinnest_of_each`.
+        `limit` [mm], or than its usual thickness if that is None; raises like `thinnest_webs`.
         """
         return all(
             _least(one, hole) >= (_usual(one, hole) if limit is None else limit)
@@ -269,7 +284,7 @@ def _share(thickness: float, usual: float) -> float:
 
 
 def _pairs(part: Part) -> Iterator[tuple[Boundary, Boundary]]:
-    """Boundaries of a layer of which the second at least is a hole, each pair of names once."""
+    """Pairs of boundaries of a layer of which at least the second is a hole, each pair once."""
     known: set[tuple[str, str]] = set()
     for layer in part.layers:
         for pair in combinations(_load_bearing(layer), 2):
@@ -281,7 +296,7 @@ def _pairs(part: Part) -> Iterator[tuple[Boundary, Boundary]]:
 
 
 def _load_bearing(layer: Layer) -> list[Boundary]:
-    """Its boundaries but for those of letters: what is left beside their strokes bears nothing."""
+    """The boundaries of a layer without those of letters, beside which no load is borne."""
     return [boundary for boundary in layer.boundaries if not text_name(boundary.name)]
 
 
@@ -296,15 +311,16 @@ def _least(one: Boundary, hole: Boundary) -> float:
         fit = boundary.distance_fit(TOLERANCES[0])
         fine = fit.contour.split(STEP)
         middle = complex(np.mean(fine.vertices))
+        # The circle must hold the arcs between their ends as well, which bulge by the sagitta.
         sagitta = float(np.max(fine.radii)) * (1.0 - math.cos(0.5 * STEP))
         reach = float(np.max(np.abs(fine.vertices - middle))) + sagitta
         circles.append((middle, reach))
-    (a, of_a), (b, of_b) = circles
-    return max(0.0, abs(a - b) - of_a - of_b)
+    (a, reach_a), (b, reach_b) = circles
+    return max(0.0, abs(a - b) - reach_a - reach_b)
 
 
 def _has_material(one: Boundary, hole: Boundary) -> bool:
-    """Whether there is material between two boundaries of a section but for other boundaries."""
+    """Whether there is material between two boundaries of a section, if others are ignored."""
     a, b = (boundary.distance_fit(TOLERANCES[0]).contour for boundary in (one, hole))
     if one.hole:
         return not (_inside(a, b) or _inside(b, a))
@@ -317,7 +333,7 @@ def _inside(contour: Contour, around: Contour) -> bool:
 
 def _web(one: Boundary, hole: Boundary, usual: float, compared: float) -> Web:
     exact = None if one.hole else _concentric_web(one, hole)
-    # Where it is exact, contours show its place alone.
+    # If the thickness is known exactly, contours only show its place, and the coarsest suffice.
     for tolerance in TOLERANCES[1:] if exact is None else TOLERANCES[:1]:
         fits = [boundary.distance_fit(tolerance) for boundary in (one, hole)]
         a, b = (Pieces.around([fit.contour]) for fit in fits)
@@ -341,6 +357,7 @@ def _flank_web(one: Boundary, hole: Boundary, distance: float, unsure: float) ->
     if not isinstance(flank, CurveBoundary) or not isinstance(other, ExactBoundary):
         return distance
     exact = other.exact
+    # Nearest to the flank is a corner, or the point of an arc in line with its centre and the foot.
     arcs = exact.sweeps != 0.0
     points = np.concatenate((exact.vertices, exact.centres[arcs]))
     radii = np.concatenate((np.zeros(len(exact)), exact.radii[arcs]))
@@ -351,7 +368,9 @@ def _flank_web(one: Boundary, hole: Boundary, distance: float, unsure: float) ->
 
 
 def _concentric_web(one: Boundary, hole: Boundary) -> float | None:
-    """The web [mm] within `one`, if that or the hole is a circle about the cam axis."""
+    """Thickness [mm] of the web between `one` and a hole within it, if either is a circle about the
+    cam axis; else None.
+    """
     radius = _radius(hole)
     if radius is not None:
         return one.nearest() - radius
@@ -360,7 +379,7 @@ def _concentric_web(one: Boundary, hole: Boundary) -> float | None:
 
 
 def _radius(boundary: Boundary) -> float | None:
-    """Of a circle about the cam axis [mm]; None of anything else."""
+    """Radius [mm] of a boundary that is a circle about the cam axis; None for any other."""
     if not isinstance(boundary, ExactBoundary):
         return None
     exact = boundary.exact
@@ -370,7 +389,7 @@ def _radius(boundary: Boundary) -> float | None:
 
 
 def _usual(one: Boundary, hole: Boundary) -> float:
-    """Thickness of a web [mm], by the circle of the same area as the larger hole."""
+    """Usual thickness of a web [mm], by the circle of the same area as the larger hole."""
     holes = [
         boundary
         for boundary in (one, hole)

@@ -41,9 +41,9 @@ class Material:
     title : description, with the hardness where the limit depends on it.
     modulus : Young's modulus E [MPa].
     poisson : Poisson's ratio nu.
-    density : [t/mm^3].
+    density : density [t/mm^3].
     pressure : guide value of the largest Hertzian pressure in line contact [MPa], or None.
-    source : of the numbers.
+    source : sources of the numbers.
     """
 
     name: str
@@ -169,7 +169,7 @@ def find_material(name: str, key: str = "") -> Material:
     Parameters
     ----------
     name : as written in the scene.
-    key : of the table, for the message.
+    key : key of the table, for the message.
 
     Raises
     ------
@@ -188,8 +188,9 @@ def find_material(name: str, key: str = "") -> Material:
 
 
 def table_density(table: Mapping[str, Any]) -> float | None:
-    """The density [t/mm^3] that a table states under `density`, or by its `material`; None if it
-    states neither. Raises like `find_material`, with key "material".
+    """The density [t/mm^3] of a table: the one stated as `density`, or that of its `material`.
+
+    None if the table states neither. Raises like `find_material`, with key "material".
     """
     stated: float | None = table.get("density")
     if stated is None and "material" in table:

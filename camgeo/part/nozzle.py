@@ -27,24 +27,25 @@ STROKE: Final = "print-stroke"
 """Names of the findings."""
 
 PERIMETERS: Final = 2
-"""Widths of the nozzle below which a wall is worth a warning: it has no line along each side."""
+"""Number of nozzle widths below which a wall is worth a warning, as there is no line along each of
+its sides."""
 
 SAGITTA: Final = 2e-4
-"""Of the chords by which strokes are measured [mm]; one that is wider than the nozzle less
-`SLACK` passes."""
+"""Tolerance of the chords by which strokes are measured [mm]; a stroke that is wider than the
+nozzle less `SLACK` passes."""
 
 SLACK: Final = 1e-3
 """See `SAGITTA` [mm]."""
 
 DECIMALS: Final = 3
-"""Of the width of a stroke [mm], which is known no better."""
+"""Decimals of the width of a stroke [mm], which is known no better."""
 
 HALVINGS: Final = 12
-"""Of the range in which the width of a stroke lies."""
+"""Halvings of the range in which the width of a stroke lies."""
 
 
 def nozzle_findings(part: Part, nozzle: float) -> Iterator[Finding]:
-    """What a nozzle that lays down lines of that width [mm] makes of the part, good and bad.
+    """Findings, good and bad, on a part that is printed with lines of the width `nozzle` [mm].
 
     Raises
     ------
@@ -57,7 +58,9 @@ def nozzle_findings(part: Part, nozzle: float) -> Iterator[Finding]:
 
 
 def _wall(part: Part, nozzle: float) -> Iterator[Finding]:
-    """The thinnest wall: not printed below a width of the nozzle, of a single line below two."""
+    """Report the thinnest wall: below one width of the nozzle it is not printed, below two widths
+    it is a single line.
+    """
     web, _ = Web.thinnest_webs(part, PERIMETERS * nozzle)
     if web is None:
         return
@@ -66,10 +69,10 @@ def _wall(part: Part, nozzle: float) -> Iterator[Finding]:
     limit, verdict = least, f"at least {least:g} mm, {PERIMETERS} widths of the nozzle"
     if web.thickness < nozzle:
         severity, limit = "broken", nozzle
-        verdict = f"below {nozzle:g} mm, the width of the nozzle: it is missing"
+        verdict = f"below {nozzle:g} mm, the width of the nozzle: it will be missing"
     elif web.thickness < least:
         severity = "warning"
-        verdict = f"below {least:g} mm, {PERIMETERS} widths of the nozzle: it is a single line"
+        verdict = f"below {least:g} mm, {PERIMETERS} widths of the nozzle: it will be a single line"
     sentence = (
         f"smallest printed wall {web.thickness:.6g} mm, between {web.one} and {web.other}, at"
         f" ({web.place.real:.4g}, {web.place.imag:.4g}) mm, {verdict}"
@@ -78,7 +81,7 @@ def _wall(part: Part, nozzle: float) -> Iterator[Finding]:
 
 
 def _radius(part: Part, nozzle: float) -> Iterator[Finding]:
-    """The smallest radius of a flank: lines of the nozzle have round ends of half its width."""
+    """Report the smallest radius of a flank; lines have round ends of half the nozzle's width."""
     flanks = [boundary for boundary in part.boundaries if isinstance(boundary, CurveBoundary)]
     if not flanks:
         return
@@ -94,12 +97,14 @@ def _radius(part: Part, nozzle: float) -> Iterator[Finding]:
         )  # fmt: skip
         return
     becomes = "filled in" if bend == "concave" else "rounded off"
-    sentence = f"{what} {where}, below {limit:g} mm, half the nozzle: it is {becomes}"
+    sentence = f"{what} {where}, below {limit:g} mm, half the nozzle: it will be {becomes}"
     yield Finding(RADIUS, "warning", sentence, radius, limit, "mm", angle)
 
 
 def _tightest(boundary: CurveBoundary) -> tuple[float, str, float]:
-    """Smallest radius of curvature [mm], which way the material bends there, and the cam angle."""
+    """Smallest radius of curvature of a flank [mm], whether the material is "convex" or "concave"
+    there, and the cam angle [rad].
+    """
     path = boundary.path
     curve = path.stretches[0].curve
     bends = curvature_extremes(curve.pitch)
@@ -125,12 +130,12 @@ def _tightest(boundary: CurveBoundary) -> tuple[float, str, float]:
 
 
 def _runs(stretch: Stretch, angle: float) -> bool:
-    """Whether the stretch passes that cam angle [rad]."""
+    """Whether the stretch passes the cam angle `angle` [rad]."""
     return (angle - stretch.start) % TURN <= stretch.end - stretch.start
 
 
 def _stroke(part: Part, nozzle: float) -> Iterator[Finding]:
-    """The narrowest stroke of a mark or an engraving."""
+    """Report the narrowest stroke of a mark or an engraving, if the nozzle is too wide for it."""
     radius, narrowest = 0.5 * nozzle - SLACK, None
     for name, region in sunk(part):
         # Only what is narrower than all before is looked at closely.
@@ -144,13 +149,13 @@ def _stroke(part: Part, nozzle: float) -> Iterator[Finding]:
     width = round(2.0 * radius, DECIMALS)
     sentence = (
         f"a stroke of the {name} is {width:.2g} mm wide at ({x:.4g}, {y:.4g}) mm, below"
-        f" {nozzle:g} mm, the width of the nozzle: it is closed"
+        f" {nozzle:g} mm, the width of the nozzle: it will close up"
     )
     yield Finding(STROKE, "warning", sentence, width, nozzle, "mm")
 
 
 def sunk(part: Part) -> list[tuple[str, Polygon]]:
-    """What is sunk into a face but for grooves: a name and a region each, [mm]."""
+    """The names and regions [mm] of all that is sunk into a face, except grooves."""
     import shapely  # few scenes state a nozzle
 
     by_height: dict[tuple[float, float], list[Boundary]] = {}
@@ -180,7 +185,9 @@ def _polygon(boundary: Boundary) -> Polygon:
 def _narrowest(
     region: Polygon, radius: float, lost: tuple[float, float]
 ) -> tuple[float, tuple[float, float]]:
-    """Half the width [mm] of a region that is lost at a larger `radius` [mm], and where it is."""
+    """Half the least width [mm] of a region that a disc of `radius` [mm] does not fill, and its
+    place.
+    """
     low, high = 0.0, radius
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
@@ -193,10 +200,10 @@ def _narrowest(
 
 
 def unreached(region: Polygon, radius: float) -> tuple[float, float] | None:
-    """Where a disc of the radius [mm] cannot reach a region, or not all of it without leaving it;
-    None if it reaches all.
+    """A place of a region that a disc of `radius` [mm] cannot reach from within; None if it reaches
+    all of it in one go.
 
-    Corners, and what reaches less than a diameter beyond where the disc can be, do not count.
+    Corners do not count, nor does what is less than a diameter beyond the reach of the disc.
     """
     import shapely
 
@@ -204,10 +211,12 @@ def unreached(region: Polygon, radius: float) -> tuple[float, float] | None:
     reached = reachable.buffer(radius)
     missing = region.difference(reached)
     pieces = shapely.get_parts(reachable)
+    # The region is parted if the disc's centre cannot get everywhere, or cannot go round each hole:
+    # then some stroke is too narrow, however short it is.
     parted = len(pieces) != 1 or len(pieces[0].interiors) != len(region.interiors)
     if not parted:
         missing = missing.difference(reached.buffer(2.0 * radius))
     if missing.is_empty:
         return None
-    place = max(shapely.get_parts(missing), key=lambda each: each.area).representative_point()
+    place = max(shapely.get_parts(missing), key=lambda piece: piece.area).representative_point()
     return place.x, place.y

@@ -28,7 +28,7 @@ from camgeo.numeric.checked import (
 from camgeo.record import Brief
 
 RETURN_PREFIX: Final = "return "
-"""What the names of boundaries and layers of the return disc begin with in a pair in one piece."""
+"""Prefix of the names of the return disc's boundaries and layers in a pair in one piece."""
 
 NARROWEST: Final = 4.0
 """Least width of a chamfer in a solid, in tolerances."""
@@ -42,8 +42,8 @@ class Layer:
     ----------
     z0, z1 : heights of its lower and upper face [mm]; 0 is the upper face of the disc, as in its
         milling program. Equal if the scene does not give the height of the layer.
-    boundaries : of the section, nested without crossing; one that contains others precedes or
-        follows all of them, and the outermost of the layer is the first of all.
+    boundaries : boundaries of the section, nested without crossing; one that contains others
+        precedes or follows all of them, and the outermost of the layer is the first of all.
     name : what the layer is for: "disc", "groove", "hub".
 
     Raises
@@ -91,8 +91,8 @@ class Level:
 
     Attributes
     ----------
-    name : "lower face", "upper face", the same "of the disc" below a hub, of either disc of a pair,
-        or the name of the floor between two layers.
+    name : "lower face" or "upper face"; where a hub stands on the disc, or of either disc of a
+        pair, the same followed by "of the disc"; or the name of the floor between two layers.
     z : height [mm].
     below : boundaries that end here; the faces within their material point up.
     above : boundaries that begin here; the faces within their material point down.
@@ -118,8 +118,8 @@ class Part(Brief):
 
     Attributes
     ----------
-    layers : its sections.
-    bevels : its chamfers, each at an end of a wall.
+    layers : layers of the part, from the lowest upwards.
+    bevels : chamfers of the part, each at an end of a wall.
 
     Raises
     ------
@@ -174,11 +174,12 @@ class Part(Brief):
 
     @property
     def outermost(self) -> Boundary:
-        """That of the disc, around all others: hubs lie within it."""
+        """The boundary of the disc that surrounds all others; hubs lie within it."""
         first = [layer.boundaries[0] for layer in self.layers]
+        # With a hub or a second disc the layers have different ones.
         if all(boundary is first[0] for boundary in first):
             return first[0]
-        return max(first, key=lambda each: each.farthest()[0])
+        return max(first, key=lambda boundary: boundary.farthest()[0])
 
     @property
     def disc(self) -> tuple[Layer, ...]:
@@ -188,7 +189,7 @@ class Part(Brief):
 
     @property
     def _discs(self) -> dict[str, str]:
-        """What the discs are called, by the names of the boundaries around them."""
+        """Names of the discs in sentences, by the names of the boundaries around them."""
         around = self.outermost.name.removeprefix(RETURN_PREFIX)
         names = {around: "disc", f"{RETURN_PREFIX}{around}": f"{RETURN_PREFIX}disc"}
         return {name: called for name, called in names.items()
@@ -196,16 +197,16 @@ class Part(Brief):
 
     @property
     def thickness(self) -> float:
-        """From the lowest to the highest face [mm]; 0 if the scene gives none."""
+        """Distance from the lowest to the highest face [mm]; 0 if the scene states no thickness."""
         return self.layers[-1].z1 - self.layers[0].z0
 
     @property
     def sharp(self) -> Part:
-        """The same part without chamfers."""
+        """The part without chamfers."""
         return replace(self, bevels=()) if self.bevels else self
 
     def lowered(self) -> Part:
-        """The same part with its highest face at height 0, and without chamfers."""
+        """The part with its highest face at height 0, and without chamfers."""
         high = self.layers[-1].z1
         if not high:
             return self.sharp
@@ -213,7 +214,7 @@ class Part(Brief):
         return Part(tuple(layers))
 
     def without(self, names: Collection[str]) -> Part:
-        """The same part without the holes and marks of these names."""
+        """The part without the holes and marks of the given names."""
         if not names:
             return self
 
@@ -233,6 +234,7 @@ class Part(Brief):
         all_walls: list[Wall] = []
         for boundary in self.boundaries:
             present = [boundary in layer.boundaries for layer in self.layers]
+            # Each run of neighbouring layers that have the boundary is one wall.
             for runs, group in groupby(zip(present, self.layers, strict=True), itemgetter(0)):
                 run = [layer for _, layer in group]
                 if runs:
@@ -240,7 +242,7 @@ class Part(Brief):
         return tuple(all_walls)
 
     def _bevel(self, boundary: Boundary, z: float, *, upper: bool) -> Bevel | None:
-        """The chamfer along a boundary at a height where its wall ends, `upper`, or begins."""
+        """The chamfer along a boundary at the `upper` or lower end of its wall, at the height z."""
         for bevel in self.bevels:
             if (bevel.z, bevel.upper) == (z, upper) and bevel.boundary == boundary:
                 return bevel
@@ -268,7 +270,7 @@ class Part(Brief):
 
     @property
     def outlines(self) -> tuple[Boundary, ...]:
-        """The edges of all bands, each once: the boundaries, and behind them those of chamfers."""
+        """The edges of all bands, each once: the boundaries, followed by the edges of chamfers."""
         edges = list(self.boundaries)
         for bevel in self.bevels:
             if bevel.edge not in edges:
@@ -278,7 +280,7 @@ class Part(Brief):
     def _edges(
         self, boundaries: tuple[Boundary, ...], z: float, *, upper: bool
     ) -> Iterator[Boundary]:
-        """What bounds the flat faces at a height where walls end, `upper`, or begin."""
+        """The edges of the flat faces at the height z where walls end, if `upper`, or begin."""
         for boundary in boundaries:
             bevel = self._bevel(boundary, z, upper=upper)
             yield boundary if bevel is None else bevel.edge
@@ -296,30 +298,35 @@ class Part(Brief):
                 raise GeometryError(f"a solid needs {key}", key=key)
 
     def require_steps(self, tolerance: float) -> None:
-        """Raise GeometryError for a height within `tolerance` [mm], whose faces no file of that
-        tolerance tells apart, with its key if it is the thickness, and for a chamfer that is not
-        clearly larger; and like `require_heights`.
+        """Raise GeometryError if a layer or chamfer is too small for a file of `tolerance` [mm].
+
+        The faces of a layer within the tolerance could not be told apart; the error has the key of
+        the thickness if that is too small. Also raises like `require_heights`.
         """
         self.require_heights()
         for layer in self.layers:
             height = layer.z1 - layer.z0
             if not height > tolerance:
                 key = "part.thickness" if self.thickness <= tolerance else "part"
-                what = f"a solid within {tolerance:g} mm has no layer of {height:g} mm"
-                raise GeometryError(f"{what}: its faces would be one", key=key)
+                message = (
+                    f"a solid within {tolerance:g} mm cannot have a layer of {height:g} mm, whose"
+                    " faces would be one"
+                )
+                raise GeometryError(message, key=key)
         least = NARROWEST * tolerance
         for bevel in self.bevels:
             if min(bevel.width, bevel.height) < least:
-                what = f"the {bevel.edge.name} must be at least {NARROWEST:g} tolerances wide"
                 raise GeometryError(
-                    f"{what}, {least:g} mm, to show in a solid",
+                    f"the {bevel.edge.name} must be at least {NARROWEST:g} tolerances wide,"
+                    f" {least:g} mm, to show in a solid",
                     key="part.chamfers",
                     value=f"{bevel.width:g}",
                 )
 
     def turned_over(self) -> Part:
-        """The same part upside down, its lower face at height 0, without chamfers: the boundaries
-        are the same in X and Y, heights are reflected.
+        """The part upside down, its lower face at height 0, without chamfers.
+
+        Boundaries keep their X and Y; only heights are reflected.
         """
         low = self.layers[0].z0
         layers = (replace(layer, z0=low - layer.z1, z1=low - layer.z0) for layer in self.layers)
@@ -327,9 +334,9 @@ class Part(Brief):
 
     @property
     def levels(self) -> tuple[Level, ...]:
-        """The flat faces, from the lowest upwards; raises like `require_heights`.
+        """The flat faces from the lowest upwards; raises like `require_heights`.
 
-        There is none between layers of the same boundaries.
+        Between two layers of the same boundaries there is no face.
         """
         self.require_heights()
         first, last, discs = self.layers[0], self.layers[-1], self._discs
@@ -342,6 +349,7 @@ class Part(Brief):
                 boundary for boundary in upper.boundaries if boundary not in lower.boundaries
             )
             name = f"floor of the {upper.name}"
+            # A face at which a disc begins or ends is named after that disc.
             for disc, called in discs.items():
                 if disc in (boundary.name for boundary in (*ends, *begins)):
                     side = "upper" if disc in (boundary.name for boundary in ends) else "lower"
@@ -375,7 +383,7 @@ class Boundary(Protocol):
 
     Attributes
     ----------
-    name : its identity, unique in the part: "outline", "inner flank", "outer flank", "rim", "bore",
+    name : name that is unique in the part: "outline", "inner flank", "outer flank", "rim", "bore",
         "hub", "lower hub", "mark".
         Faces of a solid, dimensions and milling operations refer to it.
     hole : True if the material lies outside the boundary.
@@ -463,13 +471,14 @@ def written_contour(
 ) -> Fit | SplineFit:
     """The contour of `boundary` that is written into a file, counter-clockwise, with its proof.
 
-    The files that have it, what the follower does on it and what it costs are all of this one.
+    All files that have it, the follower's motion on it and its cost are based on this contour.
 
     Parameters
     ----------
-    form : of its pieces.
-    tolerance : of the file [mm]; the fit takes `WRITTEN_SHARE` of it.
-    widest : arc [rad]; wider ones are divided.
+    form : kind of its pieces.
+    effort : effort of the fit.
+    tolerance : tolerance of the file [mm], of which the fit takes `WRITTEN_SHARE`.
+    widest : largest sweep of an arc [rad]; wider arcs are divided.
 
     Raises
     ------
@@ -517,12 +526,12 @@ class Bevel(CheckedFields):
 
     Attributes
     ----------
-    boundary : that of the wall.
-    edge : where the chamfer meets the flat face, the parallel of the boundary at `width`.
-    width : on the face [mm].
-    height : along the wall [mm].
+    boundary : boundary of the wall.
+    edge : edge at which the chamfer meets the flat face, the parallel of the boundary at `width`.
+    width : width on the face [mm].
+    height : height along the wall [mm].
     z : height of the face [mm].
-    upper : whether the face is the upper end of the wall.
+    upper : whether the face is at the upper end of the wall.
     """
 
     boundary: BoundaryField
@@ -534,7 +543,7 @@ class Bevel(CheckedFields):
 
     @property
     def foot(self) -> float:
-        """Height at which it meets the wall [mm]."""
+        """Height at which the chamfer meets the wall [mm]."""
         return self.z - self.height if self.upper else self.z + self.height
 
 
@@ -545,9 +554,9 @@ class Band:
     Attributes
     ----------
     wall : the boundary that the face runs along.
-    lower, upper : its edges, the same for an upright face.
-    z0, z1 : their heights [mm].
-    width : of a chamfer, in the plane [mm]; 0 of an upright face.
+    lower, upper : lower and upper edge of the face, the same for an upright one.
+    z0, z1 : heights of these edges [mm].
+    width : width of a chamfer in the plane [mm]; 0 for an upright face.
     """
 
     wall: Boundary
@@ -559,11 +568,11 @@ class Band:
 
     @property
     def is_upright(self) -> bool:
-        """Whether it is no chamfer."""
+        """Whether the face is upright, and not a chamfer."""
         return self.lower is self.upper
 
     def section(self, z: float) -> Boundary:
-        """Its section at a height between both [mm]."""
+        """The section of the face at a height `z` between its edges [mm]."""
         if self.is_upright:
             return self.wall
         away = self.z1 - z if self.lower is not self.wall else z - self.z0
@@ -587,14 +596,14 @@ COARSE: Final = 0.01
 
 
 @dataclass(frozen=True, slots=True)
-class Edge:
+class PartEdge:
     """A boundary as it is drawn.
 
     Attributes
     ----------
-    boundary : of the part.
+    boundary : boundary of the part.
     kind : see `Kind`.
-    below : whether it begins at the lower face of the disc, not at its upper one.
+    below : whether the edge begins at the lower face of the disc, and not at the upper one.
     height : depth or height over that face [mm]; 0 if the edge goes through, or if the scene does
         not state it.
     """
@@ -605,28 +614,30 @@ class Edge:
     height: float = 0.0
 
 
-def part_edges(part: Part) -> tuple[Edge, ...]:
+def part_edges(part: Part) -> tuple[PartEdge, ...]:
     """The edges, in the order of the part's boundaries."""
     return tuple(_edge(part, boundary) for boundary in part.boundaries)
 
 
-def _edge(part: Part, boundary: Boundary) -> Edge:
-    """Sunk is what lies within the heights of the disc, from the face that it is open to."""
+def _edge(part: Part, boundary: Boundary) -> PartEdge:
+    """The edge of a boundary: through if it passes all layers of the disc, raised if it is in none
+    of them, else sunk, from the face to which it is open.
+    """
     disc = part.disc
     if all(boundary in layer.boundaries or _is_open(boundary, layer) for layer in disc):
-        return Edge(boundary)
+        return PartEdge(boundary)
     bottom, top = disc[0].z0, disc[-1].z1
     layers = [layer for layer in part.layers if boundary in layer.boundaries]
     z0, z1 = layers[0].z0, layers[-1].z1
     if not any(layer in disc for layer in layers):
         below = layers[-1] in part.layers[: part.layers.index(disc[0])]
-        return Edge(boundary, "raised", below, bottom - z0 if below else z1 - top)
+        return PartEdge(boundary, "raised", below, bottom - z0 if below else z1 - top)
     below = boundary in disc[0].boundaries
-    return Edge(boundary, "sunk", below, z1 - bottom if below else top - z0)
+    return PartEdge(boundary, "sunk", below, z1 - bottom if below else top - z0)
 
 
 def _is_open(boundary: Boundary, layer: Layer) -> bool:
-    """Whether a hole goes on through a layer within a wider one, as below a counterbore."""
+    """Whether a hole continues through a layer within a wider hole, as below a counterbore."""
     if not boundary.hole:
         return False
     start = complex(boundary.distance_fit(COARSE).contour.vertices[0])

@@ -44,10 +44,10 @@ class Pair(CheckedFields, path="part.pair."):
 
     Attributes
     ----------
-    gap : between the faces that look at each other [mm].
-    spacer : diameter of the round body between them [mm].
-    upper : which disc is above, one of `DISCS`.
-    roller_width : of the wider roller, each in the middle of its disc [mm]; None if not known.
+    gap : distance between the faces of the discs that look at each other [mm].
+    spacer : diameter of the round body between the discs [mm].
+    upper : the disc that is above, one of `DISCS`.
+    roller_width : width of the wider roller, each in the middle of its disc [mm]; None if unknown.
 
     Raises
     ------
@@ -69,23 +69,24 @@ ENGRAVING: Final = "engraving"
 """Key of the list of texts in [part], and how the names of their boundaries begin."""
 
 LETTER: Final = " letter "
-"""In the name of a boundary, between that of its text and the number of the character."""
+"""Separator in the name of a letter's boundary between the name of the text and the number of the
+character."""
 
 CIRCLE: Final = "circle"
 STRAIGHT: Final = "straight"
 COURSES: Final = (CIRCLE, STRAIGHT)
-"""What the line of a text follows."""
+"""The lines along which a text can run."""
 
 OUTWARD: Final = "outward"
 INWARD: Final = "inward"
 SENSES: Final = (OUTWARD, INWARD)
-"""Where the tops of letters point, seen from the cam axis."""
+"""The directions in which the tops of letters can point, seen from the cam axis."""
 
 MOST_LETTERS: Final = 100
-"""Characters of a text."""
+"""Most characters of a text."""
 
 MOST_TEXTS: Final = 20
-"""Texts of a part."""
+"""Most texts of a part."""
 
 SHAPED: Final = ("R", "AL", "AN")
 """Directions of characters that are written from right to left, in shapes that depend on their
@@ -109,9 +110,10 @@ def text_to_engrave(key: str, value: Any) -> str:
         )
     for character in text:
         known = f"U+{ord(character):04X}"
+        # Combining marks (M), and controls, formats and code points without a meaning (C).
         if unicodedata.category(character)[0] in "MC":
             raise GeometryError(
-                f"{known} in it is no character of its own, so it cannot be engraved",
+                f"{known} in it is not a character of its own, so it cannot be engraved",
                 key,
                 value_text(value),
             )
@@ -130,16 +132,17 @@ class Engraving:
 
     Attributes
     ----------
-    text : in composed characters (NFC).
-    height : of capital letters [mm].
-    depth : below the upper face [mm].
-    radius : distance of its middle, at half the height of capital letters, from the cam axis [mm].
-    angle : direction of its middle from the x axis at cam angle 0 [rad], counter-clockwise, -2 pi
-        to 2 pi.
+    text : the text, in composed characters (NFC).
+    height : height of capital letters [mm].
+    depth : depth below the upper face [mm].
+    radius : distance of the text's middle, at half the height of capital letters, from the cam axis
+        [mm].
+    angle : direction of the text's middle from the x axis at cam angle 0 [rad], counter-clockwise,
+        -2 pi to 2 pi.
     along : one of `COURSES`: letters stand on a circle about the cam axis, or on a straight line.
     tops : one of `SENSES`: where the tops of the letters point, at the middle of the text.
-    turn : of a straight text, the direction in which it is read, from the x axis at cam angle 0
-        [rad], in place of `tops`; None for across the ray through its middle.
+    turn : direction in which a straight text is read, from the x axis at cam angle 0 [rad], in
+        place of `tops`; None for a text across the ray through its middle.
 
     Raises
     ------
@@ -170,13 +173,13 @@ class Engraving:
 
 
 def text_name(boundary: str) -> str:
-    """Name of the text to which the boundary of that name belongs; empty if it is of none."""
+    """Name of the text to which the boundary called `boundary` belongs; empty if to none."""
     text, letter, _ = boundary.partition(LETTER)
     return text if letter and text.startswith(ENGRAVING) else ""
 
 
 def read_engravings(tables: Iterable[Mapping[str, Any]], name: str) -> tuple[Engraving, ...]:
-    """The texts of converted tables, in mm and rad; that of one without a text is `name`.
+    """The engravings of converted tables, in mm and rad; a table without a text engraves `name`.
 
     Raises
     ------
@@ -213,7 +216,7 @@ SIDES: Final = (UPPER, LOWER, BOTH)
 
 
 MOST_HOLES: Final = 100
-"""On one circle."""
+"""Most holes on one circle."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -239,8 +242,9 @@ class Keyway(CheckedFields, path="part.keyway."):
 
     @classmethod
     def by_standard(cls, bore: float, angle: float = 0.0) -> Self:
-        """By DIN 6885-1, deep form, for a bore of that diameter [mm]; raises GeometryError with key
-        "part.keyway.standard" if the table has no such bore.
+        """The keyway by DIN 6885-1, deep form, for a bore of the diameter `bore` [mm].
+
+        Raises GeometryError with key "part.keyway.standard" if the table has no such bore.
         """
         row = din_6885_1(bore)
         return cls(row.width, row.depth, angle)
@@ -248,7 +252,7 @@ class Keyway(CheckedFields, path="part.keyway."):
 
 @dataclass(frozen=True, slots=True)
 class DShaft(CheckedFields, path="part.d_shaft."):
-    """DShaft side of the bore for a D-shaft, parallel to the cam axis.
+    """The flat side of the bore for a D-shaft, parallel to the cam axis.
 
     Attributes
     ----------
@@ -273,8 +277,8 @@ class Hub(CheckedFields, path="part.hub."):
 
     Attributes
     ----------
-    diameter : of the hub [mm].
-    height : above the face on which it stands [mm]; on both faces the same.
+    diameter : diameter of the hub [mm].
+    height : height above the face on which it stands [mm]; the same on both faces.
     side : one of `SIDES`.
 
     Raises
@@ -294,8 +298,8 @@ class SetScrew(CheckedFields, path="part.set_screw."):
 
     Attributes
     ----------
-    diameter : of the hole [mm].
-    height : of its middle above the face on which the hub stands [mm].
+    diameter : diameter of the hole [mm].
+    height : height of its middle above the face on which the hub stands [mm].
     angle : direction from the x axis at cam angle 0 [rad], counter-clockwise, -2 pi to 2 pi.
 
     Raises
@@ -316,9 +320,9 @@ class Mark:
     Attributes
     ----------
     radius : distance of its middle from the cam axis [mm].
-    width : of the slot, diameter of the dot [mm].
-    depth : below the upper face [mm].
-    length : of the slot from end to end, along the ray [mm]; None for a dot.
+    width : width of the slot, or diameter of the dot [mm].
+    depth : depth below the upper face [mm].
+    length : length of the slot from end to end, along the ray [mm]; None for a dot.
     angle : direction of its middle from the x axis at cam angle 0 [rad], counter-clockwise, -2 pi
         to 2 pi.
 
@@ -349,8 +353,8 @@ class Counterbore(CheckedFields, path="part.bolt_circle.counterbore."):
 
     Attributes
     ----------
-    diameter : of the counterbore [mm].
-    depth : below the face on which the hole opens, that of the disc or of a hub [mm].
+    diameter : diameter of the counterbore [mm].
+    depth : depth below the face on which the hole opens, of the disc or of a hub [mm].
 
     Raises
     ------
@@ -368,12 +372,12 @@ class Holes:
 
     Attributes
     ----------
-    count : from 1 to `MOST_HOLES`.
+    count : number of holes, from 1 to `MOST_HOLES`.
     circle : diameter of the circle through their middles [mm].
-    hole : diameter of each [mm].
-    angle : direction of the first from the x axis at cam angle 0 [rad], counter-clockwise, -2 pi to
-        2 pi.
-    counterbore : of each at its upper end; None for none.
+    hole : diameter of each hole [mm].
+    angle : direction of the first hole from the x axis at cam angle 0 [rad], counter-clockwise,
+        -2 pi to 2 pi.
+    counterbore : counterbore at the upper end of each hole; None for none.
 
     Raises
     ------
@@ -400,7 +404,7 @@ class Holes:
 
     @property
     def middles(self) -> tuple[complex, ...]:
-        """Of the holes [mm]."""
+        """Middles of the holes [mm]."""
         step = TURN / self.count
         return tuple(
             cmath.rect(0.5 * self.circle, self.angle + number * step)
@@ -410,7 +414,8 @@ class Holes:
 
 LEAST_DENSITY: Final = 1e-6 / KG_M3
 MOST_DENSITY: Final = 1e6 / KG_M3
-"""As in scenes [t/mm^3]: any that occurs, with room for one that stands for a slice or a shell."""
+"""Range of densities in scenes [t/mm^3]: that of all materials, with room for one that stands for a
+slice or a shell."""
 
 
 Density = Annotated[float, partial(number, least=LEAST_DENSITY, most=MOST_DENSITY, unit="t/mm^3")]
@@ -422,22 +427,23 @@ class PartSpec:
 
     Attributes
     ----------
-    thickness : of the disc.
+    thickness : thickness of the disc.
     bore : diameter of the bore.
-    keyway : of the bore.
+    keyway : keyway of the bore.
     rim : diameter of the blank, the outer boundary of a groove cam, or of a cam whose roller runs
         inside ("outer" contact).
-    groove_depth : of a groove cam, less than the thickness; the groove is open to the upper face.
-    hub : about the bore.
-    mark : for timing, less deep than the disc is thick.
+    groove_depth : depth of a groove cam's groove, less than the thickness; it is open to the upper
+        face.
+    hub : hub about the bore.
+    mark : timing mark, less deep than the disc is thick.
     d_shaft : flat side of the bore, in place of a keyway.
     bolt_circle, lightening_holes : holes through the disc, and through the hubs that they lie in.
-    set_screw : in the hub, between its face and that of the disc.
+    set_screw : hole of a set screw in the hub, between the faces of hub and disc.
     pair : how both discs of a conjugate pair stand on one hub, in one piece; hub and set screw are
         then the pair's.
-    density : of the whole part [t/mm^3]; its shape does not depend on it.
+    density : density of the whole part [t/mm^3]; the shape does not depend on it.
     engraving : texts in the upper face of the disc, less deep than the disc is thick.
-    chamfers : of edges; None for none.
+    chamfers : chamfers of the edges; None for none.
 
     Raises
     ------
@@ -492,7 +498,8 @@ class PartSpec:
         if self.d_shaft is not None:
             key = "part.d_shaft"
             if self.keyway is not None:
-                raise GeometryError("a bore has a keyway or is for a D-shaft, not both", key=key)
+                message = "a bore has either a keyway or a flat for a D-shaft, not both"
+                raise GeometryError(message, key=key)
             assert self.bore is not None  # see above
             across, half = self.d_shaft.across, 0.5 * self.bore
             number(f"{key}.across", across, above=half, below=self.bore, unit="mm")
@@ -507,9 +514,11 @@ class PartSpec:
                 number(f"{key}[{place}].depth", text.depth, below=self.thickness, unit="mm")
 
     def alone(self, disc: str) -> PartSpec:
-        """The main or the return disc (of `camgeo.part.spec.DISCS`) of a pair in one piece,
-        without the hub; of other parts all of it. Only the upper disc has texts, which a gap would
-        hide, and counterbores, as bolts go in from above.
+        """The specification of one disc, named as in `DISCS`, of a pair in one piece, without the
+        hub; for any other part the whole specification.
+
+        Only the upper disc has texts, which a gap would hide, and counterbores, as bolts go in from
+        above.
         """
         if self.pair is None:
             return self
@@ -544,7 +553,7 @@ class PartSpec:
 
 
 KEY: Final = "part.chamfers"
-"""Of their table in the scene."""
+"""Key of the table of chamfers in the scene."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -553,8 +562,8 @@ class Chamfer(CheckedFields, path=f"{KEY}."):
 
     Attributes
     ----------
-    width : on the face, and along the wall [mm].
-    edges : of which ends of the wall, one of `SIDES`.
+    width : width on the face and height along the wall [mm].
+    edges : the ends of the wall that have it, one of `SIDES`.
 
     Raises
     ------
@@ -572,10 +581,10 @@ class Chamfers:
 
     Attributes
     ----------
-    outline : the flanks; of a groove only their upper edges.
-    rim, bore : both ends.
-    hub : the outer edge of each.
-    bolt_circle, lightening_holes : the edges of the holes on the faces.
+    outline : along the flanks; of a groove only along their upper edges.
+    rim, bore : at both ends.
+    hub : along the outer edge of each hub.
+    bolt_circle, lightening_holes : along the edges of the holes on the faces.
     """
 
     outline: Chamfer | None = None
@@ -586,8 +595,10 @@ class Chamfers:
     lightening_holes: Chamfer | None = None
 
     def on_one_side(self, side: str, *, hub: bool) -> Chamfers:
-        """Those of a disc of a pair in one piece without its hub: where the other disc follows, and
-        where there is a hub on its outer `side`, its bore has no edge.
+        """The chamfers of one disc of a pair in one piece, without those of its hub.
+
+        The bore has no edge where the other disc follows, nor on the outer `side` if there is a
+        `hub`.
         """
         bore = self.bore
         if bore is not None:
@@ -602,12 +613,12 @@ class Chamfers:
 # the hub is 19.4 or 19.5 mm. `tests/part/test_part.py` names the sources.
 
 
-class Row(NamedTuple):
-    """A row of the table.
+class KeywayRow(NamedTuple):
+    """A row of the table of DIN 6885-1.
 
     Attributes
     ----------
-    largest : diameter of shaft and bore up to which it holds, that included [mm].
+    largest : largest diameter of shaft and bore for which it holds [mm].
     width : b of key and keyway [mm].
     depth : t2 of the keyway in the hub [mm].
     """
@@ -621,37 +632,37 @@ SMALLEST: Final = 6.0
 """Diameter above which the table begins [mm]."""
 
 ROWS: Final = (
-    Row(8.0, 2.0, 1.0),
-    Row(10.0, 3.0, 1.4),
-    Row(12.0, 4.0, 1.8),
-    Row(17.0, 5.0, 2.3),
-    Row(22.0, 6.0, 2.8),
-    Row(30.0, 8.0, 3.3),
-    Row(38.0, 10.0, 3.3),
-    Row(44.0, 12.0, 3.3),
-    Row(50.0, 14.0, 3.8),
-    Row(58.0, 16.0, 4.3),
-    Row(65.0, 18.0, 4.4),
-    Row(75.0, 20.0, 4.9),
-    Row(85.0, 22.0, 5.4),
-    Row(95.0, 25.0, 5.4),
-    Row(110.0, 28.0, 6.4),
-    Row(130.0, 32.0, 7.4),
-    Row(150.0, 36.0, 8.4),
-    Row(170.0, 40.0, 9.4),
-    Row(200.0, 45.0, 10.4),
-    Row(230.0, 50.0, 11.4),
-    Row(260.0, 56.0, 12.4),
-    Row(290.0, 63.0, 12.4),
-    Row(330.0, 70.0, 14.4),
-    Row(380.0, 80.0, 15.4),
-    Row(440.0, 90.0, 17.4),
+    KeywayRow(8.0, 2.0, 1.0),
+    KeywayRow(10.0, 3.0, 1.4),
+    KeywayRow(12.0, 4.0, 1.8),
+    KeywayRow(17.0, 5.0, 2.3),
+    KeywayRow(22.0, 6.0, 2.8),
+    KeywayRow(30.0, 8.0, 3.3),
+    KeywayRow(38.0, 10.0, 3.3),
+    KeywayRow(44.0, 12.0, 3.3),
+    KeywayRow(50.0, 14.0, 3.8),
+    KeywayRow(58.0, 16.0, 4.3),
+    KeywayRow(65.0, 18.0, 4.4),
+    KeywayRow(75.0, 20.0, 4.9),
+    KeywayRow(85.0, 22.0, 5.4),
+    KeywayRow(95.0, 25.0, 5.4),
+    KeywayRow(110.0, 28.0, 6.4),
+    KeywayRow(130.0, 32.0, 7.4),
+    KeywayRow(150.0, 36.0, 8.4),
+    KeywayRow(170.0, 40.0, 9.4),
+    KeywayRow(200.0, 45.0, 10.4),
+    KeywayRow(230.0, 50.0, 11.4),
+    KeywayRow(260.0, 56.0, 12.4),
+    KeywayRow(290.0, 63.0, 12.4),
+    KeywayRow(330.0, 70.0, 14.4),
+    KeywayRow(380.0, 80.0, 15.4),
+    KeywayRow(440.0, 90.0, 17.4),
 )
 
 RANGE: Final = f"is for bores above {SMALLEST:g} mm, up to {ROWS[-1].largest:g} mm"
 
 
-def din_6885_1(bore: float) -> Row:
+def din_6885_1(bore: float) -> KeywayRow:
     """The keyway for a bore of that diameter [mm].
 
     Raises

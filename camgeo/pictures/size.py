@@ -14,7 +14,7 @@ import numpy as np
 
 from camgeo.check.sizing.face import FaceTask
 from camgeo.check.sizing.smallest import Rating, Sizing, ratio_map, row_limits
-from camgeo.check.sizing.task import Placing, Task
+from camgeo.check.sizing.task import Placing, RollerTask
 from camgeo.numeric.arrays import BoolArray, FloatArray
 from camgeo.pictures.model import (
     AUXILIARY,
@@ -59,7 +59,7 @@ MARGIN: Final = 0.04
 DEEPER: Final = 1.45
 """Depth of the picture below the follower, as a multiple of that of the deepest place in it."""
 
-Sides = Sequence[tuple[Task, Sizing]]
+Sides = Sequence[tuple[RollerTask, Sizing]]
 """What was sized, and its sizing: the scene's own side first."""
 
 Window = tuple[FloatArray, FloatArray]
@@ -150,7 +150,7 @@ def square(across: FloatArray, low: float, high: float, room: float) -> Window:
     )
 
 
-def _regions(task: Task, sizing: Sizing, picture_window: Window) -> list[Mark]:
+def _regions(task: RollerTask, sizing: Sizing, picture_window: Window) -> list[Mark]:
     x_sign, y_sign = task.seen
     columns, heights = np.sort(x_sign * picture_window[0]), np.sort(y_sign * picture_window[1])
     depths = np.linspace(min(heights[0], 0.0), 0.0, ROWS)
@@ -207,7 +207,7 @@ def band(
     return Band("y", y, left, right, style, label if np.any(inside) else "")
 
 
-def _follower(task: Task) -> list[Mark]:
+def _follower(task: RollerTask) -> list[Mark]:
     """The roller, and its rocker or guide."""
     start = task.start
     roller = Circle((start.real, 0.0), task.follower.roller_radius, Fill(edge="black"))

@@ -11,7 +11,7 @@ import numpy as np
 from camgeo.design.product import Product
 from camgeo.geometry.contour.contour import Contour
 from camgeo.geometry.contour.spline import SplineContour
-from camgeo.part.part import Boundary, Edge, part_edges
+from camgeo.part.part import Boundary, PartEdge, part_edges
 from camgeo.units import MM_PER
 
 AnyContour = Contour | SplineContour
@@ -49,7 +49,7 @@ DIGITS: Final = 6
 """Significant digits of a depth in the name of a layer."""
 
 
-def layer_name(edge: Edge, scale: float) -> str:
+def layer_name(edge: PartEdge, scale: float) -> str:
     """Layer of an edge: "CUT", or e.g. "BLIND_6", "BLIND_BELOW_2.5", "RAISED_12".
 
     The number is the depth or height, `scale` mm to the unit; there is none if the scene states

@@ -13,7 +13,7 @@ import pytest
 from camgeo.app.answers.answer import BROKEN, FINE, WRONG, text
 from camgeo.app.answers.lint import Lint, lint
 from camgeo.app.cli.main import main
-from camgeo.design.linting import Bench
+from camgeo.design.linting import WorkData
 from tests.answers.documents import document
 from tests.interpreter.programs import GOOD
 
@@ -22,7 +22,7 @@ def of(folder: Path, *texts: str, machine: str = "linuxcnc") -> Lint:
     paths = [folder / f"{k}.nc" for k in range(len(texts))]
     for path, each in zip(paths, texts, strict=True):
         path.write_text(each)
-    return lint(paths, machine, Bench(clearance=5.0))
+    return lint(paths, machine, WorkData(clearance=5.0))
 
 
 @pytest.mark.parametrize("machine", GOOD)
@@ -52,7 +52,7 @@ def test_a_file_that_cannot_be_read_takes_nothing_from_the_others(tmp_path: Path
     (tmp_path / "0.nc").write_text(GOOD["linuxcnc"])
     (tmp_path / "large.nc").write_bytes(b"G0\n" * 300_000)
     paths = [tmp_path / name for name in ("none.nc", "0.nc", "large.nc")]
-    found = lint(paths, "linuxcnc", Bench(clearance=5.0))
+    found = lint(paths, "linuxcnc", WorkData(clearance=5.0))
     assert found.exit_code == WRONG
     programs = document(found)["programs"]
     assert os.strerror(errno.ENOENT) in programs[0]["refused"]

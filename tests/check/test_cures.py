@@ -24,8 +24,8 @@ from hypothesis import strategies as st
 
 import camgeo
 from camgeo.cam.cam import Cam
-from camgeo.check.cures.remedies import STEP, Change, Cure, digits_for, longer_plan, offers_for
-from camgeo.check.cures.search import NARROW, UNKNOWN, Discs, Way, first_root
+from camgeo.check.cures.remedies import STEP, Cure, KeyChange, digits_for, longer_plan, offers_for
+from camgeo.check.cures.search import NARROW, UNKNOWN, Discs, KnobSearch, first_root
 from camgeo.check.disc import TRIM, check_standstill, check_undercut
 from camgeo.check.finding import CONVEXITY, RETURN, UNDERCUT, Limits, rounded_beyond
 from camgeo.check.judge import Judgement
@@ -159,7 +159,7 @@ def applied(cam: Cam, cure: Cure) -> Cam:
     """The cam with the changes of the motion that a cure names, and with no others."""
     assert cure.new_value is not None
     segments = list(cam.drive.plan.segments)
-    for change in (Change(cure.key, cure.old_value, cure.new_value), *cure.also):
+    for change in (KeyChange(cure.key, cure.old_value, cure.new_value), *cure.also):
         number = int(change.key.partition("[")[2].partition("]")[0]) - 1
         segment = segments[number]
         what = change.key.rpartition(".")[2]
@@ -343,13 +343,13 @@ def test_a_limit_that_is_no_root_is_enclosed() -> None:
             asked.append(value)
             return {"steady": -1.0, "tried": by(value)}
 
-        limit = known(Way(Roller(), 1e-3, (), judged).nearest())
+        limit = known(KnobSearch(Roller(), 1e-3, (), judged).nearest())
         assert 7.123 - NARROW * 10.0 <= limit <= 7.123
         counts.append(len(asked))
     *measured, unmeasured = counts
     assert max(measured) < 0.75 * unmeasured, "how far it is beyond shortens the search"
-    assert Way(Roller(), 1e-3, (), lambda _: UNKNOWN).nearest() is None
-    assert Way(Roller(), 10.0, (), lambda _: {}).nearest() is None, "there is no way to go"
+    assert KnobSearch(Roller(), 1e-3, (), lambda _: UNKNOWN).nearest() is None
+    assert KnobSearch(Roller(), 10.0, (), lambda _: {}).nearest() is None, "there is no way to go"
 
 
 @given(
@@ -508,7 +508,7 @@ def rewritten(scene: Scene, cure: Cure) -> Scene:
     replaces."""
     assert cure.new_value is not None
     edits: dict[str, Any] = {}
-    for change in (Change(cure.key, cure.old_value, cure.new_value), *cure.also):
+    for change in (KeyChange(cure.key, cure.old_value, cure.new_value), *cure.also):
         path = known(parse_path(change.key))
         *above, last = path
         table: Any = scene.values

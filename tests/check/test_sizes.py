@@ -22,7 +22,7 @@ from camgeo.check.finding import NO_OUTLINE, Limits
 from camgeo.check.sizing.face import FaceTask
 from camgeo.check.sizing.rounding import decimal_exponent, rounded, rounded_face
 from camgeo.check.sizing.smallest import Rating, Sizing, flocke
-from camgeo.check.sizing.task import Task
+from camgeo.check.sizing.task import RollerTask
 from camgeo.errors import GeometryError
 from camgeo.geometry.pieces import convexity, touch
 from camgeo.kinematics.laws.law import Law
@@ -65,7 +65,7 @@ FLOCKE_OSCILLATING = {
 """Base radius [mm] and true smallest transmission angle [deg] as printed in its table."""
 
 
-def reference_task(name: str) -> Task:
+def reference_task(name: str) -> RollerTask:
     given = CASES[name]["args"]
     rise, back = given["phi_HP"], given["phi_HN"]
     stroke = float(given["s_H"]) if "s_H" in given else math.radians(given["psi_H"])
@@ -85,7 +85,7 @@ def reference_task(name: str) -> Task:
     else:
         arm = float(given["l_3"])
         follower = OscillatingRoller(100 + 0j, arm, 90.0, ROLLER, 1, given["kappa_ccw"])
-    return Task.from_cam(cam_of(plan, follower, given["sigma"]))
+    return RollerTask.from_cam(cam_of(plan, follower, given["sigma"]))
 
 
 def sized(name: str) -> Sizing:
@@ -345,7 +345,7 @@ def keeps(cam: Cam, angle: float, ratio: float) -> bool:
     return not any(each.severity in bad for each in disc_findings(cam, limits))
 
 
-def nearby(task: Task, place: complex, radius: float, seed: int) -> Iterator[complex]:
+def nearby(task: RollerTask, place: complex, radius: float, seed: int) -> Iterator[complex]:
     """Places with a base radius: in all directions, and more of them near `place`."""
     theta = float(np.angle(place - task.start))
     turns = np.random.default_rng(seed).uniform(-math.pi, 0.0, 2)
@@ -354,7 +354,7 @@ def nearby(task: Task, place: complex, radius: float, seed: int) -> Iterator[com
             yield complex(task.start + radius * np.exp(1j * way))
 
 
-def is_smaller(task: Task, place: complex, angle: float, ratio: float) -> bool:
+def is_smaller(task: RollerTask, place: complex, angle: float, ratio: float) -> bool:
     """Whether the cam axis may lie at `place`, according to the checks."""
     try:
         return keeps(task.placed_cam(place), angle, ratio)
@@ -377,7 +377,7 @@ def fits(task: FaceTask, radius: float, angle: float, least: float) -> bool:
 @settings(max_examples=examples(2, long=300))
 def test_the_size_of_a_roller_cam(seed: int, degrees: float, ratio: float, inches: int) -> None:
     cam, angle, unit = roller_cam(seed), math.radians(degrees), (1.0, 25.4)[inches - 1]
-    for task in Task.from_cam(cam).sides:
+    for task in RollerTask.from_cam(cam).sides:
         found = Sizing.solve(task, angle, ratio)
         if found.answer is None:
             # A swing too large for the angle: at most 90 degrees less half the swing can be kept.

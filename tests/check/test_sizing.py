@@ -29,21 +29,21 @@ from camgeo.check.sizing.rounding import (
 )
 from camgeo.check.sizing.smallest import (
     GAP,
-    Conditions,
+    PlaceConditions,
     Rating,
     Sizing,
     active_conditions,
-    conditions,
     excluded,
     flocke,
     local_conditions,
     nearest_cells,
     nearest_point,
+    place_conditions,
     ratio_map,
     row_limits,
     sample_angles,
 )
-from camgeo.check.sizing.task import TOUCHING, Task, covered_pairs, pair_conditions
+from camgeo.check.sizing.task import TOUCHING, RollerTask, covered_pairs, pair_conditions
 from camgeo.errors import GeometryError
 from camgeo.geometry.pieces import curvature_extremes
 from camgeo.geometry.pitch_curve import PitchCurve
@@ -65,14 +65,14 @@ BENT = ["schnitt", "groove", "vorschub"]
 """Where the transmission angle alone decides, and where the curvature does too."""
 
 
-def required(name: str) -> tuple[Task, float, float]:
+def required(name: str) -> tuple[RollerTask, float, float]:
     design = camgeo.load(SCENES / f"{name}.toml")
     limits = design.scene.limits
     angle = transmission_angle_limit(design.cam, limits)
-    return Task.from_cam(design.cam), angle, limits.radius_ratio
+    return RollerTask.from_cam(design.cam), angle, limits.radius_ratio
 
 
-def agrees(task: Task) -> None:
+def agrees(task: RollerTask) -> None:
     """The terms give transmission angle, curvature and the present design again."""
     curve = task.cam.disc.pitch_curve
     phi = np.linspace(0.0, 6.2, 500)
@@ -114,7 +114,7 @@ def test_every_arrangement_has_the_terms_of_its_pitch_curve(
             Dwell(Decimal(100)),
         )
     )
-    agrees(Task.from_cam(cam_of(plan, follower, rotation)))
+    agrees(RollerTask.from_cam(cam_of(plan, follower, rotation)))
 
 
 def test_row_ends_are_at_the_limit() -> None:
@@ -161,11 +161,15 @@ def test_nearest_point_of_half_planes() -> None:
     assert nearest_point(np.array([1.0 + 0j, -1.0 + 0j]), np.array([1.0, 0.0]), 0j) is None
 
 
-def asked(name: str) -> tuple[Task, Conditions, float]:
+def asked(name: str) -> tuple[RollerTask, PlaceConditions, float]:
     """Conditions of a scene at the first cam angles, and the answer's base radius [mm]."""
     task, angle, ratio = required(name)
     answer = known(Sizing.solve(task, angle, ratio).answer)
-    return task, conditions(task, math.tan(angle), ratio, sample_angles(task)), answer.base_radius
+    return (
+        task,
+        place_conditions(task, math.tan(angle), ratio, sample_angles(task)),
+        answer.base_radius,
+    )
 
 
 @pytest.mark.parametrize("name", BENT)
@@ -216,8 +220,8 @@ LOCAL = complex(-5.57106515722, -14.69360434080)
 """The place with the smallest base circle, r_R/0.7, if only curvature matters."""
 
 
-def lobe() -> Task:
-    return Task.from_cam(camgeo.load(FOUND).cam)
+def lobe() -> RollerTask:
+    return RollerTask.from_cam(camgeo.load(FOUND).cam)
 
 
 @pytest.mark.parametrize("name", [*EASY, *BENT])
@@ -334,7 +338,9 @@ def test_a_roller_that_comes_to_the_axis_decides(law: str, roller: float, rotati
     the transmission angle elsewhere, keeps the cam from being smaller."""
     half, angle = Decimal(180), math.radians(20.0)
     plan = MotionPlan((Move(half, 20.0, LAWS[law]), Move(half, 0.0, LAWS[law])))
-    task = Task.from_cam(cam_of(plan, TranslatingRoller(100.0, roller, direction=-1), rotation))
+    task = RollerTask.from_cam(
+        cam_of(plan, TranslatingRoller(100.0, roller, direction=-1), rotation)
+    )
     found = Sizing.solve(task, angle, 1.0)
     assert found.answer is not None
     dense = np.linspace(0.0, TURN, 721)
@@ -380,7 +386,7 @@ def test_however_large_the_roller_a_large_cam_takes_it() -> None:
         assert found.answer is not None
         assert found.answer.radius_ratio.value <= 1e-3 * (1.0 + 1e-9)
         assert found.answer.base_radius == pytest.approx(roller / 1e-3, rel=0.1)
-    huge = Task.from_cam(task.cam.sized(roller_radius=500.0))
+    huge = RollerTask.from_cam(task.cam.sized(roller_radius=500.0))
     answer = known(Sizing.solve(huge, angle, 0.7).answer)
     assert {each.name for each in active_conditions(huge, answer, angle, 0.7)} == {
         "transmission-angle",
@@ -435,7 +441,7 @@ def test_a_wrong_requirement_is_refused(
 
 def test_for_the_angle_alone_all_scales_and_the_shortest_arm_is_best() -> None:
     task, angle, _ = required("setzhub")
-    small = Task.from_cam(task.cam.sized(roller_radius=1e-3))
+    small = RollerTask.from_cam(task.cam.sized(roller_radius=1e-3))
     found = [Sizing.solve(with_arm(small, arm), angle, 1.0).answer for arm in (30.0, 60.0)]
     assert found[0] is not None
     assert found[1] is not None
@@ -449,7 +455,7 @@ def test_for_the_angle_alone_all_scales_and_the_shortest_arm_is_best() -> None:
 @pytest.mark.parametrize("contact", ["inner", "outer"])
 def test_no_other_arm_of_the_range_is_better(contact: str) -> None:
     task, angle, ratio = required("schnitt")
-    task = Task.from_cam(replace(task.cam, contact=contact))  # type: ignore[arg-type]  # the name of a contact
+    task = RollerTask.from_cam(replace(task.cam, contact=contact))  # type: ignore[arg-type]  # the name of a contact
     low, high = 12.0, 60.0
     sized, sizing = size_with_arm(task, angle, ratio, low, high)
     assert isinstance(sized.follower, OscillatingRoller)

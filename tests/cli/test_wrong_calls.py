@@ -39,7 +39,7 @@ WRONG = {
     f"build {PLATE} --tolerance=-1e999": "is too large for a number",
     f"build {PLATE} --tolerance=-1": "tolerance = -1: must be a length",
     f"build {PLATE} --tolerance 1e-8": "tolerance = 1e-08: must be a length",
-    f"build {PLATE} --only ,": "format: no format is named; there are 3mf, ",
+    f"build {PLATE} --only ,": "format: no format is named; the formats are 3mf, ",
     f"verify {PLATE} --tolerance 0": "--tolerance: must be a length above 0",
     f"verify {PLATE} --tolerance=-1": "--tolerance: must be a length above 0",
     f"verify {PLATE} --tolerance wide": "--tolerance: 'wide' is not a finite number",

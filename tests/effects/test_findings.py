@@ -414,7 +414,8 @@ def test_many_findings_alike_are_one_with_their_places() -> None:
     assert rest == [other]
     assert whole.value == -6.0
     assert whole.cam_angle == pytest.approx(math.radians(3.0))
-    assert whole.sentence.startswith("b6; 720 alike in all, at cam angles 0 to 0.25, 0.5 to 0.75,")
+    start = "b6; 720 such findings in all, at cam angles 0 to 0.25, 0.5 to 0.75,"
+    assert whole.sentence.startswith(start)
     assert whole.sentence.endswith(" and 708 more deg")
 
 
@@ -424,7 +425,7 @@ def test_ranges_that_touch_are_told_as_one() -> None:
         replace(each, cam_range=(k * step, (k + 1) * step)) for k, each in enumerate(alike(720))
     ]
     (whole,) = folded(touching[:700])
-    assert whole.sentence == "b6; 700 alike in all, at cam angles 0 to 350 deg"
+    assert whole.sentence == "b6; 700 such findings in all, at cam angles 0 to 350 deg"
 
 
 # One verdict by every door ------------------------------------------------------------------------

@@ -26,7 +26,7 @@ from fontTools.svgLib.path import parse_path  # type: ignore[import-untyped]  # 
 
 from camgeo.design.design import Design
 from camgeo.design.product import Product, find_disc
-from camgeo.design.verify import Reading
+from camgeo.design.verify import ReadingOptions
 from camgeo.errors import FileError
 from camgeo.numeric.arrays import ComplexArray
 from camgeo.part.spec import text_name
@@ -485,7 +485,7 @@ def test_texts_are_where_they_were_placed_and_clear_of_all_dimensions(
 def test_files_of_a_pair_are_verified() -> None:
     """Each sheet belongs to its disc by its name, and to no other by its content."""
     discs = products("conjugate_lever")
-    reading = Reading("a-drawing.dxf")
+    reading = ReadingOptions("a-drawing.dxf")
     for disc, other in (discs, discs[::-1]):
         assert find_disc(discs, f"{disc.name}-drawing") is disc
         data = WRITER.write(disc, TOLERANCE).data

@@ -18,7 +18,7 @@ from ezdxf.path import make_path
 
 import camgeo
 from camgeo.app.answers.verify import Reference, Wanted, verify_files
-from camgeo.design.verify import Reading
+from camgeo.design.verify import ReadingOptions
 from camgeo.errors import FileError
 from camgeo.geometry.contour.contour import Contour
 from camgeo.geometry.contour.spline import Arc, SplineContour
@@ -423,7 +423,7 @@ def test_the_edges_of_a_real_groove_pass_verification() -> None:
     larger = data.replace(b'width="222mm"', b'width="223mm"').replace(b'"222mm"', b'"223mm"')
     assert {each.name for each in faults(SVG_VERIFIER, product, larger)} > {"written again", "area"}
     foreign = re.sub(rb"<desc>.*</desc>", b"", larger.replace(b"223mm", b"222mm"))
-    read = checked(SVG_VERIFIER, product, foreign, Reading("groove.cut.svg"))
+    read = checked(SVG_VERIFIER, product, foreign, ReadingOptions("groove.cut.svg"))
     assert all(each.ok is not False for each in read.values())
 
 
@@ -441,7 +441,9 @@ def test_what_is_damaged_is_measured(pattern: str, new: str, check: str) -> None
     text = SVG_WRITER.write(SVG_PRODUCTS["disc"], TOLERANCE).data.decode()
     changed, count = re.subn(pattern, new, text, count=1)
     assert count
-    checks = checked(SVG_VERIFIER, SVG_PRODUCTS["disc"], changed.encode(), Reading("a.cut.svg"))
+    checks = checked(
+        SVG_VERIFIER, SVG_PRODUCTS["disc"], changed.encode(), ReadingOptions("a.cut.svg")
+    )
     assert check in {name for (name, _), each in checks.items() if each.ok is False}
 
 

@@ -25,7 +25,7 @@ from hypothesis import strategies as st
 import camgeo
 from camgeo.cam.cam import Contact
 from camgeo.design.product import Product
-from camgeo.design.verify import Reading
+from camgeo.design.verify import ReadingOptions
 from camgeo.design.writing import Writer
 from camgeo.errors import FileError, GeometryError, ToleranceError
 from camgeo.geometry.contour.contour import Contour
@@ -145,7 +145,7 @@ def test_a_scene_without_thickness_has_no_body(writer: Writer) -> None:
     data = writer.write(StubProduct(), 0.01).data
     with pytest.raises(FileError, match=r"part\.thickness"):
         writer.measure(product, data)
-    checks = VERIFIERS[writer.format.name].checks(product, data, Reading("file"), 0.01)
+    checks = VERIFIERS[writer.format.name].checks(product, data, ReadingOptions("file"), 0.01)
     assert [check.name for check in checks if check.ok is False] == ["body"]
 
 
@@ -468,7 +468,7 @@ def test_faults_of_cones_are_found(pattern: bytes, new: bytes, fault: str) -> No
 
 def test_a_step_file_of_other_chamfers_is_refused() -> None:
     data = STEP.write(PRODUCT, TOLERANCE).data
-    foreign = Reading("x.step")
+    foreign = ReadingOptions("x.step")
     sharp = StubProduct(given=PART.sharp)
     wide = StubProduct(
         given=Part(PART.layers, (*PART.bevels[:2], bevel(ROUND_BORE, 1.5, 0.0, upper=True)))

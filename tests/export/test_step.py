@@ -20,7 +20,7 @@ from scipy.ndimage import label
 
 from camgeo.cam.cam import Contact
 from camgeo.design.product import Product
-from camgeo.design.verify import Check, Reading
+from camgeo.design.verify import Check, ReadingOptions
 from camgeo.errors import FileError, GeometryError, ToleranceError
 from camgeo.geometry.contour.contour import Contour
 from camgeo.geometry.contour.spline import CubicSpline, SplineContour
@@ -521,7 +521,7 @@ def test_the_file_of_a_cad_program_is_read_wherever_it_lies_along_z() -> None:
     text = re.sub(r"CARTESIAN_POINT\('',\(([^)]*)\)\)", higher, text)
     data = text.encode()
     assert not VERIFIERS["step"].origin(data).version
-    checks = VERIFIERS["step"].checks(StubProduct(), data, Reading("file"), TOLERANCE)
+    checks = VERIFIERS["step"].checks(StubProduct(), data, ReadingOptions("file"), TOLERANCE)
     assert [check.name for check in checks if check.ok is False] == []
 
 
@@ -596,7 +596,7 @@ def _measured(text: str) -> list[Check]:
     data = text.encode()
     if damage := VERIFIERS["step"].origin(data).damage:
         return [Check("file", ok=False, note=damage)]
-    checks = VERIFIERS["step"].checks(PRODUCT, data, Reading("file"), TOLERANCE)
+    checks = VERIFIERS["step"].checks(PRODUCT, data, ReadingOptions("file"), TOLERANCE)
     return [check for check in checks if check.ok is False]
 
 

@@ -24,7 +24,7 @@ import camgeo
 from camgeo.design.drawn import COMPENSATED
 from camgeo.design.plate import plate_pieces
 from camgeo.design.product import Product
-from camgeo.design.verify import Reading
+from camgeo.design.verify import ReadingOptions
 from camgeo.design.writing import Writer, make_files
 from camgeo.errors import FileError
 from camgeo.part.mass import Solid
@@ -491,7 +491,7 @@ def test_a_body_without_one_of_them_is_another(writer: Writer, lost: str) -> Non
             writer.measure(disc, data)
     else:
         assert measured(writer, disc, data) > 3.0 * TOLERANCE
-    reading = Reading("file")
+    reading = ReadingOptions("file")
     checks = checked(VERIFIERS[writer.format.name], disc, data, reading).values()
     assert any(each.ok is False for each in checks)
 

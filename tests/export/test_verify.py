@@ -28,7 +28,7 @@ import camgeo
 from camgeo.app.answers.verify import Reference, Verdict, Wanted, first_difference, verify_files
 from camgeo.design.design import Design
 from camgeo.design.product import Product
-from camgeo.design.verify import Check, Origin, Reading, Verifier, parse_tolerance
+from camgeo.design.verify import Check, Origin, ReadingOptions, Verifier, parse_tolerance
 from camgeo.design.writing import CERTIFICATE, make_files
 from camgeo.geometry.contour.contour import Contour
 from camgeo.geometry.contour.spline import Arc, CubicSpline, SplineContour
@@ -127,7 +127,7 @@ def test_foreign_drawing_passes(design: Design, units: int, scale: float, unit: 
     """Single pieces with gaps of rounding, in any unit, stated by the file or by the user."""
     decimals = 6 if scale == 1.0 else 7
     data = _data(_drawing(design, units=units, scale=scale, decimals=decimals))
-    checks = checked(DXF_VERIFIER, design.disc, data, Reading("a.dxf", unit=unit))
+    checks = checked(DXF_VERIFIER, design.disc, data, ReadingOptions("a.dxf", unit=unit))
     assert not _failed(checks)
     gap = checks["closure", ""].value
     assert isinstance(gap, float)
@@ -157,7 +157,9 @@ def test_layers_of_a_foreign_drawing(design: Design) -> None:
     document = _drawing(design, layer="OUTLINE")
     document.modelspace().add_circle((0, 0), 3.0, dxfattribs={"layer": "HOLES"})
     data = _data(document)
-    assert not _failed(checked(DXF_VERIFIER, design.disc, data, Reading("a.dxf", layer="OUTLINE")))
+    assert not _failed(
+        checked(DXF_VERIFIER, design.disc, data, ReadingOptions("a.dxf", layer="OUTLINE"))
+    )
     count = checked(DXF_VERIFIER, design.disc, data)["contours", ""]
     assert (count.value, count.expected, count.ok) == (3.0, 2.0, False)
 
@@ -281,7 +283,7 @@ def test_text_stl_of_another_program(design: Design) -> None:
     assert {"deviation", "volume"} <= _failed(checked(STL_VERIFIER, design.disc, inch))
     note = checked(STL_VERIFIER, design.disc, inch)["deviation", "outline, lower face"].note
     assert "inch taken for mm?" in note
-    reading = Reading("a.stl", unit="inch")
+    reading = ReadingOptions("a.stl", unit="inch")
     assert not _failed(checked(STL_VERIFIER, design.disc, inch, reading))
     assert STL_VERIFIER.origin(text[: len(text) // 2]).damage.endswith("endsolid missing")
 

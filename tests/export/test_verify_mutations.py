@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from camgeo.design.verify import Reading
+from camgeo.design.verify import ReadingOptions
 from camgeo_export.stl import WRITER as STL
 from camgeo_export.threemf.writer import WRITER as THREEMF
 from camgeo_export.verify.stl import FACET, PREFIX
@@ -104,7 +104,7 @@ def test_normals_of_other_programs_may_be_zero_but_not_wrong() -> None:
 
 def faults_of_foreign(data: bytes) -> set[str]:
     assert not STL_VERIFIER.origin(data).version
-    checks = checked(STL_VERIFIER, PRODUCT, data, Reading("a.stl")).values()
+    checks = checked(STL_VERIFIER, PRODUCT, data, ReadingOptions("a.stl")).values()
     return {check.name for check in checks if check.ok is False}
 
 
@@ -223,7 +223,7 @@ def test_a_package_that_is_changed(kind: str) -> None:
 @pytest.mark.parametrize("kind", HARMLESS_PACKAGES)
 def test_a_package_that_is_as_good(kind: str) -> None:
     assert not faults(THREEMF_VERIFIER, PRODUCT, PACKAGE)
-    reading = Reading("file")
+    reading = ReadingOptions("file")
     checks = checked(THREEMF_VERIFIER, PRODUCT, HARMLESS_PACKAGES[kind], reading).values()
     assert all(each.ok is not False for each in checks)
 
@@ -243,7 +243,7 @@ def test_the_model_is_the_one_that_a_package_leads_to(old: str, new: str) -> Non
         changed = parts | {MODEL: other, elsewhere: led_to}
         data = packed({path: part.encode() for path, part in changed.items()})
         assert not THREEMF_VERIFIER.origin(data).version
-        reading = Reading("file")
+        reading = ReadingOptions("file")
         checks = checked(THREEMF_VERIFIER, PRODUCT, data, reading).values()
         assert all(each.ok is not False for each in checks) == (led_to == good)
 

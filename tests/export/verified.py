@@ -10,7 +10,7 @@ import trimesh
 
 from camgeo.app.answers.verify import first_difference
 from camgeo.design.product import Product
-from camgeo.design.verify import Check, Reading, Verifier, failed
+from camgeo.design.verify import Check, ReadingOptions, Verifier, failed
 from camgeo.design.writing import Writer, Written, find_writer
 from camgeo.part.mass import Solid
 from camgeo.part.part import Part
@@ -28,14 +28,16 @@ VERIFIERS: Final[dict[str, Verifier]] = {
     each.format: each for each in (DXF, GCODE, STEP, STL, SVG, THREEMF)
 }
 
-FILE: Final = Reading("file")
+FILE: Final = ReadingOptions("file")
 """Of which nothing else is known."""
 
 Checks = dict[tuple[str, str], Check]
 """By name, and by what the check is of."""
 
 
-def checked(verifier: Verifier, product: Product, data: bytes, reading: Reading = FILE) -> Checks:
+def checked(
+    verifier: Verifier, product: Product, data: bytes, reading: ReadingOptions = FILE
+) -> Checks:
     checks = verifier.checks(product, data, reading, TOLERANCE)
     return {(check.name, check.of): check for check in checks}
 
@@ -64,7 +66,7 @@ def faults(
     checks = [
         Check("scene", value=origin.scene, ok=product.scene_hash.startswith(origin.scene or "-")),
         Check("tolerance", value=origin.tolerance, ok=origin.tolerance in (None, tolerance)),
-        *verifier.checks(product, data, Reading("file"), tolerance),
+        *verifier.checks(product, data, ReadingOptions("file"), tolerance),
     ]
     if origin.version == product.version:
         own = written(origin.format or verifier.format, product, tolerance)

@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 import camgeo
 from camgeo.check.disc import transmission_angle_limit
 from camgeo.check.sizing.smallest import Sizing
-from camgeo.check.sizing.task import Task
+from camgeo.check.sizing.task import RollerTask
 from camgeo.design.design import Design
 from camgeo.design.product import Product
 from camgeo.dynamics.effects.effect import Column
@@ -162,14 +162,14 @@ def test_the_crank_angles_are_dense_where_the_acceleration_peaks() -> None:
     assert np.count_nonzero((theta > 0.1 * peak) & (theta < 10.0 * peak)) > 100
 
 
-def sized(name: str, angle: float | None = None) -> tuple[Task, Sizing]:
+def sized(name: str, angle: float | None = None) -> tuple[RollerTask, Sizing]:
     design = camgeo.load(SCENES / f"{name}.toml")
-    task = Task.from_cam(design.cam)
+    task = RollerTask.from_cam(design.cam)
     required = transmission_angle_limit(design.cam, design.scene.limits) if angle is None else angle
     return task, Sizing.solve(task, required, design.scene.limits.radius_ratio)
 
 
-def panel_of(task: Task, sizing: Sizing) -> Panel:
+def panel_of(task: RollerTask, sizing: Sizing) -> Panel:
     (panel,) = size_figure("cam", [(task, sizing)]).panels
     return panel
 

@@ -23,7 +23,7 @@ from camgeo import pictures
 from camgeo.app.cli.command import RENDERERS
 from camgeo.cam.cam import Disc
 from camgeo.check.sizing.smallest import Sizing
-from camgeo.check.sizing.task import Task
+from camgeo.check.sizing.task import RollerTask
 from camgeo.geometry.outline.exact_flank import ExactFlank
 from camgeo.geometry.outline.path import Flank
 from camgeo.geometry.outline.replay import replay_outline
@@ -73,7 +73,7 @@ FIXTURES = Path(__file__).parents[2] / "fixtures"
 
 def of_size() -> Figure:
     design = camgeo.load(FIXTURES / "scenes" / "schnitt.toml")
-    task = Task.from_cam(design.cam)
+    task = RollerTask.from_cam(design.cam)
     return size.figure(design.name, [(task, Sizing.solve(task, np.radians(45.0), 0.5))])
 
 

@@ -14,7 +14,7 @@ from camgeo.app.answers.inspect import inspect_points, read_points
 from camgeo.app.answers.replay import Reader
 from camgeo.app.answers.verify import Reference, Wanted, read_certificate, verify_files
 from camgeo.app.cli.import_ import import_project
-from camgeo.design.linting import Bench
+from camgeo.design.linting import WorkData
 from camgeo.design.product import Product
 from camgeo.design.writing import find_writer
 from camgeo.dynamics.effects.effect import DataFile
@@ -122,7 +122,7 @@ def linted(data: bytes, profile: str) -> str:
     """Why `camgeo lint` refuses a program, or what it finds first."""
     found: list[object] = []
     machine = load(profile)
-    return refusal(lambda: found.extend(LINTER.lint(data, machine, Bench()).findings)) or (
+    return refusal(lambda: found.extend(LINTER.lint(data, machine, WorkData()).findings)) or (
         str(found[0]) if found else ""
     )
 

@@ -10,9 +10,9 @@ from functools import cache
 from typing import Any, Final
 
 from camgeo.design.design import Design
-from camgeo.design.linting import Bench
+from camgeo.design.linting import WorkData
 from camgeo.design.product import Product
-from camgeo.design.verify import Check, Reading
+from camgeo.design.verify import Check, ReadingOptions
 from camgeo.errors import FileError
 from camgeo.milling.machine import load
 from camgeo.scene.scene import parse_scene
@@ -204,7 +204,7 @@ def written(text: str) -> bytes:
 
 def failing(product: Product, data: bytes, tolerance: float = TOLERANCE) -> list[Check]:
     """The checks that fail on a program, as of one of ours."""
-    checks = VERIFIER.checks(product, data, Reading("a.nc"), tolerance)
+    checks = VERIFIER.checks(product, data, ReadingOptions("a.nc"), tolerance)
     return [check for check in checks if check.ok is False]
 
 
@@ -221,7 +221,7 @@ def require_clean(product: Product, data: bytes) -> ProgramRun:
 # Small programs with one block changed, and all that running them says ----------------------------
 
 
-BENCH: Final = Bench(clearance=4.0, radii=((1, 1.5), (2, 6.0)))
+BENCH: Final = WorkData(clearance=4.0, radii=((1, 1.5), (2, 6.0)))
 
 MARK: Final = "G1 X5.0\n"
 """Before this block of a cut, or the same in conversational words, others are put in."""

@@ -14,7 +14,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from camgeo.design.linting import Bench
+from camgeo.design.linting import WorkData
 from camgeo.milling.machine import load
 from camgeo_export.interpreter.moves import (
     CutterMove,
@@ -231,7 +231,7 @@ def test_a_linter_takes_a_negative_offset_as_one_on_the_other_side(
     radius: float, rules: list[str]
 ) -> None:
     arc = EDGE.format("G3 X30 Y10 I0 J10\nG1 X30 Y30\n")
-    linted = run(HEAD + arc + END, load("linuxcnc"), Bench(radii=((1, radius),)))
+    linted = run(HEAD + arc + END, load("linuxcnc"), WorkData(radii=((1, radius),)))
     assert [each.rule for each in linted.findings if each.concerns == "form"] == rules
 
 

@@ -18,7 +18,7 @@ import camgeo
 from camgeo.app.answers.answer import text
 from camgeo.app.answers.lint import lint
 from camgeo.app.cli.main import main
-from camgeo.design.linting import Bench, LineFinding
+from camgeo.design.linting import LineFinding, WorkData
 from camgeo.milling.machine import MEANINGS, load
 from camgeo_export.gcode.writer import WRITER
 from camgeo_export.interpreter.controller import COMMON, MODAL_GROUPS
@@ -34,7 +34,7 @@ CLEARANCE = 5.0
 
 
 def linted(text: str, machine: str, radii: tuple[tuple[int, float], ...] = ()) -> ProgramRun:
-    return run(text, load(machine), Bench(clearance=CLEARANCE, radii=radii))
+    return run(text, load(machine), WorkData(clearance=CLEARANCE, radii=radii))
 
 
 @dataclass(frozen=True)
@@ -236,7 +236,7 @@ def test_f_auto_is_the_feed_of_the_tool_call() -> None:
 def test_a_profile_says_how_far_an_arc_may_turn() -> None:
     machine = load("linuxcnc")
     strict = replace(machine, arcs=replace(machine.arcs, largest_sweep=80.0))
-    found = run(GOOD["linuxcnc"], strict, Bench(clearance=CLEARANCE)).findings
+    found = run(GOOD["linuxcnc"], strict, WorkData(clearance=CLEARANCE)).findings
     assert ({each.rule for each in found}, len(found)) == ({"arc-sweep"}, 4)
 
 

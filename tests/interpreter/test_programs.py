@@ -19,9 +19,9 @@ import pytest
 from camgeo.app.answers.answer import text as rendered
 from camgeo.app.answers.setup import setup_sheet
 from camgeo.design.design import Design
-from camgeo.design.linting import Bench
+from camgeo.design.linting import WorkData
 from camgeo.design.product import Product
-from camgeo.design.verify import Check, Reading
+from camgeo.design.verify import Check, ReadingOptions
 from camgeo.errors import FileError, SceneError, ToleranceError
 from camgeo.milling.machine import load, names
 from camgeo.milling.milling import CORNERS, HEIGHTS, GcodeSpec
@@ -63,7 +63,7 @@ def test_programs_for_every_profile_are_clean_and_verify(machine: str, unit: Len
     product = StubProduct(gcode=spec, second_tool=second, unit=unit)
     data = WRITER.write(product, TOLERANCE).data
     step = 25.4e-4
-    found = run(data, load(machine), Bench(clearance=spec.clearance_height - step))
+    found = run(data, load(machine), WorkData(clearance=spec.clearance_height - step))
     assert (found.findings, found.mm_per_unit) == ((), {"mm": 1.0, "inch": 25.4}[unit])
     assert {move.tool for move in found.moves if move.kind != "rapid"} == (
         {1, 7} if second else {1}
@@ -288,7 +288,7 @@ def test_chamfers_are_clean_and_verify(name: str, machine: str) -> None:
     text = f'{chamfered(name)}machine = "{machine}"\n'
     product, data = product_of(text), written(text)
     require_clean(product, data)
-    checks = VERIFIER.checks(product, data, Reading("a.nc"), TOLERANCE)
+    checks = VERIFIER.checks(product, data, ReadingOptions("a.nc"), TOLERANCE)
     measured = " ".join(check.of for check in checks if check.name == "deviation")
     assert [wall for wall in EDGED[name][1] if f"chamfer {wall}" not in measured] == []
 
@@ -522,7 +522,7 @@ def program(mode: str, machine: str = "linuxcnc") -> str:
 
 
 def checks(mode: str, machine: str, text: str) -> list[Check]:
-    reading = Reading("a.nc")
+    reading = ReadingOptions("a.nc")
     return list(VERIFIER.checks(product(mode, machine), text.encode(), reading, TOLERANCE))
 
 

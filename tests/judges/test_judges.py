@@ -21,7 +21,7 @@ import shapely
 
 import camgeo
 from camgeo.design.product import Product
-from camgeo.design.verify import Reading
+from camgeo.design.verify import ReadingOptions
 from camgeo.milling.machine import load
 from camgeo.numeric.arrays import FloatArray
 from camgeo.pictures.model import Axis, Figure, Line, Panel, Style, figure_data, over
@@ -298,7 +298,7 @@ def verified_again(product: Product, tmp_path: Path) -> set[str]:
     """What is checked of a solid that FreeCAD has written again: it holds, and is not ours."""
     data = (tmp_path / "again.step").read_bytes()
     assert not STEP.origin(data).version
-    checks = [*STEP.checks(product, data, Reading("again.step"), TOLERANCE)]
+    checks = [*STEP.checks(product, data, ReadingOptions("again.step"), TOLERANCE)]
     assert [check for check in checks if check.ok is False] == []
     return {check.name for check in checks}
 

@@ -120,7 +120,7 @@ def test_a_drawing_needs_no_heights() -> None:
 def test_a_solid_has_no_layer_within_its_tolerance() -> None:
     part = made(Contact.INNER, PartSpec(bore=20.0, thickness=10.0, hub=Hub(40.0, 0.015, "upper")))
     part.require_steps(0.01)
-    with refused("part", r"0\.02 mm has no layer of 0\.015 mm"):
+    with refused("part", r"0\.02 mm cannot have a layer of 0\.015 mm"):
         part.require_steps(0.02)
     thin = made(Contact.INNER, PartSpec(bore=20.0, thickness=1e-4))
     with refused("part.thickness"):
@@ -228,24 +228,24 @@ NO_ROOM = [
                     replace(DISC, bore=40.0), outline=Chamfer(9.9, "upper"), bore=Chamfer(4.0)
                 ),
                 EDGE,
-                "comes to the bore",
+                "would reach the bore",
             ),
             (
                 bevelling(
                     replace(DISC, keyway=Keyway(6.0, 2.8), hub=Hub(29.0, 20.0)), bore=Chamfer(1.0)
                 ),
                 "part.chamfers.bore.width",
-                "comes to the hub",
+                "would reach the hub",
             ),
             (
                 bevelling(replace(DISC, hub=Hub(24.0, 20.0)), hub=Chamfer(1.0), bore=Chamfer(1.0)),
                 "part.chamfers.bore.width",
-                "comes to the hub, 2 mm",
+                "would reach the hub, which is 2 mm",
             ),
             (
                 bevelling(replace(DISC, hub=Hub(60.0, 3.0)), outline=Chamfer(2.5)),
                 EDGE,
-                "comes to the hub",
+                "would reach the hub",
             ),
             (
                 bevelling(replace(DISC, thickness=80.0, bore=None), outline=Chamfer(32.0)),
@@ -301,7 +301,7 @@ def test_a_set_screw_meets_no_hole(angle: float, meets: bool) -> None:
         names = [each.name for each in made(Contact.INNER, spec).boundaries]
         assert names == ["outline", "bore", "bolt hole 1", "hub"]
         return
-    with refused("part.set_screw.angle", "meets the bolt hole 1"):
+    with refused("part.set_screw.angle", "would meet the bolt hole 1"):
         made(Contact.INNER, spec)
 
 
@@ -673,7 +673,7 @@ def test_chamfers_at_different_heights_do_not_meet() -> None:
     assert Solid.from_part(part).volume == pytest.approx(
         Solid.from_part(sharp).volume - cut, rel=1e-12
     )
-    with pytest.raises(GeometryError, match=r"comes to the bolt hole 1, 1\.5 mm"):
+    with pytest.raises(GeometryError, match=r"would reach the bolt hole 1, which is 1\.5 mm"):
         edged(Contact.INNER, spec, bore=Chamfer(1.0), bolt_circle=Chamfer(1.0, "lower"))
 
 

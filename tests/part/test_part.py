@@ -35,7 +35,7 @@ from camgeo.part.mass import (
     section_area,
 )
 from camgeo.part.materials import MATERIALS, find_material
-from camgeo.part.part import Edge, Layer, Part, Wall, part_edges
+from camgeo.part.part import Layer, Part, PartEdge, Wall, part_edges
 from camgeo.part.spec import (
     ROWS,
     SMALLEST,
@@ -46,10 +46,10 @@ from camgeo.part.spec import (
     Holes,
     Hub,
     Keyway,
+    KeywayRow,
     Mark,
     Pair,
     PartSpec,
-    Row,
     SetScrew,
     din_6885_1,
 )
@@ -381,10 +381,10 @@ def test_flanks_of_a_groove_are_blind_with_or_without_a_depth(
 
 
 def test_a_depth_is_written_without_an_exponent() -> None:
-    edge = Edge(circle("mark", 1.0, hole=True), "sunk", height=1e-5)
+    edge = PartEdge(circle("mark", 1.0, hole=True), "sunk", height=1e-5)
     assert layer_name(edge, 1.0) == "BLIND_0.00001"
-    assert layer_name(Edge(edge.boundary, "sunk", height=12345.0), 1.0) == "BLIND_12345"
-    assert layer_name(Edge(edge.boundary, "sunk", height=0.1 + 0.2), 1.0) == "BLIND_0.3"
+    assert layer_name(PartEdge(edge.boundary, "sunk", height=12345.0), 1.0) == "BLIND_12345"
+    assert layer_name(PartEdge(edge.boundary, "sunk", height=0.1 + 0.2), 1.0) == "BLIND_0.3"
 
 
 def test_a_hole_below_a_counterbore_is_cut_through() -> None:
@@ -555,11 +555,11 @@ FLENDER = (
 
 
 def test_the_table_is_that_of_the_standard() -> None:
-    assert list(ROWS) == list(map(Row._make, zip(*DIN.values(), strict=True)))
+    assert list(ROWS) == list(map(KeywayRow._make, zip(*DIN.values(), strict=True)))
 
 
 def test_the_table_is_that_of_a_maker_of_couplings() -> None:
-    assert list(ROWS[1:]) == [Row(*row) for row in FLENDER]
+    assert list(ROWS[1:]) == [KeywayRow(*row) for row in FLENDER]
 
 
 @given(st.floats(SMALLEST, ROWS[-1].largest, exclude_min=True))

@@ -324,7 +324,7 @@ def test_a_flank_drawn_in_lies_that_far_in_the_material(scene: str, distance: fl
 
 @pytest.mark.parametrize("scene", ["plate_translating", "tappet"])
 def test_a_flank_of_which_nothing_is_left(scene: str) -> None:
-    with pytest.raises(GeometryError, match="nothing is left of the outline"):
+    with pytest.raises(GeometryError, match="leaves nothing of the outline"):
         inset_boundary(_flank(scene), 200.0, "moved")
 
 
@@ -333,7 +333,7 @@ def test_only_outlines_and_lines_and_arcs_are_drawn_in() -> None:
     middles = 0.5 * (corners + np.roll(corners, -1))
     pieces = np.column_stack((corners, middles, np.roll(corners, -1)))
     letter = LetterBoundary("letter", True, pieces, 0.01)
-    with pytest.raises(GeometryError, match="the letter cannot be drawn in"):
+    with pytest.raises(GeometryError, match="the letter cannot be inset"):
         inset_boundary(letter, 0.1, "moved")
 
 
@@ -386,7 +386,7 @@ def test_circles_and_squares_exactly() -> None:
     [("circle", -10.0), ("keyway", -3.0), ("d", -9.5), ("slot", -1.0), ("polygon", -4.0)],
 )
 def test_what_vanishes_is_refused(name: str, by: float) -> None:
-    with pytest.raises(GeometryError, match=f"nothing is left of the {name}"):
+    with pytest.raises(GeometryError, match=f"leaves nothing of the {name}"):
         inset_boundary(ExactBoundary(name, False, HOLES[name]), -by, name)
 
 

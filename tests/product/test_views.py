@@ -218,7 +218,7 @@ def test_the_files_of_opticurv_stay_what_they_are() -> None:
 
 def test_too_few_decimals_are_refused(tmp_path: Path) -> None:
     """A length may be off by half of the last decimal."""
-    with pytest.raises(ToleranceError, match="csv file, read back, is off"):
+    with pytest.raises(ToleranceError, match="csv file, read back, deviates"):
         stated(decimals=2).write(tmp_path, ["csv"])
     assert list(tmp_path.iterdir()) == []
     report = stated(decimals=3).write(tmp_path, ["csv"])
@@ -227,7 +227,7 @@ def test_too_few_decimals_are_refused(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(("names", "said"), [
-    (["phi", "iner radius"], "did you mean inner radius"), (["S"], "is no column"),
+    (["phi", "iner radius"], "did you mean inner radius"), (["S"], "is not a column"),
 ])  # fmt: skip
 def test_a_column_that_there_is_not(names: Sequence[str], said: str) -> None:
     with refused(f"output.csv.columns[{len(names)}]", said):

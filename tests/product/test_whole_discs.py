@@ -336,7 +336,7 @@ def test_two_pieces_belong_at_0_degrees(part: dict[str, Any], severity: str, sai
     (found,) = relation_findings(main)
     assert (found.name, found.value, found.unit) == ("disc-angle", 0.0, "deg")
     assert found.severity == severity
-    assert "the return disc belongs at 0 deg to the main disc" in found.sentence
+    assert "the return disc must be mounted at 0 deg to the main disc" in found.sentence
     assert said in found.sentence
     assert relation_findings(other) == ()
     assert (found in poor_findings(main)) == (severity != "ok")

@@ -108,7 +108,7 @@ def test_what_speaks_of_other_files_is_removed_with_them(tmp_path: Path) -> None
     assert write(b"2", ours=False) == sorted(with_account)
     assert told == []
     assert write(b"3") == sorted(FILES)
-    assert told == ["account.json of the files before: removed"]
+    assert told == ["account.json of the previous files was removed"]
 
 
 def test_a_link_to_nothing_is_not_overwritten(tmp_path: Path) -> None:

@@ -72,7 +72,7 @@ def test_writers_are_found() -> None:
     assert find_writer("dxf").format.suffix == ".dxf"
     with pytest.raises(SceneError, match=r'no writer for this format.*did you mean "gcode"'):
         find_writer("gcod")
-    with pytest.raises(SceneError, match=r"format = pdf: no writer .*\(PDFs are drawn by: camgeo"):
+    with pytest.raises(SceneError, match=r"pdf: there is no writer .*\(PDFs are drawn by: camgeo"):
         find_writer("pdf")
 
 
@@ -148,7 +148,7 @@ def test_file_that_is_off_is_not_kept(
     """The certificate's own check, deliberately broken: a writer that misses its tolerance."""
     monkeypatch.setattr(write_module, "find_writers", lambda _: {"odd": Claims(deviation)})
     design = camgeo.load(SCENES / "vorschub.toml")
-    with pytest.raises(ToleranceError, match="the odd file, read back, is off"):
+    with pytest.raises(ToleranceError, match="the odd file, read back, deviates"):
         write_files(design.discs, tmp_path / "out", ("odd",), 0.001)
     assert not any(tmp_path.iterdir())
 

@@ -21,7 +21,7 @@ from camgeo.app.answers.answer import (
 )
 from camgeo.app.cli.command import SCENE_FILE, opened, show
 from camgeo.check.finding import FINDINGS, RETURN, Finding, forbidding
-from camgeo.design.judged_part import Body, PartAssessment
+from camgeo.design.judged_part import PartAssessment, PartBody
 from camgeo.design.product import with_pair
 from camgeo.errors import GeometryError
 from camgeo.kinematics.plan import Joint, joints
@@ -487,7 +487,7 @@ def _part(part: PartAssessment) -> list[str]:
     return [*finding_lines(part.findings), *(f"{'':8}{line}" for line in lines)]
 
 
-def _body(body: Body) -> list[str]:
+def _body(body: PartBody) -> list[str]:
     centre = ", ".join(
         _coordinate_text(coordinate, body.solid.centre_error) for coordinate in body.solid.centre
     )

@@ -15,7 +15,7 @@ from typing import Any, Final, Literal, Protocol
 from camgeo.app.answers.answer import BROKEN, FINE, WRONG, Answer, Key
 from camgeo.app.cli.command import Argument, CallError, number, opened, show
 from camgeo.design.design import Design
-from camgeo.design.linting import Bench, LineFinding, Linted
+from camgeo.design.linting import LineFinding, Linted, WorkData
 from camgeo.design.product import Product, find_disc, product_sides
 from camgeo.errors import Fault, FileError, SceneError, unreadable
 from camgeo.milling.machine import Machine, load
@@ -95,7 +95,7 @@ class Lint(Answer):
     """
 
     machine: Machine
-    bench: Bench
+    bench: WorkData
     programs: tuple[Program, ...]
     scene: Scene | None = None
 
@@ -115,7 +115,7 @@ class Lint(Answer):
 def lint(
     paths: Sequence[Path],
     machine: str,
-    bench: Bench | None = None,
+    bench: WorkData | None = None,
     design: Design | None = None,
     *,
     second_side: bool = False,
@@ -136,7 +136,7 @@ def lint(
     SceneError
         If there is no such profile, or it is wrong; if the scene's own program cannot be planned.
     """
-    profile, work = load(machine, "machine"), bench or Bench()
+    profile, work = load(machine, "machine"), bench or WorkData()
     runs: Linter = _installed("camgeo.linters", "interpreter")
     if design is not None and not design.scene.states_milling:
         fault = Fault("tool", "", "is not stated: nothing is known about the workpiece")
@@ -159,7 +159,7 @@ def lint(
 class Linter(Protocol):
     """Runs programs; registered as the entry point `gcode` of the group ``camgeo.linters``."""
 
-    def lint(self, data: bytes, machine: Machine, bench: Bench) -> Linted:
+    def lint(self, data: bytes, machine: Machine, bench: WorkData) -> Linted:
         """All findings; FileError for data beyond the limits of a program."""
 
 
@@ -179,7 +179,7 @@ def _installed(group: str, what: str) -> Any:
 
 
 def _program(
-    path: Path, machine: Machine, bench: Bench, runs: Linter, product: Product | None
+    path: Path, machine: Machine, bench: WorkData, runs: Linter, product: Product | None
 ) -> Program:
     try:
         data = read_limited(path, PROGRAM)
@@ -389,7 +389,7 @@ def run(arguments: argparse.Namespace) -> int:
     clearance = arguments.clearance
     if clearance is not None and clearance < arguments.stock_top:
         raise CallError("argument --clearance: is below the top of the stock")
-    bench = Bench(arguments.stock_top, clearance, tuple(arguments.radius))
+    bench = WorkData(arguments.stock_top, clearance, tuple(arguments.radius))
     paths = [Path(name) for name in arguments.files]
     design = opened(arguments) if arguments.scene is not None else None
     second = arguments.second_side

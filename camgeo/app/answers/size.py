@@ -31,7 +31,7 @@ from camgeo.check.judge import motion_findings
 from camgeo.check.sizing.face import FaceTask
 from camgeo.check.sizing.rounding import RoundedMechanism, decimal_exponent, rated, sized
 from camgeo.check.sizing.smallest import ARM_SIDES, Active, Rating, Sizing
-from camgeo.check.sizing.task import Placing, Task
+from camgeo.check.sizing.task import Placing, RollerTask
 from camgeo.design.design import Design
 from camgeo.errors import Fault, GeometryError, SceneError
 from camgeo.pictures.model import Figure
@@ -527,7 +527,7 @@ def figure(answer: CamSize) -> Figure:
     faces = [(e.task, e.sizing) for e in answer.sides if isinstance(e.task, FaceTask)]
     if faces:
         return size.face_figure(name, faces, answer.scene.unit)
-    sides = [(e.task, e.sizing) for e in answer.sides if isinstance(e.task, Task)]
+    sides = [(e.task, e.sizing) for e in answer.sides if isinstance(e.task, RollerTask)]
     return size.figure(name, sides, answer.scene.unit)
 
 

@@ -30,7 +30,7 @@ from camgeo.app.cli.command import (
 )
 from camgeo.design.design import Design
 from camgeo.design.product import Product, find_disc
-from camgeo.design.verify import Check, Origin, Reading, Verifier, equal, failed, reported
+from camgeo.design.verify import Check, Origin, ReadingOptions, Verifier, equal, failed, reported
 from camgeo.design.writing import (
     CERTIFICATE,
     KIND,
@@ -139,7 +139,7 @@ class Wanted:
     Attributes
     ----------
     tolerance : [mm], or None for what the files, their certificate or the scene state.
-    layer, unit, origin : as of `Reading`.
+    layer, unit, origin : as for `ReadingOptions`.
     """
 
     tolerance: float | None = None
@@ -312,7 +312,7 @@ def _verdict(
                 path.name, verifier, data, origin, reference, stated, vouched=checks[0].ok is True
             )
         )
-    reading = Reading(path.name, wanted.layer, wanted.unit, wanted.origin)
+    reading = ReadingOptions(path.name, wanted.layer, wanted.unit, wanted.origin)
     try:
         checks += verifier.checks(product, data, reading, tolerance[0])
     except CamgeoError as error:

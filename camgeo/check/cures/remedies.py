@@ -1,4 +1,4 @@
-"""All cures of the faults of a cam, or of a conjugate pair."""
+"""The cures of the faults of a cam, or of a conjugate pair, by its dimensions and its motion."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ from camgeo.check.cures.search import (
     Conditions,
     Discs,
     Excess,
+    KnobSearch,
     MarginCurve,
-    Way,
     holds,
 )
 from camgeo.check.finding import BROKEN, DIGITS, NO_OUTLINE, RETURN, Finding, rounded_beyond
@@ -44,16 +44,18 @@ from camgeo.units import MM_PER, LengthUnit, in_unit, listed
 
 
 Value = float | Decimal | str
+"""A length in the unit of the scene, an angle in degrees exactly as written, or the name of a
+law."""
 
 
 @dataclass(frozen=True, slots=True)
-class Change:
+class KeyChange:
     """One key of the scene with another value.
 
     Attributes
     ----------
     key : path of the key in the scene, e.g. "motion[2].span".
-    value_from, value_to : the present and the new value, in the unit of the scene or in degrees, or
+    old_value, new_value : the present and the new value, in the unit of the scene or in degrees, or
         names of laws.
     """
 
@@ -64,24 +66,25 @@ class Change:
 
 @dataclass(frozen=True, slots=True)
 class Cure:
-    """The nearest value of one knob at which a fault is gone; or that there is none.
+    """The nearest value of one knob at which a fault is gone, or the statement that there is none.
 
     Attributes
     ----------
     knob : "base radius", "roller radius", "offset", "arm", "longer segment" or "other law".
     key : path of its key in the scene.
-    value_from : the present value, in `unit`; for a law its name.
-    value_to : the value that cures: for a length the limit rounded to the side on which it cures,
+    old_value : the present value, in `unit`; for a law its name.
+    new_value : the value that cures: for a length the limit rounded to the side on which it cures,
         as the sentence has it; for a span the next millionth of a degree beyond the limit; for a
         law its name. None if the knob has no cure.
-    unit : of both: that of the scene for a length, "deg", or "".
+    unit : unit of both values: that of the scene for a length, "deg", or "".
     cost : relative change, referred to the base radius for an offset; for a law the relative
         increase of its peak acceleration, 0 if that does not grow. The largest one if several
         moves change. None if the knob has no cure.
     sentence : all of this in words.
     also : the other keys that change with it, e.g. the dwells beside a longer move.
     limit : for a length, the exact value [mm] at which the finding disappears.
-    fault : that it removes: "undercut", "radius ratio", "transmission angle" or "convexity".
+    fault : the fault that it removes: "undercut", "radius ratio", "transmission angle" or
+        "convexity".
     breaks : names of the findings that report limits which held, and which it breaks: empty unless
         the knob has no value that breaks none.
     """
@@ -93,14 +96,14 @@ class Cure:
     unit: str
     cost: float | None
     sentence: str
-    also: tuple[Change, ...] = ()
+    also: tuple[KeyChange, ...] = ()
     limit: float | None = None
     fault: str = ""
     breaks: tuple[str, ...] = ()
 
     @property
     def statement(self) -> str:
-        """The sentence, after the fault, and whether there is a cure of it."""
+        """The sentence, preceded by the fault and by "no cure" if the knob has none."""
         return f"{self.fault}: {'' if self.works else 'no cure: '}{self.sentence}"
 
     @property
@@ -113,7 +116,7 @@ def length_cure(
     knob: str,
     key: str,
     old: float,
-    length: Length | None,
+    length: CureLength | None,
     scale: float,
     none: str,
     unit: LengthUnit,
@@ -122,7 +125,7 @@ def length_cure(
     """The cure by the `length` of the follower at `key`, now `old` [mm], stated in `unit`.
 
     `bound` is "at least " or "at most " if all lengths beyond it cure as well. The cost is the
-    change relative to `scale` [mm]. Without a length it is no cure, as `none` says.
+    change relative to `scale` [mm]. If `length` is None there is no cure, for the reason `none`.
     """
     present = old / MM_PER[unit]
     if length is None:
@@ -141,7 +144,7 @@ def no_cure(knob: str, key: str, old: Value, unit: str, reason: str) -> Cure:
 
 
 def length_text(value: float) -> str:
-    """A rounded length with the digits that it has."""
+    """A rounded length as text, with the digits that it has and without an exponent."""
     return f"{Decimal(repr(value)).normalize():f}"
 
 
@@ -158,29 +161,30 @@ Edits = Mapping[str, Value]
 """New values by key, in the unit of the scene or in degrees."""
 
 Judge = Callable[[Discs, Edits], Excess]
-"""The verdict on changed discs, which the edits make."""
+"""Excess over limits of the changed discs that the edits make."""
 
 CAUSES: Final = ("outline-", "curvature", "standstill")
-"""Beginnings of the names of findings with which nothing is known of undercut."""
+"""Beginnings of the names of findings which leave it unknown whether there is undercut."""
 
 NAMED: Final = 3
-"""Limits that a sentence names."""
+"""Most limits that a sentence names."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Task:
+class CureTask:
     """A fault, and what a cure of it must not break.
 
     Attributes
     ----------
-    fault : in words, e.g. "undercut".
-    condition : what it breaks.
-    held : what else the places of the cam decide, and what they keep now.
-    discs : as they are.
-    unit : of lengths in sentences.
-    before : names of the limits that are broken as it is.
-    judged : the findings on changed discs, which the edits make, and on their parts, which are
-        looked at only where the discs hold; SceneError or GeometryError if there are no such.
+    fault : the fault in words, e.g. "undercut".
+    condition : the condition that the fault breaks.
+    held : the other conditions on places of the cam, which the design meets at present.
+    discs : the discs as they are.
+    unit : unit of lengths in sentences.
+    already_broken : names of the limits that the design breaks at present.
+    judged : returns the findings on the changed discs that the edits make, and those on their
+        parts, which are looked at only if the discs break nothing; SceneError or GeometryError if
+        the edits make no discs.
     """
 
     fault: str
@@ -193,15 +197,15 @@ class Task:
 
     @property
     def stages(self) -> Iterator[tuple[Conditions, Judge]]:
-        """Conditions and verdicts by which a cure is sought: first one that breaks nothing, then
-        one that cures.
+        """Conditions and verdicts of the search for a cure: at first it must break no other limit;
+        if there is no such cure, it need only cure.
         """
         least = (self.condition, *(condition for condition in self.held if condition.vital))
         yield (self.condition, *self.held), self.breaking
         yield least, self.failing
 
     def breaking(self, discs: Discs, edits: Edits) -> Excess:
-        """By how much a change that cures exceeds the limits that held; else what `failing` is."""
+        """By how much a change exceeds the limits that held; see `failing` if it does not cure."""
         failing = self.failing(discs, edits)
         if not holds(failing):
             return failing
@@ -210,7 +214,7 @@ class Task:
         return {**excess, **self._excess(on_parts)} if holds(excess) else excess
 
     def failing(self, discs: Discs, edits: Edits) -> Excess:
-        """Not empty if a change does not cure, or leaves no disc."""
+        """An unknown excess if a change does not cure, or leaves no disc; empty if it cures."""
         try:
             broken = [
                 finding for finding in self.judged(discs, edits)[0] if finding.severity in BROKEN
@@ -224,7 +228,9 @@ class Task:
         return UNKNOWN if fatal or any(uncured) else {}
 
     def _excess(self, findings: Iterable[Finding]) -> Excess:
-        """Of the findings that break a limit that held, and of those that hold."""
+        """The excess of each finding that has a limit or breaks one that held: negative where the
+        limit holds, so that the search can interpolate between both.
+        """
         excess: dict[str, float] = {}
         for finding in findings:
             broken, beyond = finding.severity in BROKEN, math.inf
@@ -236,7 +242,7 @@ class Task:
         return excess
 
     def finished(self, cure: Cure, discs: Discs | None = None) -> Cure:
-        """The cure of this fault that makes these `discs`, which says what is broken then."""
+        """The cure with its fault, and with the limits that the `discs` that it makes break."""
         cure = replace(cure, fault=self.fault)
         every = () if discs is None else chain(*self.judged(discs, cure_edits(cure)))
         broken = [finding for finding in every if finding.severity in BROKEN]
@@ -257,7 +263,7 @@ class Task:
 
 
 def _stated(finding: Finding, unit: LengthUnit) -> str:
-    """A broken limit, with what it is broken by."""
+    """A broken limit as text, with value and limit if it has both."""
     if finding.value is None or finding.limit is None:
         return f"{finding.name} ({finding.sentence})"
     value, limit = (
@@ -267,9 +273,9 @@ def _stated(finding: Finding, unit: LengthUnit) -> str:
 
 
 def cure_edits(cure: Cure) -> dict[str, Value]:
-    """What a cure, which works, writes into the scene."""
+    """The values that a working cure writes into the scene, by their keys."""
     assert cure.new_value is not None
-    changes = (Change(cure.key, cure.old_value, cure.new_value), *cure.also)
+    changes = (KeyChange(cure.key, cure.old_value, cure.new_value), *cure.also)
     return {change.key: change.new_value for change in changes}
 
 
@@ -278,21 +284,21 @@ def cure_edits(cure: Cure) -> dict[str, Value]:
 
 
 CHANGE_DIGITS = 3
-"""Significant digits of a change that the lengths before and after must show."""
+"""Significant digits of a change that the lengths before and after it must show."""
 
 MOST_DIGITS = 17
 """Significant digits that tell any two doubles apart."""
 
 
 @dataclass(frozen=True, slots=True)
-class Length:
+class CureLength:
     """A length that cures, and how messages show it.
 
     Attributes
     ----------
-    limit : beyond which lengths cure [mm].
-    stated : a length beyond it with few digits, which cures, in the unit of the scene.
-    value : the same [mm].
+    limit : the length beyond which lengths cure [mm].
+    stated : a length beyond the limit with few digits, which cures, in the unit of the scene.
+    value : the stated length [mm].
     digits : number of significant digits that show the change to it.
     """
 
@@ -307,17 +313,18 @@ def digits_for(old: float, new: float) -> int:
     change, size = abs(new - old), max(abs(old), abs(new))
     if change == 0.0:
         return DIGITS
+    # The digits before the first one that changes, and those of the change itself.
     return min(max(DIGITS, CHANGE_DIGITS + math.ceil(math.log10(size / change))), MOST_DIGITS)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Size:
-    """A dimension of the follower, a `Knob` of the search.
+class SizeKnob:
+    """A dimension of the follower as a `Knob` of the search.
 
     Attributes
     ----------
-    start, scale : its present value, and what a change is compared with [mm].
-    make : the discs with another value.
+    start, scale : present value, and the length with which a change is compared [mm].
+    make : returns the discs with another value.
     """
 
     start: float
@@ -349,9 +356,10 @@ class Size:
         conditions: Conditions,
         judged: Callable[[float], Excess],
         unit: LengthUnit,
-    ) -> Length | None:
-        """The nearest length between `low` and `high` [mm] at which what is `judged` holds; None if
-        there is none that 17 digits tell from its limit.
+    ) -> CureLength | None:
+        """The nearest length between `low` and `high` [mm] for which `judged` finds no excess.
+
+        None if there is none, or none that 17 digits tell apart from its limit.
         """
         mm = MM_PER[unit]
 
@@ -360,30 +368,32 @@ class Size:
             digits = digits_for(self.start, value)
             return mm * float(rounded_beyond(value / mm, digits, upward=upward))
 
-        larger = Way(self, max(high, self.start), conditions, judged, rounded).nearest()
+        larger = KnobSearch(self, max(high, self.start), conditions, judged, rounded).nearest()
+        # A smaller length is of interest only if the change is less than that to the larger one.
         if larger is not None:
             low = max(low, self.start - (larger - self.start))
-        way = Way(self, min(low, self.start), conditions, judged, rounded)
+        way = KnobSearch(self, min(low, self.start), conditions, judged, rounded)
         smaller = way.nearest()
         limit = larger if smaller is None else smaller
         if limit is None:
             return None
-        # The fewest digits that show the change, and cure.
+        # The fewest digits that show the change and cure: rounding beyond the limit may leave the
+        # window in which the design holds, and then more digits stay closer to the limit.
         for digits in range(digits_for(self.start, limit), MOST_DIGITS + 1):
             for steps in (0, 1):  # a rounded length may be the limit itself
                 beyond = rounded_beyond(limit / mm, digits, upward=smaller is None, steps=steps)
                 value = mm * float(beyond)
                 if way.keeps(value) and holds(judged(value)):
-                    return Length(limit, float(beyond), value, digits)
+                    return CureLength(limit, float(beyond), value, digits)
         return None
 
 
 LARGEST_BASE: Final = 100.0
-"""Largest base radius tried, as a multiple of the present one."""
+"""Largest base radius that is tried, as a multiple of the present one."""
 
 KNOWN: Final = 64
-"""Latest values of a size of which the discs are kept: conditions and checks share what they find
-in them."""
+"""Number of latest values of a size whose discs are cached, as conditions and checks share what has
+been computed for them."""
 
 INSIDE: Final = 1e-6
 """Fraction of the base radius by which an offset, arm or base radius stays clear of the value at
@@ -393,8 +403,8 @@ TABLES: Final = ("follower", "follower.return")
 """The scene's table of each disc's roller."""
 
 
-def base_radius(task: Task) -> Cure:
-    """Another base circle; an oscillating follower keeps its pivot and arm.
+def base_radius(task: CureTask) -> Cure:
+    """Cure by another base radius; an oscillating follower keeps its pivot and arm.
 
     The return roller of a pair moves with the main one.
     """
@@ -407,27 +417,31 @@ def base_radius(task: Task) -> Cure:
     return _other(task, "base radius", 0, (min(low, old), high), old)
 
 
-def offset_or_arm(task: Task) -> Cure:
-    """Another offset |e| < r_G of a guide, or another arm of a rocker with the same pivot and r_G.
+def offset_or_arm(task: CureTask) -> Cure:
+    """Cure by another offset |e| < r_G of a guide, or another arm of a rocker with the same pivot
+    and r_G.
 
-    Of a pair whose return disc alone is at fault, that of the return roller.
+    If the return disc of a pair alone is at fault, the dimension of the return roller changes.
     """
     number = 1 if len(task.discs) > 1 and _is_faultless(task, Discs(task.discs[:1])) else 0
     knob, low, high, scale, _ = _knob(task.discs[number].follower)
     return _other(task, knob, number, (low, high), scale)
 
 
-def _other(task: Task, knob: str, number: int, bounds: tuple[float, float], scale: float) -> Cure:
-    """Another value of one dimension, in whichever direction the change is smaller."""
+def _other(
+    task: CureTask, knob: str, number: int, bounds: tuple[float, float], scale: float
+) -> Cure:
+    """Cure by another value of one dimension, in whichever direction the change is smaller."""
     field = knob.replace(" ", "_")
     key, old = f"{TABLES[number]}.{field}", float(getattr(task.discs[number].follower, field))
     mm = MM_PER[task.unit]
 
     @lru_cache(KNOWN)
     def resized(value: float) -> Discs:
+        # The same double as the scene makes of the edit, so that the discs are the same too.
         return task.discs.sized(number, **{field: mm * (value / mm)})
 
-    size = Size(old, scale, resized)
+    size = SizeKnob(old, scale, resized)
     length = _nearest_length(task, size, bounds, lambda value: {key: value / mm})
     ends = f"{bounds[0] / mm:.6g} and {bounds[1] / mm:.6g} {task.unit}"
     none = f"no other {knob} between {ends} cures it"
@@ -436,8 +450,8 @@ def _other(task: Task, knob: str, number: int, bounds: tuple[float, float], scal
 
 
 def _nearest_length(
-    task: Task, size: Size, bounds: tuple[float, float], edits: Callable[[float], Edits]
-) -> Length | None:
+    task: CureTask, size: SizeKnob, bounds: tuple[float, float], edits: Callable[[float], Edits]
+) -> CureLength | None:
     for conditions, verdict in task.stages:
 
         def judged(value: float, verdict: Judge = verdict) -> Excess:
@@ -449,11 +463,12 @@ def _nearest_length(
     return None
 
 
-def roller_radius(task: Task) -> Cure:
-    """A smaller roller: at most the smallest r_K that matters, in closed form (Wirsig eq. 3.36).
+def roller_radius(task: CureTask) -> Cure:
+    """Cure by a smaller roller: its radius must be at most the smallest r_K that matters (Wirsig
+    eq. 3.36), or r_K - c/2 in a groove with side clearance c, which is kept.
 
-    In a groove with side clearance c at most r_K - c/2; the clearance is kept. Smaller still, by a
-    search, if the flank of that roller crosses itself. Of a pair each roller that needs it.
+    If the flank of that roller still crosses itself, the search goes on to smaller rollers. Of a
+    pair each roller becomes smaller that needs to be.
     """
     discs, cures = task.discs, list[Cure]()
     for number in reversed(range(len(discs))):  # the return roller may have the main one's size
@@ -470,10 +485,12 @@ def roller_radius(task: Task) -> Cure:
     return _joint_cure(task, cures, discs)
 
 
-def _smaller_roller(task: Task, discs: Discs, number: int, key: str) -> Length | None:
-    """That of one disc: of a pair the other one may be at fault too."""
+def _smaller_roller(task: CureTask, discs: Discs, number: int, key: str) -> CureLength | None:
+    """The roller radius that cures one disc, whatever the state of the other disc of a pair."""
     old, mm = discs[number].follower.roller_radius, MM_PER[task.unit]
-    size = Size(old, old, lambda value: Discs([discs.sized(number, roller_radius=value)[number]]))
+    size = SizeKnob(
+        old, old, lambda value: Discs([discs.sized(number, roller_radius=value)[number]])
+    )
     low = BEYOND * old
     if len(discs) == 1:
         return _nearest_length(task, size, (low, old), lambda value: {key: value / mm})
@@ -485,12 +502,13 @@ def _smaller_roller(task: Task, discs: Discs, number: int, key: str) -> Length |
     return size.nearest(low, old, conditions, judged, task.unit)
 
 
-def _no_roller_reason(task: Task, cam: Cam) -> str:
-    """Why no roller at all fits a disc."""
+def _no_roller_reason(task: CureTask, cam: Cam) -> str:
+    """Why no roller at all fits a disc, as the end of a sentence; empty if there is no reason."""
     if cam.follower.roller_radius == 0.0:
         return ": a knife edge has no roller to make smaller"
     bends = curvature_extremes(cam.disc.pitch_curve)
     extremes = bends.smallest()[0], bends.largest()[0]
+    # The largest curvature that matters for a flank in use, at either extreme.
     kappa = max(-flank.sign * curvature for flank in cam.contact.flanks for curvature in extremes)
     if kappa <= 0.0:
         return ""
@@ -500,8 +518,8 @@ def _no_roller_reason(task: Task, cam: Cam) -> str:
     return f": the smallest radius of curvature is {radius:.3g} {task.unit}{play_text}"
 
 
-def _is_faultless(task: Task, discs: Discs) -> bool:
-    """Whether the fault is not that of these discs."""
+def _is_faultless(task: CureTask, discs: Discs) -> bool:
+    """Whether these discs do not have the fault."""
     try:
         crosses = task.condition.vital and _crosses(discs)
         return not crosses and discs.worst_place((task.condition,)) is None
@@ -516,12 +534,12 @@ def _crosses(discs: Discs) -> bool:
         return True
 
 
-def _joint_cure(task: Task, cures: list[Cure], discs: Discs) -> Cure:
-    """The cures of all discs as one, led by the most costly; no cure unless it cures both."""
+def _joint_cure(task: CureTask, cures: list[Cure], discs: Discs) -> Cure:
+    """The cures of all discs as one, led by the most costly one; no cure unless it cures both."""
     leading = max(cures, key=lambda cure: cure.cost or 0.0)
     others = [cure for cure in cures if cure is not leading]
     sentence = " and ".join(cure.sentence for cure in (leading, *others))
-    also = tuple(Change(cure.key, cure.old_value, cure.new_value or 0.0) for cure in others)
+    also = tuple(KeyChange(cure.key, cure.old_value, cure.new_value or 0.0) for cure in others)
     cure = replace(leading, sentence=sentence, also=also)
     if not holds(task.failing(discs, cure_edits(cure))):
         reason = "no smaller roller radii cure both discs"
@@ -530,10 +548,10 @@ def _joint_cure(task: Task, cures: list[Cure], discs: Discs) -> Cure:
     return task.finished(cure, discs)
 
 
-def raised_face(task: Task) -> Cure:
-    """The least base radius, on a rocker with as much more face offset, that leaves no undercut.
+def raised_face(task: CureTask) -> Cure:
+    """Cure by the least base radius, on a rocker with as much more face offset, without undercut.
 
-    Moved out by D, a face has the parallel outline, all of whose radii are larger by D.
+    A face moved out by D makes the parallel outline, all of whose radii are larger by D.
     """
     (cam,) = task.discs
     follower = flat_follower(cam.follower)
@@ -541,7 +559,8 @@ def raised_face(task: Task) -> Cure:
     present = {key: getattr(follower, _field(key)) / mm for key in follower.raising_keys}
 
     def raised(value: float) -> dict[str, float]:
-        """Each length in the unit that goes with the base radius `value` [mm], by its key."""
+        """The lengths that go with the base radius `value` [mm], in the unit and by their keys."""
+        # In decimals as they are written, so that sums have no digits from rounding.
         more = Decimal(repr(value / mm)) - Decimal(repr(old / mm))
         return {key: float(Decimal(repr(length)) + more) for key, length in present.items()}
 
@@ -549,7 +568,9 @@ def raised_face(task: Task) -> Cure:
         sizes = {_field(key): mm * length for key, length in raised(value).items()}
         return task.discs.sized(0, **sizes)
 
-    length = _nearest_length(task, Size(old, old, raised_discs), (old, LARGEST_BASE * old), raised)
+    length = _nearest_length(
+        task, SizeKnob(old, old, raised_discs), (old, LARGEST_BASE * old), raised
+    )
     first, *others = follower.raising_keys
     none = f"no larger {' and '.join(follower.raising_keys)} cures it"
     cure = length_cure("base radius", first, old, length, old, none, task.unit, "at least ")
@@ -557,7 +578,7 @@ def raised_face(task: Task) -> Cure:
         return task.finished(cure)
     if others:
         lengths = raised(length.value)
-        also = tuple(Change(key, present[key], lengths[key]) for key in others)
+        also = tuple(KeyChange(key, present[key], lengths[key]) for key in others)
         lengths_text = " and ".join(
             f"{key} {length_text(lengths[key])} {task.unit}" for key in others
         )
@@ -566,14 +587,14 @@ def raised_face(task: Task) -> Cure:
 
 
 def _field(key: str) -> str:
-    """The field of a key of the scene."""
+    """The name of the follower's field that a key of the scene sets."""
     return key.removeprefix("follower.")
 
 
 @singledispatch
 def _knob(follower: Any) -> tuple[str, float, float, float, float]:
-    """The dimension to change besides the radii: its name, bounds, and a scale for it; and the base
-    radius down to which there is a mechanism [mm].
+    """Name of the dimension to change besides the radii, its lower and upper bound, the length with
+    which its change is compared, and the least base radius of a mechanism, all in mm.
     """
     raise TypeError(type(follower))
 
@@ -596,9 +617,10 @@ def _(follower: OscillatingRoller) -> tuple[str, float, float, float, float]:
 
 
 def joins_neighbours(plan: MotionPlan, number: int, law: Law) -> bool:
-    """Whether `law` joins with its neighbours in place of a segment, going from rest to rest.
+    """Whether `law` can go from rest to rest in place of a segment and join its neighbours.
 
-    Its velocity is 0 at both ends, and its acceleration too at an end without a dwell next to it.
+    Its velocity must be 0 at both ends, and at an end that is next to no dwell its acceleration
+    too.
     """
     sides = zip((law.start, law.end), adjacent_dwells(plan, number), strict=True)
     return all(
@@ -607,9 +629,9 @@ def joins_neighbours(plan: MotionPlan, number: int, law: Law) -> bool:
 
 
 def adjacent_dwells(plan: MotionPlan, number: int) -> tuple[list[int], list[int]]:
-    """Indices of the dwells adjacent to a segment, before and after it, nearest first.
+    """Indices of the dwells adjacent to a segment, before and after it, the nearest first.
 
-    Dwells of length zero are skipped.
+    The plan closes after a turn. Dwells of length zero are skipped.
     """
 
     def run(step: int) -> list[int]:
@@ -626,13 +648,13 @@ def adjacent_dwells(plan: MotionPlan, number: int) -> tuple[list[int], list[int]
 
 
 def dwells_around(plan: MotionPlan, number: int) -> tuple[int, ...]:
-    """Indices of the dwells adjacent to a segment on either side, each once."""
+    """Indices of the dwells adjacent to a segment on either side, each of them once."""
     preceding, following = adjacent_dwells(plan, number)
     return tuple(dict.fromkeys(preceding + following))
 
 
 def segment_key(number: int, segment: Segment, what: str) -> str:
-    """The scene's key of a segment, e.g. "motion[2].span"; for a dwell that of its length."""
+    """The scene's key of a segment, e.g. "motion[2].span"; for a dwell the key of its length."""
     return f"motion[{number + 1}].{'dwell' if isinstance(segment, Dwell) else what}"
 
 
@@ -646,8 +668,10 @@ def degrees(value: Value) -> str:
 
 
 OTHER_LAW = "other law"
+"""Name of the knob."""
 
 TASK = "R-R"
+"""Motion task of the laws from rest to rest, the only ones that are exchanged."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -656,20 +680,20 @@ class Offer:
 
     Attributes
     ----------
-    law : with its default parameters.
-    growth : relative increase of the peak acceleration, 0 if it does not grow.
+    law : the law, with its default parameters.
+    growth : relative increase of the peak acceleration; 0 if it does not grow.
     """
 
     law: Law
     growth: float
 
 
-def other_law(task: Task) -> Cure:
-    """Another family for the moves from rest to rest that are at fault, with default parameters.
+def other_law(task: CureTask) -> Cure:
+    """Cure by laws of other families, with default parameters, for the moves at fault.
 
-    Of those that cure, the one whose peak acceleration grows least; one whose acceleration jumps
-    only if the present one's does. Each move gets its own; if the flank then crosses itself, all
-    get the same.
+    These must go from rest to rest. Among the laws that cure, the one is chosen whose peak
+    acceleration grows least; a law whose acceleration jumps only replaces one whose acceleration
+    jumps too. Each move gets its own law; if the flank then crosses itself, all get the same.
     """
     discs = task.discs
     plan, places = discs.plan, discs.faulty_segments(task.condition)
@@ -689,6 +713,7 @@ def other_law(task: Task) -> Cure:
         if not all(fitting.values()):
             continue
         first = {number: offers[0] for number, offers in fitting.items()}
+        # The cheapest law for each move; if that does not do, as where flanks cross, one for all.
         for offers in (first, *_same_for_all(fitting)):
             cure, changed = _laws_cure(plan, offers), _discs_with_laws(discs, offers)
             if holds(verdict(changed, cure_edits(cure))):
@@ -715,10 +740,9 @@ def offers_for(plan: MotionPlan, number: int) -> list[Offer]:
 
 
 def _fitting(discs: Discs, places: Sequence[int], conditions: Conditions) -> dict[int, list[Offer]]:
-    """For each move the offers that keep the conditions in it, the cheapest first.
+    """For each move the offers that keep the conditions over it, the cheapest first.
 
-    As these depend over a move on its own law and on no other, a law is tried in all places at
-    once.
+    Over a move the conditions depend on its own law alone, so a law is tried in all places at once.
     """
     offers = {number: offers_for(discs.plan, number) for number in places}
     fit: set[tuple[int, str]] = set()
@@ -734,7 +758,7 @@ def _fitting(discs: Discs, places: Sequence[int], conditions: Conditions) -> dic
 
 
 def _fit(discs: Discs, offers: Mapping[int, Offer], conditions: Conditions) -> list[int]:
-    """Those of the moves that keep the conditions by the `offers`."""
+    """Indices of the moves that keep the conditions with the laws of the `offers`."""
     changed = _discs_with_laws(discs, offers)
     try:
         return [n for n in offers if changed.worst_place(conditions, n) is None]
@@ -746,7 +770,7 @@ def _fit(discs: Discs, offers: Mapping[int, Offer], conditions: Conditions) -> l
 
 
 def _same_for_all(fitting: Mapping[int, list[Offer]]) -> list[dict[int, Offer]]:
-    """Each law that fits all moves, for all of them, cheapest first."""
+    """Offers of one law to all moves, for each law that fits all of them, the cheapest first."""
     by_name = [{offer.law.name: offer for offer in offers} for offers in fitting.values()]
     names = [name for name in by_name[0] if all(name in offers for offers in by_name)]
     every = [
@@ -764,13 +788,15 @@ def _discs_with_laws(discs: Discs, offers: Mapping[int, Offer]) -> Discs:
 
 
 def _has_rest_ends(plan: MotionPlan, number: int, move: Move) -> bool:
-    """Whether another law can take its place: beside a dwell, or where this one also rests."""
+    """Whether another law from rest to rest can replace that of the move: at both ends it must be
+    next to a dwell, or start or end with zero velocity and acceleration.
+    """
     sides = zip((move.law.start, move.law.end), adjacent_dwells(plan, number), strict=True)
     return all(dwells or end.velocity == end.acceleration == 0.0 for end, dwells in sides)
 
 
 def _move(plan: MotionPlan, number: int) -> Move:
-    """A segment that is known to be a move."""
+    """The segment of an index that is known to be a move."""
     move = plan.segments[number]
     assert isinstance(move, Move)
     return move
@@ -785,7 +811,7 @@ def _peak(law: Law) -> float:
 
 
 def _jerks(law: Law) -> bool:
-    """Whether the acceleration jumps, between two rests."""
+    """Whether the acceleration of a law jumps anywhere if it goes from rest to rest."""
     ends = (law.start, law.end)
     return any(end.velocity or end.acceleration for end in ends) or bool(acceleration_jumps(law))
 
@@ -794,7 +820,7 @@ def _laws_cure(plan: MotionPlan, offers: Mapping[int, Offer]) -> Cure:
     changes = {}
     for number, offer in offers.items():
         move = _move(plan, number)
-        changes[number] = Change(segment_key(number, move, "law"), move.law.name, offer.law.name)
+        changes[number] = KeyChange(segment_key(number, move, "law"), move.law.name, offer.law.name)
     leading = max(offers, key=lambda number: offers[number].growth)
     cost, first = offers[leading].growth, changes[leading]
     named = " and ".join(
@@ -817,36 +843,37 @@ STEP: Final = Decimal("0.000001")
 """Spans are rounded to millionths of a degree, to the next one beyond the limit."""
 
 MOST: Final = 1e-6
-"""Accuracy, as a fraction of a span, of the largest growth for which the dwells have room."""
+"""Accuracy, as a fraction, to which the largest growth is bisected for which the dwells have
+room."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Stretched(Repeated):
-    """A motion at one cam angle, asked for n times, if the move there has n other spans.
+class StretchedMotion(Repeated):
+    """A motion at one cam angle, for n other spans of the move there.
 
     Attributes
     ----------
-    growth : (n,) by how much each of them is longer.
+    growth : (n,) ratio of each span to the present one.
     """
 
     growth: FloatArray
 
     def jet(self, phi: FloatArray, side: Side = "right", order: int = FULL_ORDER) -> Jet:
-        """See `Motion.jet`: each derivative by the cam angle is divided by the growth once more."""
+        """See `Motion.jet`: the k-th derivative is divided by the k-th power of the growth."""
         derivatives = self.motion.jet(phi, side, order)
         return np.asarray(derivatives / self.growth ** np.arange(len(derivatives))[:, np.newaxis])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Span:
-    """The span of a move [deg], a `Knob` of the search: in a motion of that move alone.
+class SpanKnob:
+    """The span of a move [deg] as a `Knob` of the search, in a motion of that move alone.
 
     The curvature and the transmission angle over a move depend on its own span only.
 
     Attributes
     ----------
-    discs : with the whole motion.
-    number : of the move in its plan.
+    discs : the discs, with the whole motion.
+    number : index of the move in the plan.
     """
 
     discs: Discs
@@ -863,7 +890,7 @@ class Span:
         return self.start
 
     def make(self, value: float) -> Discs:
-        """See `Knob`: other moves lead from the first position to that of the move, and back."""
+        """See `Knob`: auxiliary moves lead to the start of the move, and back to position 0."""
         plan = self.discs.plan
         move = plan.segments[self.number]
         assert isinstance(move, Move)
@@ -873,6 +900,7 @@ class Span:
         first = positions[-1] if positions else 0.0
         with localcontext(EXACT):
             span = Decimal(value)
+            # Half of the rest leads to the position where the move starts, half of it back to 0.
             rest = (360 - span) / 2
             there = Move(rest, first, move.law) if first else Dwell(rest)
             back = Move(rest, 0.0, move.law) if move.to else Dwell(rest)
@@ -891,10 +919,10 @@ class Span:
         def along(values: FloatArray) -> FloatArray:
             motion: Motion
             if isinstance(curve.motion, LinkedMotion):
-                demanded = Stretched(curve.motion.demanded, 1, values / value)
+                demanded = StretchedMotion(curve.motion.demanded, 1, values / value)
                 motion = LinkedMotions(demanded, curve.motion.linkage)
             else:
-                motion = Stretched(curve.motion, 1, values / value)
+                motion = StretchedMotion(curve.motion, 1, values / value)
             other = replace(curve, motion=motion)
             return condition.place_margins(other, (cam,), phi, len(values))
 
@@ -902,13 +930,13 @@ class Span:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Growth:
-    """The growth of several moves by one factor, less 1, a `Knob` of the search.
+class GrowthKnob:
+    """The common growth of several moves, a factor less 1, as a `Knob` of the search.
 
     Attributes
     ----------
-    discs : as they are.
-    spans : of the moves, by their numbers in the plan, at growth 0.
+    discs : the discs as they are.
+    spans : spans of the moves at growth 0, by their indices in the plan.
     """
 
     discs: Discs
@@ -917,7 +945,7 @@ class Growth:
     scale: float = 1.0
 
     def plan(self, growth: float, *, rounded: bool = True) -> MotionPlan | None:
-        """The plan, with spans that are rounded up; None if the dwells are too short."""
+        """The plan with longer moves, their spans rounded up; None if the dwells are too short."""
         with localcontext(EXACT):
             factor = 1 + Decimal(growth)
             spans = {number: span * factor for number, span in self.spans.items()}
@@ -933,13 +961,14 @@ class Growth:
         return self.discs.moved(longer)
 
     def worst(self, value: float, conditions: Conditions) -> None:
-        """See `Knob`; longer than they must be, moves hardly break anything."""
+        """See `Knob`: longer moves hardly break a condition, so no margin is given."""
         if self.make(value).worst_place(conditions) is not None:
             raise GeometryError("these moves are too short", key="motion")
 
     @property
     def most(self) -> float:
-        """The largest one for which the dwells have room, up to `MOST` of it."""
+        """The largest growth for which the dwells have room, to the accuracy `MOST`."""
+        # At the upper bound the shortest move alone would take more than the turn.
         most, too_much = 0.0, float(360 / min(self.spans.values()))
         while too_much - most > MOST * max(1.0, most):
             middle = 0.5 * (most + too_much)
@@ -947,11 +976,11 @@ class Growth:
         return most
 
 
-def longer_segment(task: Task) -> Cure:
-    """Longer spans for the moves at fault, at the expense of the dwells next to them.
+def longer_segment(task: CureTask) -> Cure:
+    """Cure by longer spans of the moves at fault, at the expense of the dwells next to them.
 
-    Each move has its own limit. Against global undercut all of them grow by one factor. Each takes
-    from the dwells before and after it in proportion to their length.
+    Each move has its own limit. Against global undercut all of them grow by one factor. A move
+    takes from the dwells before and after it in proportion to their length.
     """
     discs = task.discs
     plan, places = discs.plan, discs.faulty_segments(task.condition)
@@ -973,12 +1002,12 @@ def longer_segment(task: Task) -> Cure:
 
 
 def _longer(
-    task: Task,
+    task: CureTask,
     places: Sequence[int],
     conditions: Conditions,
     verdict: Judge,
 ) -> MotionPlan | None:
-    """The plan with moves that are long enough; None if there is no room for them."""
+    """The plan with moves that are long enough to cure; None if there is no room for them."""
     discs, plan = task.discs, task.discs.plan
 
     def judged(longer: MotionPlan | None) -> Excess:
@@ -992,8 +1021,9 @@ def _longer(
         return None
     if holds(judged(longer)):
         return longer
-    growth = Growth(discs, spans)
-    way = Way(growth, growth.most, conditions, lambda value: judged(growth.plan(value)))
+    # Each move alone is long enough, but not all of them together.
+    growth = GrowthKnob(discs, spans)
+    way = KnobSearch(growth, growth.most, conditions, lambda value: judged(growth.plan(value)))
     limit = way.nearest()
     longer = None if limit is None else growth.plan(limit)
     return longer if holds(judged(longer)) else None
@@ -1002,8 +1032,8 @@ def _longer(
 def _least_spans(
     discs: Discs, places: Sequence[int], conditions: Conditions
 ) -> dict[int, Decimal] | None:
-    """For each move its least span that keeps the conditions; None if the dwells beside one are
-    too short.
+    """The least span of each move that keeps the conditions; None if the dwells next to one of them
+    are too short.
     """
     plan = discs.plan
     spans: dict[int, Decimal] = {}
@@ -1011,8 +1041,8 @@ def _least_spans(
         present = plan.segments[number].span
         dwells = (plan.segments[place].span for place in dwells_around(plan, number))
         most = sum(dwells, present)
-        knob = Span(discs, number)
-        limit = Way(knob, float(most), conditions, lambda _: {}).nearest()
+        knob = SpanKnob(discs, number)
+        limit = KnobSearch(knob, float(most), conditions, lambda _: {}).nearest()
         if limit is None:
             return None
         spans[number] = present if limit == float(present) else _next_step(Decimal(limit))
@@ -1024,7 +1054,7 @@ def _least_spans(
 def longer_plan(plan: MotionPlan, spans: Mapping[int, Decimal]) -> MotionPlan | None:
     """The plan with other spans of the moves at some indices; None if the dwells are too short.
 
-    A move takes first from dwells that are next to no other of these moves.
+    A move first takes from dwells that are next to none of the other moves.
     """
     segments = list(plan.segments)
     dwells = {number: dwells_around(plan, number) for number in spans}
@@ -1033,6 +1063,7 @@ def longer_plan(plan: MotionPlan, spans: Mapping[int, Decimal]) -> MotionPlan | 
         rests = {place: segments[place].span for place in users}
         for number, span in spans.items():
             missing = span - segments[number].span
+            # Dwells between two of the moves are left for what no other dwell can give.
             for shared in (False, True):
                 among = [place for place in dwells[number] if (users[place] > 1) == shared]
                 missing = _take(rests, among, missing)
@@ -1045,12 +1076,15 @@ def longer_plan(plan: MotionPlan, spans: Mapping[int, Decimal]) -> MotionPlan | 
 
 
 def _take(rests: dict[int, Decimal], among: list[int], wanted: Decimal) -> Decimal:
-    """Take `wanted` degrees from the dwells in proportion to their length; return what lacks."""
+    """Take `wanted` degrees from the dwells `among` in proportion to their length, and return how
+    many degrees are lacking.
+    """
     there = sum((rests[place] for place in among), Decimal(0))
     part = min(wanted, there)
     if part <= 0:
         return wanted
     left = part
+    # Shares are rounded down to whole steps, so that together they never exceed the part.
     for place in among:
         share = (rests[place] * part / there).quantize(STEP, rounding=ROUND_FLOOR)
         share = min(share, rests[place], left)
@@ -1064,14 +1098,16 @@ def _take(rests: dict[int, Decimal], among: list[int], wanted: Decimal) -> Decim
 
 
 def _next_step(span: Decimal) -> Decimal:
-    """The next larger multiple of the step."""
+    """The next multiple of `STEP` above a span [deg], which is beyond the limit for certain."""
     with localcontext(EXACT):
         return span.quantize(STEP, rounding=ROUND_FLOOR) + STEP
 
 
 def _spans_cure(old: MotionPlan, new: MotionPlan, places: Sequence[int]) -> Cure:
     changes = {
-        number: Change(segment_key(number, old_segment, "span"), old_segment.span, new_segment.span)
+        number: KeyChange(
+            segment_key(number, old_segment, "span"), old_segment.span, new_segment.span
+        )
         for number, (old_segment, new_segment) in enumerate(
             zip(old.segments, new.segments, strict=True)
         )
@@ -1081,6 +1117,7 @@ def _spans_cure(old: MotionPlan, new: MotionPlan, places: Sequence[int]) -> Cure
         number: float(new.segments[number].span / old.segments[number].span - 1)
         for number in places
     }
+    # The move that grows most states the cost, and its key is the cure's.
     leading = max(shares, key=shares.__getitem__)
     also = [changes[number] for number in places if number != leading and number in changes]
     dwells = [change for number, change in changes.items() if number not in places]
@@ -1096,7 +1133,7 @@ def _spans_cure(old: MotionPlan, new: MotionPlan, places: Sequence[int]) -> Cure
     )
 
 
-def _change_text(change: Change) -> str:
+def _change_text(change: KeyChange) -> str:
     return f"{change.key} {degrees(change.new_value)} deg instead of {degrees(change.old_value)}"
 
 
@@ -1112,7 +1149,7 @@ KNOBS: Final = {
     ("face", "convexity"): (raised_face,),
     ("face", "transmission angle"): MOTION_KNOBS,
 }
-"""What may be changed against a fault, by what touches the cam."""
+"""The cures that are tried, by what touches the cam and by the fault."""
 
 
 def remedies(
@@ -1123,17 +1160,17 @@ def remedies(
     unit: LengthUnit,
     judged: Callable[[Discs, Edits], tuple[Iterable[Finding], Iterable[Finding]]],
 ) -> tuple[Cure, ...]:
-    """The nearest cure of each fault by each knob with all others unchanged.
+    """The nearest cure of each fault by each knob, with all others unchanged.
 
-    Fault by fault, the cheapest first. Lengths are rounded in `unit`. Knobs that have no cure come
-    last and say why. Empty if there is nothing to cure, or if there is no mechanism.
+    They are ordered fault by fault, the cheapest first; knobs without a cure come last and say why.
+    Lengths are rounded in `unit`. Empty if there is nothing to cure, or if there is no mechanism.
 
     Parameters
     ----------
     angle, ratio : the least transmission angle [rad] and the largest r_R/r_K that are allowed.
     cams : the cam, or the main and the return cam of a pair.
-    findings : on them.
-    judged : see `Task`.
+    findings : the findings on the cams.
+    judged : see `CureTask`.
     """
     discs, all_findings = Discs(cams), [*findings]
     bad = [finding for finding in all_findings if finding.severity in BROKEN]
@@ -1156,11 +1193,11 @@ def remedies(
         if fault not in broken and not any(name.startswith(condition.names) for name in free)
     )
     if "undercut" in broken and ratio == 1.0:
-        broken.pop("radius ratio", None)  # it is the same
+        broken.pop("radius ratio", None)  # at a ratio of 1 it is undercut
     already_broken = frozenset(finding.name for finding in bad)
     cures: list[Cure] = []
     for fault, condition in broken.items():
-        task = Task(fault, condition, held, discs, unit, already_broken, judged)
+        task = CureTask(fault, condition, held, discs, unit, already_broken, judged)
         fault_cures = [knob(task) for knob in KNOBS[touching, fault]]
         cures += sorted(fault_cures, key=lambda cure: math.inf if cure.cost is None else cure.cost)
     return tuple(cures)

@@ -26,34 +26,36 @@ from camgeo.numeric.extremes import bracketed_roots
 from camgeo.units import TURN
 
 # -- search ---------------------------------------------------------------------------------------
-# The nearest value of a size at which a fault is gone, whatever the size and whatever the fault.
+# The nearest value of a size at which a fault is gone, for any size and any fault.
 #
 # Where a condition is broken, the cam angle at which it is worst proves it broken for all values up
-# to the one at which the margin of that place alone vanishes. There another place may be the worst,
-# from which the search goes on: so it comes to the nearest value at which no place breaks anything,
-# step by step and from the broken side, and no window is jumped over. Along the way it solves
-# equations in one unknown.
+# to the one at which the margin at that angle vanishes. There another place may be the worst, from
+# which the search goes on. So it arrives step by step, from the broken side, at the nearest value
+# at which no place breaks anything, and passes over no window. Each step solves an equation in one
+# unknown.
 #
-# What no place decides is left to the verdict on the value found. If it is a flank that crosses
-# itself, the search goes on where the neck is as wide as the roller; else in growing steps, from
-# which the limit is halved in.
+# What no single place decides is left to the verdict on that value. If a flank crosses itself
+# there, the search goes on at the value at which the neck is as wide as the roller; otherwise it
+# goes on in growing steps, between which the limit is enclosed.
 
 
 FIRST: Final = 0.005
-"""First step, as a fraction of the scale, where no place of the cam says how far to go."""
+"""First step, as a fraction of the scale, where no place of the cam tells how far to go."""
 
 GROWTH: Final = 1.5
-"""Each such step is so many times the one before it."""
+"""Ratio of such a step to the previous one."""
 
 SPREAD: Final = 1.3
-"""Each cell ends so many times as far from the present value as the one before it."""
+"""Ratio of the distances of consecutive cell ends from the present value."""
 
 LOST: Final = 1e-6
-"""The first one where there is no mechanism, as beside the value at which a roller stands still."""
+"""First step, as a fraction of the scale, across values without a mechanism, which are few: at one
+of them the roller centre stands still."""
 
 BEYOND: Final = 1e-7
-"""A window narrower than this fraction of the scale is none: in the middle of it the cam has a cusp
-up to rounding. Crossings are sought this far beyond the limit, where the flank touches itself."""
+"""A window narrower than this fraction of the scale does not count: in its middle the cam has a
+cusp up to rounding. Crossings are tested this far beyond the limit, at which the flank touches
+itself."""
 
 NARROW: Final = 5e-7
 """Width, as a fraction of the scale, to which a limit that is not a root is enclosed."""
@@ -62,29 +64,29 @@ ROUNDING: Final = 1e-13
 """A step that is no longer than this fraction of the scale ends at the limit."""
 
 HOPS: Final = 200
-"""Most places of the cam on the way to a window; five are usual."""
+"""Most places of the cam that are visited on the way to a window; five are usual."""
 
 TRIALS: Final = 60
-"""Most values that are judged."""
+"""Most values of the knob that are judged."""
 
 EDGE: Final = 1e-3
 """First cell of a place's margin, as a fraction of the scale; its neighbours grow with the
 distance, as the margin becomes smoother."""
 
 CURVED: Final = 3.0
-"""A cell is halved unless the parabola through its ends and its middle, so many times as curved,
-stays below 0."""
+"""A cell is halved unless the parabola through its ends and its middle stays below 0 even if this
+many times as curved."""
 
 Excess = Mapping[str, float]
-"""By how much limits are exceeded, by their names: positive where one is broken, infinite where it
-is not known by how much."""
+"""By how much limits are exceeded, by their names: positive where one is broken, infinite where the
+amount is unknown."""
 
 UNKNOWN: Final[Excess] = {"": math.inf}
-"""That something is broken."""
+"""Something is broken, by an unknown amount."""
 
 STRAIGHT: Final = 0.03
-"""By such a share of its distance from the nearer end a root between two values may be wrong, as
-an excess is not quite linear."""
+"""Error of a secant's root as a share of its distance from the nearer end, as an excess is not
+quite linear."""
 
 MarginCurve = Callable[[FloatArray], FloatArray]
 """(n,) values of a size -> (n,) margins at one place of the cam."""
@@ -96,15 +98,15 @@ def holds(excess: Excess) -> bool:
 
 
 class Knob(Protocol):
-    """A size that may change."""
+    """A dimension or span that may change."""
 
     @property
     def start(self) -> float:
-        """Its present value."""
+        """The present value."""
 
     @property
     def scale(self) -> float:
-        """What a change of it is compared with."""
+        """The length or span with which a change is compared."""
 
     def make(self, value: float, /) -> Discs:
         """The discs with another value; GeometryError where there are none."""
@@ -117,16 +119,17 @@ class Knob(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
-class Way:
-    """A range of a size, and what must hold there.
+class KnobSearch:
+    """The search from a knob's present value to an `end`, with all that must hold at the result.
 
     Attributes
     ----------
-    knob : the size, which goes from its present value to `end`.
-    conditions : at each place of the cam.
-    judged : the verdict on a value that keeps the conditions.
-    rounded : the value beside another that a designer would take, on which the verdict is asked
-        for if it keeps the conditions.
+    knob : the dimension or span that changes.
+    end : the last value that is tried.
+    conditions : the conditions at each place of the cam.
+    judged : returns the excess at a value that keeps the conditions.
+    rounded : rounds a value as a designer would; the rounded value is judged in place of the exact
+        one if it keeps the conditions.
     """
 
     knob: Knob
@@ -148,10 +151,14 @@ class Way:
             return None
         bad: float | None = None
         x, step, crossed = knob.start, FIRST, False
+        # x: where the search goes on; bad: the last value that was judged and failed. Once a flank
+        # has crossed itself, its neck is examined first, which spares the verdict as long as the
+        # neck is too narrow.
         for _ in range(TRIALS):
             limit = self.border(x)
             if limit is None:
                 return None
+            # At the limit itself a margin is 0; just beyond it all of them should be positive.
             inside = limit + away * min(BEYOND, abs((self.end - limit) / away))
             wide = self._past_neck(inside) if crossed else None
             if not self.keeps(inside):
@@ -181,6 +188,7 @@ class Way:
             try:
                 along = knob.worst(x, self.conditions)
             except GeometryError:
+                # No mechanism at this value: in growing steps to the next one that makes one.
                 x, lost = x + self._away * lost, lost * GROWTH
                 continue
             if along is None:
@@ -192,7 +200,7 @@ class Way:
         return None
 
     def keeps(self, value: float) -> bool:
-        """Whether the conditions hold."""
+        """Whether the conditions hold at `value`."""
         try:
             return self.knob.worst(value, self.conditions) is None
         except GeometryError:
@@ -201,14 +209,16 @@ class Way:
     def _enclosed(self, bad: float, good: float) -> float:
         """The limit between a value that is not accepted and one that is.
 
-        By the secant of what is exceeded, a little to the side of the farther end, so that both
-        ends move; by halves where that does not help.
+        The secant of the excess gives the next value, moved a little towards the farther end, so
+        that both ends move; where that does not shorten the range enough it is bisected.
         """
         bad_excess, good_excess = self.judged(bad), self.judged(good)
         narrow, halve = NARROW * self.knob.scale, False
         while (width := abs(good - bad)) > narrow:
             exceeded = {name: value for name, value in bad_excess.items() if value > 0.0}
             share = 0.5
+            # A limit broken at the bad end must be known at the good one, or there is no secant.
+            # The largest share is the root of the limit that is kept last.
             known = all(
                 value < math.inf and name in good_excess for name, value in exceeded.items()
             )
@@ -227,8 +237,8 @@ class Way:
         return good
 
     def _past_neck(self, value: float) -> float | None:
-        """Where the narrowest neck of discs that cross themselves is as wide as the roller, or up
-        to where it is known to be narrower; None if they do not, or if nothing is known.
+        """The value at which the narrowest neck becomes as wide as the roller, or up to which it is
+        known to be narrower; None if the discs do not cross themselves, or nothing is known.
         """
         try:
             neck = self.knob.make(value).narrowest()
@@ -262,8 +272,8 @@ class Way:
 def first_root(along: MarginCurve, start: float, end: float, scale: float) -> float | None:
     """The first value from `start` to `end` at which a margin, negative at first, vanishes.
 
-    Cells in which it might reach 0 are halved: those where the parabola through three values, made
-    more curved, does.
+    Cells in which the margin might reach 0 are halved: those in which the parabola through three
+    values reaches it after its curvature has been multiplied by `CURVED`.
     """
     edges = _edges(start, end, scale)
     values = along(edges)
@@ -271,11 +281,13 @@ def first_root(along: MarginCurve, start: float, end: float, scale: float) -> fl
     if values[0] >= 0.0:
         return start
     while True:
+        # Only cells before the first change of sign can contain the first root.
         across = np.flatnonzero(values >= 0.0)
         left = int(across[0]) - 1 if len(across) else len(settled)
         cells = np.flatnonzero(~settled[:left])
         if not len(cells):
             return _bracketed(along, edges[left], edges[left + 1]) if len(across) else None
+        # A cell is settled if its margin cannot reach 0, or if it is too narrow to be a window.
         middles = 0.5 * (edges[cells] + edges[cells + 1])
         middle_values = along(middles)
         split = _highest(values[cells], middle_values, values[cells + 1]) >= 0.0
@@ -294,7 +306,7 @@ def _bracketed(along: MarginCurve, low: float, high: float) -> float:
 
 
 def _edges(start: float, end: float, scale: float) -> FloatArray:
-    """Ends of cells from `start` to `end`, which grow with their distance."""
+    """(n,) ends of cells from `start` to `end`, whose lengths grow with their distance."""
     reach = abs(end - start)
     first = min(EDGE * scale, reach)
     if first == 0.0:
@@ -302,12 +314,16 @@ def _edges(start: float, end: float, scale: float) -> FloatArray:
     count = 1 + math.ceil(math.log(reach / first) / math.log(SPREAD))
     away = math.copysign(1.0, end - start) * np.geomspace(first, reach, count)
     edges: FloatArray = np.append(start, start + away)
-    edges[-1] = end
+    edges[-1] = end  # exactly, without the rounding of the geometric sequence
     return edges
 
 
 def _highest(low: FloatArray, middle: FloatArray, high: FloatArray) -> FloatArray:
-    """(n,) the largest value of the parabolas through three values, `CURVED` times as curved."""
+    """(n,) largest value in each cell of the parabola through its three values, if it were `CURVED`
+    times as curved.
+    """
+    # In t from -1 to 1 the parabola through both ends that is raised by `most` in the middle is
+    # top + slope t - fall t^2.
     bend, slope = 0.5 * (low + high) - middle, 0.5 * (high - low)
     most = CURVED * np.abs(bend)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -321,7 +337,7 @@ def _highest(low: FloatArray, middle: FloatArray, high: FloatArray) -> FloatArra
 # What a cam must hold, as margins over the cam angle: positive where a limit is kept.
 #
 # Each is a function of the place alone, so that the place where it is worst proves for which other
-# values of a size it is broken too. What no place decides by itself, as whether a flank crosses
+# values of a size it is broken too. What no single place decides, such as whether a flank crosses
 # itself, is left to the checks.
 
 
@@ -331,12 +347,12 @@ Range = tuple[float, float]
 
 @dataclass(frozen=True, slots=True)
 class Condition(ABC):
-    """A limit at each cam angle.
+    """A limit that must hold at each cam angle.
 
     Attributes
     ----------
     names : beginnings of the names of the findings that report where it is broken.
-    vital : whether there is no disc then.
+    vital : whether there is no disc where it is broken.
     """
 
     names: ClassVar[tuple[str, ...]]
@@ -350,22 +366,25 @@ class Condition(ABC):
     def margins(
         self, curve: PitchCurve, cams: Sequence[Cam], phi: FloatArray, side: Side
     ) -> FloatArray:
-        """(n,) what has the sign of the margins at `phi` (n,) [rad], and no poles, on `curve`,
-        which is that of `cams`: one for each place, or one for all.
+        """(n,) numbers with the signs of the margins at `phi` (n,) [rad], but without poles.
+
+        `curve` is the pitch curve of the `cams`, of which there is one for each place or one for
+        all.
         """
 
     def place_margins(
         self, curve: PitchCurve, cams: Sequence[Cam], phi: float, count: int
     ) -> FloatArray:
-        """(count,) see `at`, all at `phi` [rad]: at a break the smaller one."""
+        """(count,) margins at one place `phi` [rad], see `margins`; at a break the smaller one."""
         places = np.full(count, phi)
         both = [self.margins(curve, cams, places, side) for side in SIDES]
         return np.asarray(np.minimum(*both))
 
     def cam_margins(self, cams: Sequence[Cam | None], phi: float) -> FloatArray:
-        """(n,) the same of `cams` of one motion; -1 where there is no mechanism."""
+        """(n,) margins at `phi` [rad] of `cams` with one motion; -1 where there is no mechanism."""
         margins = np.full(len(cams), -1.0)
         kinds: dict[Hashable, list[int]] = {}
+        # Cams whose followers are alike are computed at once.
         for k, cam in enumerate(cams):
             if cam is not None:
                 kinds.setdefault(alike(cam.follower), []).append(k)
@@ -379,9 +398,11 @@ class Condition(ABC):
 
 @dataclass(frozen=True, slots=True)
 class Bend(Condition):
-    """1 + d kappa of the flanks in use: neither cusp nor local undercut, with the play of a groove.
+    """1 + d kappa > 0 on the flanks in use: neither cusp nor local undercut, with the play of a
+    groove.
 
-    With `ratio` the rule r_R <= ratio r_K: the same, of a roller r_R/ratio without play.
+    With `ratio` it is the rule r_R <= ratio r_K, which is the same for a roller of radius r_R/ratio
+    without play.
     """
 
     names: ClassVar[tuple[str, ...]] = UNDERCUT
@@ -406,6 +427,8 @@ class Bend(Condition):
         relative = curve.relative_jet(phi, side, order=2)
         bend = curve.follower.curvature(relative, np.ones_like(phi), curve.rotation)
         speed = np.hypot(relative.u, relative.v)
+        # 1 + d kappa has a pole where the speed |Z'| vanishes, |Z'|^3 + d |Z'|^3 kappa has none;
+        # the base radius makes it a number.
         distances = np.array([self._distances(cam) for cam in cams]).T
         size = np.array([cam.follower.base_radius for cam in cams])
         return np.asarray(np.min(speed**3 + distances * bend, axis=0) / size**3)
@@ -413,7 +436,7 @@ class Bend(Condition):
 
 @dataclass(frozen=True, slots=True)
 class Ratio(Bend):
-    """See `Bend`."""
+    """The rule of thumb r_R <= ratio r_K, see `Bend`."""
 
     names = ("radius-ratio",)
     vital = False
@@ -421,7 +444,7 @@ class Ratio(Bend):
 
 @dataclass(frozen=True, slots=True)
 class Angle(Condition):
-    """The transmission angle beyond its `limit` [rad]."""
+    """The transmission angle is at least its `limit` [rad]."""
 
     names = ("transmission-angle",)
 
@@ -435,13 +458,14 @@ class Angle(Condition):
         self, curve: PitchCurve, _: Sequence[Cam], phi: FloatArray, side: Side
     ) -> FloatArray:
         relative = curve.relative_jet(phi, side, order=1)
+        # tan mu = |u| / |v|, so mu > limit where |u| cos(limit) > |v| sin(limit).
         u, v = np.abs(relative.u), np.abs(relative.v)
         return np.asarray(u * math.cos(self.limit) - v * math.sin(self.limit))
 
 
 @dataclass(frozen=True, slots=True)
 class Convex(Condition):
-    """The radius of curvature under a flat face, as a fraction of the base radius."""
+    """The radius of curvature under a flat face is positive; margins are fractions of r_G."""
 
     names = (CONVEXITY,)
     vital = True
@@ -471,13 +495,15 @@ CONDITIONS: Final[Mapping[str, Callable[[float, float], dict[str, Condition]]]] 
     },
     "face": lambda angle, _: {"convexity": Convex(), "transmission angle": Angle(angle)},
 }
-"""What must hold, by the fault where it does not, and by what touches the cam."""
+"""The conditions by the name of the fault that breaks them, by what touches the cam; made for the
+least transmission angle [rad] and the largest r_R/r_K that are allowed."""
 
 
 def place_range(extremes: Extremes, angles: Range) -> tuple[int, int]:
     """Slice bounds of the `extremes` between two cam angles, which are approached from inside.
 
-    `angles` may lie in any turn; the first index is included, the second is not.
+    The first index is included, the second is not. If the extremes begin behind the angles, these
+    are taken a turn later.
     """
     shift = TURN if angles[0] < extremes.phi[0] - SNAP else 0.0
     start, end = angles[0] + shift + SNAP, angles[1] + shift - SNAP
@@ -503,7 +529,7 @@ SQUARE = 1e-10
 """Largest cosine between chord and tangent that counts as a right angle; its square is rounding."""
 
 TOGETHER = 1e-3
-"""Ends closer than this [rad] are running into each other: between the ends of a neck the curve
+"""Ends closer than this [rad] are converging to one point: between the ends of a neck the curve
 makes half a turn, and where they meet their two equations become one."""
 
 Pair = tuple[int, float, float]
@@ -521,8 +547,9 @@ class Neck:
     Attributes
     ----------
     disc : number of its disc.
-    first, second : its ends; as fractions of segments they survive a change of the spans.
-    clearance : its length minus twice the distance of the flanks from the pitch curve [mm].
+    first, second : ends of the chord; as fractions of segments they survive a change of the spans.
+    clearance : length of the chord minus twice the distance of the flanks from the pitch curve
+        [mm].
     """
 
     disc: int
@@ -532,14 +559,17 @@ class Neck:
 
 
 def _square_chord(pitch: PitchCurve, first: float, second: float) -> tuple[float, float] | None:
-    """Ends [rad] of a nearby shortest chord, by Newton's method; None if it does not converge."""
+    """Ends [rad] of a shortest chord near the cam angles `first` and `second`, by Newton's method;
+    None if it does not converge.
+    """
     angles = np.array([first, second])
     for _ in range(STEPS):
         if abs(math.remainder(float(angles[1] - angles[0]), math.tau)) < TOGETHER:
             return None
         point, slope, bend = pitch.jet(angles)[:3]
         chord = np.conj(complex(point[1] - point[0]))
-        # Half the square of the chord's length, its gradient and its Hessian.
+        # Half the square of the chord's length is minimised; gradient and Hessian by the two
+        # angles.
         sign = np.array([-1.0, 1.0])
         gradient = sign * (chord * slope).real
         speed = np.abs(slope)
@@ -550,6 +580,7 @@ def _square_chord(pitch: PitchCurve, first: float, second: float) -> tuple[float
         if min(diagonal) <= 0.0 or diagonal[0] * diagonal[1] <= mixed**2:  # no minimum: go downhill
             diagonal, mixed = speed**2, 0.0
         crosswise = diagonal[::-1] * gradient - mixed * gradient[::-1]
+        # Cramer's rule for the two unknowns.
         step = crosswise / (diagonal[0] * diagonal[1] - mixed**2)
         longest = float(np.max(np.abs(step)))
         if longest == 0.0:
@@ -572,10 +603,9 @@ class Discs(tuple[Cam, ...]):
         return self[0].drive.plan
 
     def sized(self, number: int = 0, **sizes: float) -> Discs:
-        """The same with other dimensions of the follower of disc `number`, as its table states
-        them.
+        """The discs with other dimensions of the follower of disc `number`, named as in its table.
 
-        A return roller follows the main one in what is not stated for it. GeometryError if the
+        A return roller takes from the main one what is not stated for it. GeometryError if the
         dimensions are impossible.
         """
         main, *others = self
@@ -591,7 +621,7 @@ class Discs(tuple[Cam, ...]):
         return Discs(changed)
 
     def moved(self, plan: MotionPlan) -> Discs:
-        """The same with another motion plan."""
+        """The discs with another motion plan."""
         main, *others = self
         main = main.moved(plan)
         return Discs((main, *(replace(cam, drive=main.drive, ledger=Ledger()) for cam in others)))
@@ -602,8 +632,8 @@ class Discs(tuple[Cam, ...]):
         return math.radians(float(first)), math.radians(float(last))
 
     def segment_index(self, angle: float) -> int:
-        """Index of the segment that contains the cam angle [rad]; the last with a length if none
-        does.
+        """Index of the segment that contains the cam angle [rad]; if rounding leaves it in none, of
+        the last segment with a length.
         """
         last = 0
         for number, segment in enumerate(self.plan.segments):
@@ -619,7 +649,7 @@ class Discs(tuple[Cam, ...]):
         self, conditions: Conditions, segment: int | None = None
     ) -> tuple[Condition, int, float] | None:
         """The first of the `conditions` that a disc breaks, the number of the disc, and the cam
-        angle [rad] where it is worst; None if all are kept. A `segment` is all that is looked at.
+        angle [rad] where it is worst; None if all are kept. With `segment` only that is looked at.
 
         GeometryError if there is no such mechanism: it does not close, its roller covers the cam
         axis, its guide touches the base circle, or its roller centre stands still.
@@ -636,6 +666,7 @@ class Discs(tuple[Cam, ...]):
                 if segment is not None:
                     places = place_range(extremes, self.segment_angles(segment))
                 worst = places[0] + int(np.argmin(extremes.values[slice(*places)]))
+                # A margin that is 0 up to rounding is that of a cusp, which is broken too.
                 if extremes.values[worst] <= CUSP:
                     return condition, number, float(extremes.phi[worst])
         return None
@@ -650,12 +681,12 @@ class Discs(tuple[Cam, ...]):
         )
 
     def narrowest(self) -> Neck | None:
-        """The neck with the smallest clearance near a crossing; None if none is found."""
+        """The neck with the smallest clearance near a crossing; None if there is no neck."""
         necks = [neck for pair in self.crossings() if (neck := self._neck(*pair)) is not None]
         return min(necks, key=lambda neck: neck.clearance, default=None)
 
     def followed(self, neck: Neck) -> Neck | None:
-        """The same neck of other discs; None if it cannot be followed."""
+        """The neck of these discs that corresponds to `neck`; None if it cannot be followed."""
         return self._neck(neck.disc, self._angle(neck.first), self._angle(neck.second))
 
     def _neck(self, number: int, first: float, second: float) -> Neck | None:
@@ -669,6 +700,8 @@ class Discs(tuple[Cam, ...]):
             return None
         point, slope = pitch.jet(np.array(ends))[:2]
         chord = complex(point[1] - point[0])
+        # The normals towards the inside of the curve, those at the second end reversed, so that
+        # both have a positive part along the chord where it lies inside.
         inward = 1j * pitch.rotation * slope / np.abs(slope) * np.array([1.0, -1.0])
         facing = (np.conj(chord) * inward).real
         # The flank lies in the chord at both its ends, or at neither.
@@ -689,9 +722,9 @@ class Discs(tuple[Cam, ...]):
     def faulty_segments(self, condition: Condition) -> tuple[int, ...]:
         """Indices in the plan of the segments that are at fault.
 
-        Those in which the condition is broken; if there are none, those whose flanks cross each
-        other, without the dwells if there is a move among them: the move next to a dwell is what
-        can change.
+        These are the segments in which the condition is broken. If there are none, they are those
+        whose flanks cross each other, without the dwells if there is a move among them: the move
+        next to a dwell is what can change.
         """
         extremes = [condition.margin_extremes(cam) for cam in self]
 

@@ -31,7 +31,7 @@ import numpy as np
 from camgeo.cam.cam import Cam
 from camgeo.check.disc import check_convexity, transmission_angle_extremes
 from camgeo.check.sizing.smallest import CLOSE, MOST, Active, Rating, Sizing, require_angle
-from camgeo.check.sizing.task import Placing, Rocking
+from camgeo.check.sizing.task import Placing, RockerPlacing
 from camgeo.errors import GeometryError
 from camgeo.geometry.pieces import (
     SMALLEST,
@@ -66,11 +66,11 @@ SLACK = 1e-14
 
 @dataclass(frozen=True, slots=True)
 class FaceLimits:
-    """What is required of a flat face.
+    """The limits that a flat face must keep.
 
     Attributes
     ----------
-    tangent : of the transmission angle.
+    tangent : tangent of the smallest transmission angle.
     radius : smallest radius of curvature of the outline [mm], above 0.
     clearance : smallest distance of the face from the cam axis [mm], above 0.
     """
@@ -85,7 +85,7 @@ class FaceTask(Placing):
 
     Attributes
     ----------
-    names : of its conditions, see `slack`.
+    names : names of the conditions, see `slack`.
     """
 
     __slots__ = ()
@@ -93,14 +93,15 @@ class FaceTask(Placing):
     names: ClassVar[tuple[str, ...]]
 
     def required_limits(self, angle: float, radius: float) -> FaceLimits:
-        """What is required: a transmission angle [rad] and a radius of curvature [mm], see
-        `size`; a cam with a cusp, or one that touches its axis, is excluded.
+        """The limits for a transmission angle [rad] and a radius of curvature [mm], see `size`.
+
+        The radius is raised so that a cam with a cusp is excluded, and so is a face on the axis.
         """
         least = 2.0 * SMALLEST * (self.follower.base_radius + abs(self.present))
         return FaceLimits(math.tan(angle), max(radius, least), least)
 
     def moved(self, _: complex) -> dict[str, float | complex]:
-        """See `Placing`: guide or pivot are kept."""
+        """See `Placing`: guide and pivot are kept, so no other length follows from the place."""
         return {}
 
     @property
@@ -110,7 +111,7 @@ class FaceTask(Placing):
 
     @abstractmethod
     def lever(self, limits: FaceLimits) -> float:
-        """Smallest position of the contact [mm] along the face."""
+        """Smallest allowed position of the contact [mm] along the face."""
 
     @abstractmethod
     def rows(self, name: str, phi: FloatArray, side: Side, limits: FaceLimits) -> Rows:
@@ -148,8 +149,8 @@ class FaceTask(Placing):
         return FACE_TASKS[type(cam.follower)](cam)
 
     def rate_place(self, place: complex) -> Rating | None:
-        """What the cam axis at `place` results in; None if there is no such mechanism, or its face
-        turns back in the cam.
+        """The rating of the cam with its axis at `place`; None if there is no such mechanism, or
+        its face turns back in the cam.
         """
         try:
             curve = self.pitch_curve(place)
@@ -203,7 +204,7 @@ class FaceTask(Placing):
 
 
 class FaceOnGuide(FaceTask):
-    """On a guide: the base radius alone is to be found."""
+    """A flat face on a guide, of which only the base radius is sized."""
 
     __slots__ = ()
 
@@ -226,7 +227,7 @@ class FaceOnGuide(FaceTask):
         return -place.imag
 
     def lever(self, _: FaceLimits) -> float:
-        """See `FaceTask`: it moves on its guide wherever it is pushed."""
+        """See `FaceTask`: a follower on a guide moves wherever its face is pushed."""
         return -math.inf
 
     def rows(self, name: str, phi: FloatArray, side: Side, limits: FaceLimits) -> Rows:
@@ -242,8 +243,8 @@ class FaceOnGuide(FaceTask):
         return complex(0.0, -float(np.max(known[2])))
 
 
-class FaceOnRocker(Rocking, FaceTask):
-    """On a rocker, whose pivot is kept: the base radius is to be found."""
+class FaceOnRocker(RockerPlacing, FaceTask):
+    """A flat face on a rocker with a given pivot, of which only the base radius is sized."""
 
     __slots__ = ()
 
@@ -263,6 +264,7 @@ class FaceOnRocker(Rocking, FaceTask):
         follower = self.follower
         lift = follower.arm_side * follower.swing_sense * self.motion.jet(phi, side, 2)
         sine, cosine = np.sin(lift[0]), np.cos(lift[0])
+        # The conditions of the module, with all that does not depend on x and y on the right.
         if name == FACE_OVER_AXIS:
             return sine, cosine, np.full(len(phi), limits.clearance - follower.face_offset)
         turn = 1.0 - self.cam.rotation * follower.arm_side * lift[1]
@@ -283,6 +285,8 @@ class FaceOnRocker(Rocking, FaceTask):
         size = distance * np.hypot(a, b)
         if np.any(c > size):
             return None
+        # With P = l_1 exp(-i chi_0) a condition is cos(chi_0 - middle) >= c / (l_1 |(a, b)|): an
+        # arc of half width arccos of that. Without a and b it holds everywhere.
         middle = np.arctan2(b, a)
         share = np.divide(c, size, out=np.full_like(c, -1.0), where=size > 0.0)
         half = np.arccos(np.clip(share, -1.0, 1.0))
@@ -309,14 +313,14 @@ FACE_TASKS: Final[dict[type[Follower], type[FaceTask]]] = {
 # -- faces ----------------------------------------------------------------------------------------
 # By exchange, from below, as for the transmission angle.
 #
-# The place with the smallest base circle that meets some conditions is found, those that it breaks
-# most are added, and so on until none is broken, see `camgeo.check.sizing.smallest`. On a rocker
-# that place is the smallest chi_0 that the arcs of all conditions have in common. So the answer is
-# exact.
+# The place with the smallest base circle that meets some conditions is determined, those that it
+# breaks most are added, and so on until none is broken, see `camgeo.check.sizing.smallest`. On a
+# rocker that place is the smallest chi_0 that the arcs of all conditions have in common. So the
+# answer is exact.
 
 
 JUMP = "contact-jump"
-"""Name of the finding that the velocity jumps."""
+"""Name of the finding on a velocity jump under a flat face."""
 
 ACTIVE_SHARE = 1e-9
 """A condition this close to its limit, as a fraction of the size of its terms, is active."""
@@ -326,7 +330,7 @@ ENLARGED = 1e-5
 
 
 def _hopeless(task: FaceTask) -> str | None:
-    """Why no size will do (the linkage, a face that turns back, a velocity jump), or None."""
+    """Why no size will do: the linkage, a face that turns back, or a velocity jump; else None."""
     if task.hopeless is not None:
         return task.hopeless
     curve = task.pitch_curve(task.present)
@@ -339,9 +343,10 @@ def _hopeless(task: FaceTask) -> str | None:
 def smallest_for_face(
     task: FaceTask, limits: FaceLimits
 ) -> tuple[complex | None, tuple[Active, ...]]:
-    """The place with the smallest base circle for which `asked` holds, and what decides it.
+    """The place with the smallest base circle that keeps the `limits`, and what decides it.
 
-    None if there is none. tau must be positive over the turn, and the velocity without jumps.
+    None if there is no such place. tau must be positive over the turn, and the velocity without
+    jumps.
     """
     known: Rows = task.rows(FACE_OVER_AXIS, np.zeros(1), "right", limits)
     place = task.lowest(known)
@@ -367,6 +372,7 @@ def smallest_for_face(
             if missed is None:
                 return place, tuple(active)
             known = _joined(known, task.rows(CONVEX, np.array([missed]), "right", limits))
+        # Where the new conditions do not move the place, it breaks them by rounding only.
         previous, place = place, task.lowest(known)
         if place == previous:
             return place, tuple(active)

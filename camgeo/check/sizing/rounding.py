@@ -1,8 +1,8 @@
 """The sizes that a designer writes down: rounded up, to the side on which every limit is kept.
 
 The base radius is the next one with a sensible number of decimals at which the checks find nothing
-wrong. Its second dimension is chosen in the middle of what the limits leave there, with as many
-additional decimals as necessary.
+wrong. The second dimension is chosen in the middle of the range that the limits leave at that base
+radius, with as many additional decimals as necessary.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ from camgeo.check.disc import disc_findings
 from camgeo.check.finding import Finding, Limits
 from camgeo.check.machine import linkage_findings
 from camgeo.check.sizing.face import FaceTask
-from camgeo.check.sizing.smallest import Conditions, Rating, Sizing, extreme_angles
-from camgeo.check.sizing.task import Placing, Task, covered_pairs, no_pairs
+from camgeo.check.sizing.smallest import PlaceConditions, Rating, Sizing, extreme_angles
+from camgeo.check.sizing.task import Placing, RollerTask, covered_pairs, no_pairs
 from camgeo.errors import GeometryError
 from camgeo.geometry.pieces import contact_extremes, convexity
 from camgeo.lazy import Ledger
@@ -29,7 +29,7 @@ DECIMALS: Final = 4
 """Decimals of a length from 1 to 10,000 mm, in mm: a tenth of what a good machine resolves."""
 
 SMALL, LARGE = 4, 7
-"""Decimals after the first digit of a smaller, and of a larger length."""
+"""Decimals after the first digit of a length below 1 mm, and of one above 10,000 mm."""
 
 STEPS: Final = (0, 1, 2, 5, 20, 100, 1000)
 """Units of the last digit by which the base radius exceeds the limit, tried in turn. The first
@@ -46,7 +46,7 @@ TRIES: Final = 4
 """Most places tried for a base radius; each takes into account what the previous one broke."""
 
 NEAR: Final = 1e-11
-"""A limit that exceeds a number with so many decimals by less than this fraction counts as it."""
+"""A limit that exceeds a rounded number by less than this fraction counts as equal to it."""
 
 WIDTH, ZOOM, ZOOMS, WAYS = 0.1, 8.0, 12, 65
 """Search for the direction with the most room: half the first range [rad], by how much the next one
@@ -62,7 +62,7 @@ class RoundedMechanism:
 
     Attributes
     ----------
-    lengths : of the follower, by their scene's keys, in the scene's unit.
+    lengths : lengths of the follower by their scene's keys, in the scene's unit.
     cam : the cam with these lengths.
     """
 
@@ -73,13 +73,17 @@ class RoundedMechanism:
     def from_sizing(
         task: Placing, sizing: Sizing, ratio: float, present: float | None, unit: float
     ) -> RoundedMechanism | None:
-        """The answer with its sizes rounded up, and the arm if it is not the `present` one [mm]."""
+        """The answer of a sizing with its sizes rounded up; None if there is none, or none sound.
+
+        The arm is among the lengths if it is not the `present` one [mm]. `unit` is that of the
+        scene [mm].
+        """
         if sizing.answer is None:
             return None
         if isinstance(task, FaceTask):
             least = sizing.radius or 0.0
             return rounded_face(task, sizing.answer.place, sizing.angle, least, unit)
-        assert isinstance(task, Task)
+        assert isinstance(task, RollerTask)
         assert sizing.examined is not None  # as there is an answer
         mechanism = rounded(task, sizing.answer.place, sizing.examined, sizing.angle, ratio, unit)
         arm = getattr(task.follower, "arm", None)
@@ -96,7 +100,7 @@ def decimal_exponent(length: float, unit: float) -> int:
 
 
 def upward(length: float, exponent: int, unit: float) -> Decimal:
-    """The next multiple of the last decimal from `length` [mm] on, in the unit."""
+    """The next multiple of the last decimal, 10**`exponent`, from `length` [mm] on, in the unit."""
     exact = Decimal(length / unit * (1.0 - NEAR))
     return exact.quantize(Decimal(1).scaleb(exponent), ROUND_CEILING)
 
@@ -114,19 +118,24 @@ def sound(cam: Cam, angle: float, ratio: float) -> bool:
 
 
 def _counts(finding: Finding) -> bool:
-    """Whether a finding is bad, and depends on the size."""
+    """Whether a finding is bad and depends on the size."""
     return finding.severity not in ("ok", "warning") and not finding.name.startswith(SHOCK_FINDINGS)
 
 
 def rounded(
-    task: Task, place: complex, now: Conditions, angle: float, ratio: float, unit: float
+    task: RollerTask,
+    place: complex,
+    conditions: PlaceConditions,
+    angle: float,
+    ratio: float,
+    unit: float,
 ) -> RoundedMechanism | None:
     """The next sizes from those of `place` on; None if no rounded ones are sound.
 
     Parameters
     ----------
-    now : conditions that decide near `place`.
-    angle, ratio : required.
+    conditions : the conditions that decide near `place`.
+    angle, ratio : required transmission angle [rad] and r_R/r_K.
     unit : mm per unit of the scene.
     """
     base = abs(place - task.start)
@@ -135,34 +144,36 @@ def rounded(
     for step in STEPS:
         radius = float(first + step * Decimal(1).scaleb(exponent))
         for _ in range(TRIES):
-            middle = _roomiest(task, now, place, radius * unit)
+            middle = _roomiest(task, conditions, place, radius * unit)
             mechanism = _with_second(task, middle, radius, (angle, ratio), exponent, unit)
             if mechanism is not None and sound(mechanism.cam, angle, ratio):
                 return mechanism
-            phi = extreme_angles(task, middle, now.tangent, now.ratio)[0]
+            phi = extreme_angles(task, middle, conditions.tangent, conditions.ratio)[0]
             pairs = no_pairs(task) if mechanism is None else covered_pairs(task, middle)
-            now = now.with_more(task, phi, pairs)
-            if now.room(np.array([middle]))[0] >= 0.0:
+            conditions = conditions.with_more(task, phi, pairs)
+            if conditions.room(np.array([middle]))[0] >= 0.0:
                 break  # no known condition is broken
     return None
 
 
 def _with_second(
-    task: Task,
+    task: RollerTask,
     place: complex,
     radius: float,
     required: tuple[float, float],
     exponent: int,
     unit: float,
 ) -> RoundedMechanism | None:
-    """With a base radius, in the unit, and the second dimension near that of `place`.
+    """The mechanism with a base radius, in the unit, and the second dimension near that of `place`.
 
-    It has as many decimals as the `required` angle and ratio take; None if none suffice.
+    The second dimension gets as many decimals as the `required` angle and ratio take; None if no
+    number of decimals suffices.
     """
     for more in range(MORE + 1):
         last = Decimal(1).scaleb(exponent - more)
         lengths: dict[str, float | list[float]] = {"base_radius": radius}
         for key, length in task.moved(place).items():
+            # A scene states a pivot by its two coordinates.
             if isinstance(length, complex):
                 lengths[key] = [_near(length.real, last, unit), _near(length.imag, last, unit)]
             else:
@@ -174,13 +185,13 @@ def _with_second(
 
 
 def _near(length: float, last: Decimal, unit: float) -> float:
-    """A length [mm] to its last decimal, in the unit; 0, and not -0."""
+    """A length [mm] rounded to its last decimal, in the unit; never -0."""
     return float(Decimal(length / unit).quantize(last, ROUND_HALF_EVEN)) + 0.0
 
 
 def _keeps_limits(cam: Cam, angle: float, ratio: float) -> bool:
     """Whether `cam` keeps its transmission angle and r_R/r_K, which is quick to check."""
-    task = Task.from_cam(cam)
+    task = RollerTask.from_cam(cam)
     rating = Rating.from_place(task, task.present)
     return (
         rating is not None
@@ -202,13 +213,15 @@ def _resized(
         return None
 
 
-def _roomiest(task: Task, now: Conditions, place: complex, radius: float) -> complex:
+def _roomiest(
+    task: RollerTask, conditions: PlaceConditions, place: complex, radius: float
+) -> complex:
     """The place with a base radius [mm], near `place`, that leaves the conditions most room."""
     theta = float(np.angle(place - task.start))
     width = WIDTH
     for _ in range(ZOOMS):
         ways = np.clip(theta + width * np.linspace(-1.0, 1.0, WAYS), *task.directions)
-        room = now.room(task.start + radius * np.exp(1j * ways))
+        room = conditions.room(task.start + radius * np.exp(1j * ways))
         theta = float(ways[int(np.argmax(room))])
         width /= ZOOM
     return complex(task.start + radius * np.exp(1j * theta))
@@ -217,7 +230,7 @@ def _roomiest(task: Task, now: Conditions, place: complex, radius: float) -> com
 def rounded_face(
     task: FaceTask, place: complex, angle: float, least: float, unit: float
 ) -> RoundedMechanism | None:
-    """The next base radius from that of `place` on; None if no rounded one is sound.
+    """The mechanism with the next base radius from that of `place` on; None if none is sound.
 
     A face with ends is made as long as the contact requires. `least` is the smallest radius of
     curvature allowed [mm].
@@ -238,7 +251,7 @@ def rounded_face(
 
 
 def _long_enough(mechanism: RoundedMechanism, unit: float) -> RoundedMechanism:
-    """`made` with its face, if that has ends, as long as the contact requires."""
+    """The mechanism with its face, if that has ends, as long as the contact requires."""
     face = mechanism.cam.follower.face
     if face is None:
         return mechanism
@@ -262,7 +275,7 @@ def _long_enough(mechanism: RoundedMechanism, unit: float) -> RoundedMechanism:
 
 
 # -- arm ------------------------------------------------------------------------------------------
-# The arm of an oscillating follower, sought within a range together with the cam axis.
+# The arm of an oscillating follower, optimised within a range together with the cam axis.
 #
 # For a given swing all lengths of a rocker scale with the arm l_3: places of the cam axis as P/l_3,
 # curvatures as kappa l_3. For the transmission angle alone the smallest base circle is therefore
@@ -272,14 +285,15 @@ def _long_enough(mechanism: RoundedMechanism, unit: float) -> RoundedMechanism:
 
 
 ARMS = 7
-"""Number tried first, in equal ratios from the shortest to the longest that can be better."""
+"""Number of arms tried first, in equal ratios from the shortest to the longest that can be
+better."""
 
 SECTIONS = 14
 """Golden sections of the two intervals about the best of them: to 1e-3 of an interval."""
 
 ROUNDS = 150
-"""The sections end when the sizings of all arms have taken so many rounds: where global undercut
-decides, one takes a dozen, and the best arm is found less closely."""
+"""The sections end when the sizings of all arms have taken this many rounds: where global undercut
+decides, one sizing takes a dozen, and the best arm is approached less closely."""
 
 CLOSE = 1e-3
 """If an arm longer than the shortest by this fraction is no better, the shortest is the best."""
@@ -289,17 +303,17 @@ NO_ARM: Final = "only an oscillating roller follower has an arm to be sized"
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 
 
-def with_arm(task: Task, arm: float) -> Task:
-    """The same mechanism with an arm of `arm` [mm], pivot and base circle scaled with it."""
+def with_arm(task: RollerTask, arm: float) -> RollerTask:
+    """The mechanism with an arm of the length `arm` [mm], its pivot and base circle scaled too."""
     follower = task.follower
     scale = arm / follower.arm
     pivot, base_radius = follower.pivot * scale, follower.base_radius * scale
-    return Task.from_cam(task.cam.sized(arm=arm, pivot=pivot, base_radius=base_radius))
+    return RollerTask.from_cam(task.cam.sized(arm=arm, pivot=pivot, base_radius=base_radius))
 
 
 def size_with_arm(
-    task: Task, angle: float, ratio: float, low: float, high: float
-) -> tuple[Task, Sizing]:
+    task: RollerTask, angle: float, ratio: float, low: float, high: float
+) -> tuple[RollerTask, Sizing]:
     """The mechanism with the arm that gives the smallest base circle, and its sizing.
 
     Parameters
@@ -331,7 +345,7 @@ def size_with_arm(
         answer = tried[arm].answer
         return math.inf if answer is None else answer.base_radius
 
-    def result(arm: float) -> tuple[Task, Sizing]:
+    def result(arm: float) -> tuple[RollerTask, Sizing]:
         return with_arm(task, arm), tried[arm]
 
     shortest = radius(low)
@@ -339,6 +353,8 @@ def size_with_arm(
     if alone is None or shortest == alone.base_radius or low == high:
         return result(low)
     per_arm = alone.base_radius / low
+    # For the angle alone the circle grows with the arm, so a longer one than this needs a larger
+    # circle than the shortest arm does.
     high = min(high, shortest / per_arm)
     arms = [float(arm) for arm in np.geomspace(low, high, ARMS)]
     for arm in arms:
@@ -354,6 +370,7 @@ def size_with_arm(
     for _ in range(SECTIONS):
         if right <= left * (1.0 + 1e-4) or sum(sizing.rounds for sizing in tried.values()) > ROUNDS:
             break
+        # The golden section of the logarithm of the arm.
         first = right * (left / right) ** GOLDEN
         second = left * (right / left) ** GOLDEN
         if radius(first) <= radius(second):
@@ -368,10 +385,10 @@ def size_with_arm(
 
 
 def rated(cam: Cam) -> Rating | None:
-    """What a cam results in; None if there is no such mechanism."""
+    """The rating of a cam as it is; None if there is no such mechanism."""
     rating: Rating | None
     if cam.follower.has_pitch_curve:
-        task = Task.from_cam(cam)
+        task = RollerTask.from_cam(cam)
         rating = Rating.from_place(task, task.present)
     else:
         face = FaceTask.from_cam(cam)
@@ -387,13 +404,15 @@ def sized(
     arms: tuple[float, float] | None,
     unit: float,
 ) -> list[tuple[Placing, Sizing]]:
-    """The smallest base circle on each side, that of the cam first, with its sizing.
+    """The tasks of both sides of a rocker, or of the one of a guide, each with its sizing.
+
+    The side of the present cam comes first.
 
     Parameters
     ----------
-    angle, ratio, radius : limits as for `Sizing.solve`, and as for `FaceTask.size`.
+    angle, ratio, radius : limits as for `Sizing.solve` and `FaceTask.size`.
     arms : the shortest and the longest arm of a rocker [mm], to look for its arm too.
-    unit : of written lengths [mm].
+    unit : unit of written lengths [mm].
 
     Raises
     ------
@@ -401,7 +420,7 @@ def sized(
         As `Sizing.solve`, `FaceTask.size` and `size_with_arm`.
     """
     if cam.follower.has_pitch_curve:
-        sides = Task.from_cam(cam).sides
+        sides = RollerTask.from_cam(cam).sides
         if arms is None:
             return [(side, Sizing.solve(side, angle, ratio)) for side in sides]
         return [_with_stated_arm(side, angle, ratio, arms, unit) for side in sides]
@@ -411,9 +430,9 @@ def sized(
 
 
 def _with_stated_arm(
-    side: Task, angle: float, ratio: float, arms: tuple[float, float], unit: float
-) -> tuple[Task, Sizing]:
-    """The sizing with an arm of the decimals with which it is written."""
+    side: RollerTask, angle: float, ratio: float, arms: tuple[float, float], unit: float
+) -> tuple[RollerTask, Sizing]:
+    """The sizing with the best arm, rounded to the decimals with which it is written."""
     task, sizing = size_with_arm(side, angle, ratio, *arms)
     best_arm = task.follower.arm
     last = Decimal(1).scaleb(decimal_exponent(best_arm, unit))

@@ -11,7 +11,7 @@ from typing import Any, Final
 import numpy as np
 
 from camgeo.check.disc import transmission_angle_extremes
-from camgeo.check.sizing.task import Covers, Task, Terms, covered_pairs, no_pairs
+from camgeo.check.sizing.task import Covers, RollerTask, Terms, covered_pairs, no_pairs
 from camgeo.errors import GeometryError
 from camgeo.geometry.outline.outline import CUSP
 from camgeo.geometry.pieces import curvature_extremes, extremes, nearest_to_axis, smooth_pieces
@@ -30,7 +30,8 @@ from camgeo.numeric.extremes import Extreme
 from camgeo.units import TURN
 
 ACTIVE = 1e-9
-"""A condition this close to its limit is active: in rad for the angle, absolute for the ratio."""
+"""A condition this close to its limit is active: in rad for the angle, as a difference of ratios
+for r_R/r_K."""
 
 SAME = 1e-7
 """Cam angles [rad] closer than this are the same."""
@@ -39,7 +40,7 @@ TOUCHES = 1e-7
 """A point within this fraction of |d| of being covered decides, if nothing else is as close."""
 
 AXIS_MARGIN = 1e-9
-"""Fraction by which the roller stays beside the cam axis."""
+"""Fraction of its radius by which the roller stays clear of the cam axis."""
 
 ARM_SIDES: Final = {1: "ccw", -1: "cw"}
 """The side of an arm, as in scenes."""
@@ -65,16 +66,17 @@ class Active:
 
 @dataclass(frozen=True, slots=True)
 class Rating:
-    """What a place of the cam axis results in.
+    """The properties of the cam with its axis at one place.
 
     Attributes
     ----------
-    place : see `Task` [mm].
-    follower : with the cam axis there.
-    transmission_angle : the smallest [rad], with its cam angle [rad].
-    radius_ratio : the largest r_R/r_K, with its cam angle [rad]; 0 for a flat face.
-    radius_of_curvature : the smallest of the outline under a flat face [mm], with its cam angle.
-    face : where on a flat face the contact begins and ends [mm], with their cam angles.
+    place : the place of the cam axis [mm], see `RollerTask`.
+    follower : the follower with the cam axis there.
+    transmission_angle : smallest transmission angle [rad], with its cam angle [rad].
+    radius_ratio : largest r_R/r_K, with its cam angle [rad]; 0 for a flat face.
+    radius_of_curvature : smallest radius of curvature of the outline under a flat face [mm], with
+        its cam angle.
+    face : first and last position of the contact on a flat face [mm], with their cam angles.
     """
 
     place: complex
@@ -91,18 +93,18 @@ class Rating:
 
     @property
     def arm_side(self) -> str | None:
-        """That of a rocker, as in scenes; None on a guide."""
+        """The arm side of a rocker, as in scenes; None on a guide."""
         side = getattr(self.follower, "arm_side", None)
         return None if side is None else ARM_SIDES[side]
 
     @property
     def contact(self) -> tuple[float, float] | None:
-        """From where to where the contact runs on a flat face [mm]."""
+        """First and last position of the contact on a flat face [mm]; None for a roller."""
         return None if self.face is None else (self.face[0].value, self.face[1].value)
 
     @staticmethod
-    def from_place(task: Task, place: complex) -> Rating | None:
-        """What the cam axis at `place` results in; None if there is no such mechanism."""
+    def from_place(task: RollerTask, place: complex) -> Rating | None:
+        """The rating of the cam with its axis at `place`; None if there is no such mechanism."""
         try:
             curve = task.pitch_curve(place)
             angle = transmission_angle_extremes(curve).smallest()
@@ -114,23 +116,24 @@ class Rating:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sizing:
-    """The answer.
+    """The smallest base circle for given limits, and how it was determined.
 
     Attributes
     ----------
-    angle, ratio : what was required; mu [rad] and r_R/r_K.
-    construction : Flocke's; None for a flat face, and where no size will do.
-    flocke : its proposal rated; None if its region is empty.
-    for_angle : the smallest base circle for the transmission angle alone; None if there is none.
-    answer : that for both; None if there is none.
-    active : the conditions that decide it, at most two except by symmetry.
+    angle, ratio : the required transmission angle mu [rad] and r_R/r_K.
+    construction : Flocke's construction; None for a flat face, and where no size will do.
+    flocke : rating of the construction's proposal; None if its region is empty.
+    for_angle : rating of the smallest base circle for the transmission angle alone; None if there
+        is none.
+    answer : rating of the smallest base circle for all limits; None if there is none.
+    active : the conditions that decide the answer, at most two except by symmetry.
     nearest_angle : largest transmission angle [rad] that can be kept, if the required one cannot.
-    nearest_ratio : smallest r_R/r_K of a grid of places, if the required one was not found.
-    none_below : base radius [mm] below which there certainly is no place for all of it.
-    reach : largest base radius [mm] searched for both; None if the answer is exact.
+    nearest_ratio : smallest r_R/r_K of a grid of places, if no place kept the required one.
+    none_below : base radius [mm] below which there certainly is no place that keeps all limits.
+    reach : largest base radius [mm] searched for all limits; None if the answer is exact.
     radius : smallest radius of curvature required of the outline under a flat face [mm].
     hopeless : why no size at all will do; None if it is a matter of size.
-    rounds : of exchange that the search took; 0 without one.
+    rounds : rounds of exchange that the search took; 0 if it took none.
     examined : the conditions that decide near the answer of a roller.
     """
 
@@ -148,16 +151,16 @@ class Sizing:
     radius: float | None = None
     hopeless: str | None = None
     rounds: int = 0
-    examined: Conditions | None = field(default=None, repr=False)
+    examined: PlaceConditions | None = field(default=None, repr=False)
 
     @property
     def exact(self) -> bool:
-        """Whether the answer is exact to rounding; else `none_below` says what is proved."""
+        """Whether the answer is exact up to rounding; else `none_below` is what is proved."""
         return self.answer is not None and self.reach is None
 
     @staticmethod
-    def solve(task: Task, angle: float, ratio: float) -> Sizing:
-        """Flocke's proposal and the smallest base circle.
+    def solve(task: RollerTask, angle: float, ratio: float) -> Sizing:
+        """Rate Flocke's proposal and determine the smallest base circle of a roller follower.
 
         Parameters
         ----------
@@ -185,25 +188,28 @@ class Sizing:
         proposal = (
             None if construction.place is None else Rating.from_place(task, construction.place)
         )
-        begun = Sizing(angle, ratio, construction, proposal)
+        sizing = Sizing(angle, ratio, construction, proposal)
         place = smallest_place(task, tangent)
         if place is None:
-            return replace(begun, nearest_angle=largest_angle(task), none_below=math.inf)
+            return replace(sizing, nearest_angle=largest_angle(task), none_below=math.inf)
         base = abs(place - task.start)
         if not base > 0.0:
             raise GeometryError(
                 "there is nothing to size: the follower does not move", key="motion"
             )
         for_angle = Rating.from_place(task, place)
+        # If the place that the angle alone decides keeps the rest too, it is the exact answer.
         if for_angle is not None and meets(task, place, tangent, ratio):
-            now = conditions(task, tangent, ratio, extreme_angles(task, place, tangent, ratio)[0])
+            conditions = place_conditions(
+                task, tangent, ratio, extreme_angles(task, place, tangent, ratio)[0]
+            )
             return replace(
-                begun,
+                sizing,
                 for_angle=for_angle,
                 answer=for_angle,
                 active=active_conditions(task, for_angle, angle, ratio),
                 none_below=base,
-                examined=now,
+                examined=conditions,
             )
         least = max(base, task.half * (1.0 + AXIS_MARGIN))
         nearest = smallest_with_bends(task, tangent, ratio, least)
@@ -212,7 +218,7 @@ class Sizing:
         active = () if answer is None else active_conditions(task, answer, angle, ratio, pairs)
         least_ratio = nearest.least_ratio if math.isfinite(nearest.least_ratio) else None
         return replace(
-            begun,
+            sizing,
             for_angle=for_angle,
             answer=answer,
             active=active,
@@ -235,9 +241,9 @@ def require_angle(angle: float) -> None:
 
 
 def active_conditions(
-    task: Task, rating: Rating, angle: float, ratio: float, covers: Covers | None = None
+    task: RollerTask, rating: Rating, angle: float, ratio: float, covers: Covers | None = None
 ) -> tuple[Active, ...]:
-    """The conditions that are at their limits, by cam angle; of pairs one of their angles."""
+    """The conditions that are at their limits, each with its cam angle; of pairs the first one."""
     curve = task.pitch_curve(rating.place)
     angles = transmission_angle_extremes(curve)
     active = [
@@ -273,7 +279,7 @@ def active_conditions(
 # The smallest base circle for a transmission angle: a convex problem, solved by exchange.
 #
 # Every cam angle gives half-planes in which the cam axis must lie. The place nearest to the roller
-# centre is found for some of them, those it violates most are added, and so on until none is
+# centre is determined for some of them, those it violates most are added, and so on until none is
 # violated. The worst violations are roots of a slope, so this converges like Newton's method.
 
 
@@ -284,9 +290,10 @@ MOST = 80
 """Most rounds; a dozen is usual."""
 
 BISECTIONS = 26
+"""Bisections of the largest transmission angle: to about 1e-6 degrees."""
 
 
-def smallest_place(task: Task, tangent: float) -> complex | None:
+def smallest_place(task: RollerTask, tangent: float) -> complex | None:
     """Place [mm] of the cam axis with the smallest base circle and mu >= atan(`tangent`).
 
     None if no place keeps that angle over the whole turn.
@@ -308,6 +315,7 @@ def smallest_place(task: Task, tangent: float) -> complex | None:
                     bounds = np.concatenate((bounds, more[1]))
         if not broken:
             return place
+        # Both sides of a smooth place give the same half-plane.
         rows = np.unique(np.column_stack((normals.real, normals.imag, bounds)), axis=0)
         normals, bounds = rows[:, 0] + 1j * rows[:, 1], rows[:, 2]
         nearest = nearest_point(normals, bounds, task.start)
@@ -319,7 +327,7 @@ def smallest_place(task: Task, tangent: float) -> complex | None:
     return place
 
 
-def largest_angle(task: Task) -> float:
+def largest_angle(task: RollerTask) -> float:
     """The largest transmission angle [rad] that some place keeps over the turn, from below."""
     low, high = 0.0, math.radians(89.0)
     for _ in range(BISECTIONS):
@@ -348,14 +356,17 @@ def nearest_point(normals: ComplexArray, bounds: FloatArray, start: complex) -> 
     None if no point lies in all half-planes. It is `start`, its foot on one of the lines, or a
     crossing of two lines; all of these are tried.
     """
+    # With unit normals the bounds are distances of the borders from the origin.
     length = np.abs(normals)
     normals, bounds = normals / length, bounds / length
     feet = start + normals * (bounds - dot(normals, start))
     first, second = np.triu_indices(len(normals), 1)
     n1, n2, c1, c2 = normals[first], normals[second], bounds[first], bounds[second]
     area = n1.real * n2.imag - n1.imag * n2.real
+    # Parallel borders have no crossing; the divisor 1 only avoids a warning.
     crossing = np.abs(area) > ROUNDING
     area = np.where(crossing, area, 1.0)
+    # Cramer's rule for the two borders.
     vertices = ((c1 * n2.imag - c2 * n1.imag) + 1j * (c2 * n1.real - c1 * n2.real)) / area
     points = np.concatenate(([start], feet, vertices[crossing]))
     size = np.abs(points) + np.max(np.abs(bounds), initial=0.0)
@@ -378,11 +389,11 @@ def nearest_point(normals: ComplexArray, bounds: FloatArray, start: complex) -> 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Flocke:
-    """The construction and its proposal.
+    """Flocke's construction and its proposal.
 
     Attributes
     ----------
-    normals, bounds : (8,) or more half-planes Re(conj(n) P) >= c of the region, see `Task`.
+    normals, bounds : (8,) or more half-planes Re(conj(n) P) >= c of the region, see `RollerTask`.
     place : the place of the cam axis in it with the smallest base circle [mm]; None if it is empty.
     """
 
@@ -391,7 +402,7 @@ class Flocke:
     place: complex | None
 
     def row_limits(self, rows: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """As `row_limits`, for this region."""
+        """Lower and upper end of Re P in rows of this region, as for the function `row_limits`."""
         low, high = np.full(len(rows), -np.inf), np.full(len(rows), np.inf)
         for normal, bound in zip(self.normals, self.bounds, strict=True):
             rest = bound - normal.imag * rows
@@ -402,8 +413,8 @@ class Flocke:
         return low, high
 
 
-def flocke(task: Task, tangent: float) -> Flocke:
-    """The construction for a transmission angle of atan(`tangent`)."""
+def flocke(task: RollerTask, tangent: float) -> Flocke:
+    """Flocke's construction for a transmission angle of atan(`tangent`)."""
     lifts = np.repeat(lift_range(task.motion), 2)
     rates = np.tile(_velocity_range(task), 2)
     terms = task.lift_terms(np.stack((lifts, rates, np.zeros_like(lifts))))
@@ -417,8 +428,8 @@ def flocke(task: Task, tangent: float) -> Flocke:
     return Flocke(normals, bounds, nearest_point(normals, bounds, task.start))
 
 
-def _velocity_range(task: Task) -> tuple[float, float]:
-    """Smallest and largest s' [mm or 1/rad] over the turn."""
+def _velocity_range(task: RollerTask) -> tuple[float, float]:
+    """Smallest and largest s' [mm/rad or rad/rad] over the turn."""
 
     def velocity(phi: FloatArray, side: Side) -> FloatArray:
         return np.asarray(task.motion.jet(phi, side, 1)[1])
@@ -438,11 +449,13 @@ def _velocity_range(task: Task) -> tuple[float, float]:
 
 
 SAMPLES = 65
+"""Cam angles per piece at which bounds are sampled."""
+
 SECTIONS, STEPS = 8, 12
 """A bracket is divided into sections; the two about the best cut form the next one."""
 
 
-def row_limits(task: Task, tangent: float, rows: FloatArray) -> tuple[FloatArray, FloatArray]:
+def row_limits(task: RollerTask, tangent: float, rows: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Lower and upper end (k,), (k,) of Re P [mm] at Im P = `rows` (k,) [mm].
 
     In a row that does not meet the region the lower end is above the upper one. Ends are exact up
@@ -454,6 +467,7 @@ def row_limits(task: Task, tangent: float, rows: FloatArray) -> tuple[FloatArray
         for piece in smooth_pieces(task.motion)
     ]
     phi = np.concatenate(pieces)
+    # The neighbours of each sample, between which an extreme next to it lies.
     left = np.concatenate([np.append(angles[:1], angles[:-1]) for angles in pieces])
     right = np.concatenate([np.append(angles[1:], angles[-1:]) for angles in pieces])
     low = np.full(len(rows), -np.inf)
@@ -468,13 +482,14 @@ def row_limits(task: Task, tangent: float, rows: FloatArray) -> tuple[FloatArray
                 high = np.minimum(high, -ends)
             else:
                 low = np.maximum(low, ends)
+    # Rows in which u is not positive at cam angle 0 have no place.
     start = task.terms(np.zeros(1))
     low = np.where(rows < start.p[0], low, np.inf)
     return low, high
 
 
 def _bound(
-    task: Task, tangent: float, phi: FloatArray, rows: FloatArray, *, upper: bool
+    task: RollerTask, tangent: float, phi: FloatArray, rows: FloatArray, *, upper: bool
 ) -> FloatArray:
     """Lower bound of Re P, or minus the upper one, from u >= `tangent` v; -inf where it has none.
 
@@ -484,6 +499,7 @@ def _bound(
     factor = (tangent + 1j) * terms.turn
     along, across = factor.real.reshape(phi.shape), factor.imag.reshape(phi.shape)
     constant = (tangent * terms.q - terms.p).reshape(phi.shape)
+    # u >= T v is Re(conj(n) P) >= c, so along Re P >= rest, whose sign decides which bound it is.
     rest = constant + across * rows
     used = np.broadcast_to(along < 0.0 if upper else along > 0.0, rest.shape)
     bounds = np.full(rest.shape, -np.inf)
@@ -494,7 +510,7 @@ def _bound(
 
 
 def _refined(
-    task: Task,
+    task: RollerTask,
     tangent: float,
     left: FloatArray,
     right: FloatArray,
@@ -516,15 +532,16 @@ def _refined(
     return best
 
 
-def ratio_map(task: Task, columns: FloatArray, rows: FloatArray, most: float) -> FloatArray:
+def ratio_map(task: RollerTask, columns: FloatArray, rows: FloatArray, most: float) -> FloatArray:
     """(rows, columns) largest r_R/r_K for the sign that matters, for a picture.
 
-    On a grid of cam angles; `most` where it is larger or the roller centre stands still.
+    It is taken on a grid of cam angles, and is `most` where it is larger or the roller centre
+    stands still.
     """
     places = columns + 1j * rows[:, np.newaxis]
-    now = conditions(task, 0.0, most, sample_angles(task))
+    conditions = place_conditions(task, 0.0, most, sample_angles(task))
     with np.errstate(all="ignore"):  # a pitch curve may have cusps here
-        worst = np.array([now.worst_ratio(row) for row in places])
+        worst = np.array([conditions.worst_ratio(row) for row in places])
     return np.where(worst <= most, np.maximum(worst, 0.0), most)
 
 
@@ -533,11 +550,11 @@ def ratio_map(task: Task, columns: FloatArray, rows: FloatArray, most: float) ->
 # problem.
 #
 # Seen from the roller centre at cam angle 0 the cam axis lies in a direction theta in (-pi, 0).
-# Cells of places that certainly break a condition at one of some cam angles are excluded, which
-# leaves the neighbourhoods of the nearest places; there the nearest place is sought along each
-# direction, and the direction with the smallest is enclosed. Then the cam angles at which the place
-# found is extreme join the set, and the pairs at which its flanks are cut off, until it meets the
-# conditions at all of them.
+# Conditions are examined at a set of cam angles. Cells of places that certainly break one of them
+# are excluded, which leaves the neighbourhoods of the nearest places; there the nearest place is
+# determined along each direction, and the direction with the smallest distance is enclosed. Then
+# the cam angles at which the conditions of that place are extreme join the set, and the pairs at
+# which its flanks are cut off, until it meets the conditions at all of them.
 
 
 REACH, ROOM = 40.0, 4.0
@@ -545,7 +562,7 @@ REACH, ROOM = 40.0, 4.0
 r_R/ratio. Far out the pitch curve is nearly a circle, and r_K nearly the base radius."""
 
 DIRECTIONS, RADII = 61, 81
-"""Size of the grid of places on which the smallest ratio is sought if none is small enough."""
+"""Size of the grid of places whose smallest ratio is reported if none is small enough."""
 
 ZOOM, FINEST = 8.0, 1e-12
 """Each step encloses the direction eight times closer, down to this [rad]."""
@@ -554,18 +571,21 @@ MOST_STEPS = 40
 """Most steps; a step that ends at the end of its range moves the range, and widens it."""
 
 LEAST_WIDTH, LEAST_SHARE = 1e-6, 1e-4
+"""Least range of directions [rad], and of radii as a share of the first range, of a later
+search."""
+
 AGAIN = 4.0, 100.0
-"""Range of directions and of radii of a later search: these multiples of the last move, at least
-these, and at most those of the first one."""
+"""Range of directions and of radii of a later search, as multiples of the last move; at least those
+above, and at most those of the first search."""
 
 WIDTH = 1e-2
-"""Half the range of directions [rad] about the last place in which the next one is sought."""
+"""Half the range of directions [rad] about the last place that is searched for the next one."""
 
 STRAY = 1e-3
 """If the nearest place is this fraction beyond the bound of the cells, they are searched again."""
 
 BELOW, ABOVE = 0.06, 0.03
-"""Range about the last radius in which the next one is sought at first; a third of it each step."""
+"""Range about the last radius that is searched for the next one; each step takes a third of it."""
 
 DIGITS = 1e-12
 """Width of the last halves of a range of radii, as a fraction of the first range."""
@@ -580,7 +600,7 @@ STEP, GROWTH = 1e-9, 4.0
 """After the last round: the first step outward, as a fraction of the radius, and its growth."""
 
 
-def worst_ratio(task: Task, place: complex) -> tuple[float, float]:
+def worst_ratio(task: RollerTask, place: complex) -> tuple[float, float]:
     """Largest r_R/r_K for the sign that matters, at least 0, and its cam angle [rad].
 
     Raises GeometryError if the roller centre stands still in the cam.
@@ -595,17 +615,17 @@ def worst_ratio(task: Task, place: complex) -> tuple[float, float]:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Nearest:
-    """The place of the smallest base circle for all conditions.
+    """The place with the smallest base circle that keeps all conditions.
 
     Attributes
     ----------
-    place : [mm]; None if none was found.
+    place : the place [mm]; None if the search has no result.
     bound : base radius [mm] below which there certainly is no place; infinite if there is none up
         to the largest one searched.
     least_ratio : without a place, the smallest r_R/r_K of a grid of places that keep the
         transmission angle; infinite if there are none.
     reach : largest base radius [mm] searched.
-    rounds : of the exchange that it took.
+    rounds : rounds of exchange that the search took.
     examined : all cam angles, and pairs of them, that were examined.
     """
 
@@ -614,15 +634,15 @@ class Nearest:
     least_ratio: float
     reach: float
     rounds: int
-    examined: Conditions
+    examined: PlaceConditions
 
 
-def smallest_with_bends(task: Task, tangent: float, ratio: float, least: float) -> Nearest:
-    """The smallest base circle for mu and r_R/r_K, without undercut.
+def smallest_with_bends(task: RollerTask, tangent: float, ratio: float, least: float) -> Nearest:
+    """The place with the smallest base circle for mu and r_R/r_K, without undercut.
 
     Parameters
     ----------
-    tangent : T of the transmission angle.
+    tangent : T = tan mu.
     ratio : largest r_R/r_K.
     least : base radius [mm] below which there is no place.
     """
@@ -632,42 +652,45 @@ def smallest_with_bends(task: Task, tangent: float, ratio: float, least: float) 
     share, bound = 1.0, least
     previous = 0.0, math.inf
     for number in range(1, ROUNDS + 1):
-        now = conditions(task, tangent, ratio, phi, covers)
-        reached = [_enclosed(task, now, start, least, share) for start in last]
+        conditions = place_conditions(task, tangent, ratio, phi, covers)
+        reached = [_enclosed(task, conditions, start, least, share) for start in last]
         radius = min((pair[1] for pair in reached), default=math.inf)
         # Conditions are only added, so the nearest place can only move away; the cells are searched
         # again if it has moved by more than they left open.
         if not radius <= bound * (1.0 + STRAY):
-            cells = nearest_cells(now, task.start, bound, reach, task.directions)
+            cells = nearest_cells(conditions, task.start, bound, reach, task.directions)
             bound = max(bound, cells.bound)
             if not cells.starts:
-                least_ratio = _least_ratio(task, now, least, reach)
-                return Nearest(None, bound, least_ratio, reach, number, now)
-            reached += [_enclosed(task, now, start, least) for start in cells.starts]
+                least_ratio = _least_ratio(task, conditions, least, reach)
+                return Nearest(None, bound, least_ratio, reach, number, conditions)
+            reached += [_enclosed(task, conditions, start, least) for start in cells.starts]
             reached += [start[:2] for start in cells.starts]
         theta, radius = min(reached, key=lambda pair: pair[1])
         place = _place(task, theta, radius)
         extreme, broken = extreme_angles(task, place, tangent, ratio)
         more = no_pairs(task) if broken else covered_pairs(task, place)
         if not (broken or len(more.first)):
-            return Nearest(place, bound, 0.0, reach, number, now)
+            return Nearest(place, bound, 0.0, reach, number, conditions)
+        # The next round searches about this place, in ranges that follow its last move.
         moves = abs(theta - previous[0]), abs(radius - previous[1]) / radius
         last = ((theta, radius, min(max(AGAIN[0] * moves[0], LEAST_WIDTH), WIDTH)),)
         share, previous = min(max(AGAIN[1] * moves[1], LEAST_SHARE), 1.0), (theta, radius)
         phi = np.unique(np.concatenate((phi, extreme)))
         covers = covers + more
     place_beyond = _outward(task, theta, radius, tangent, ratio, reach)
-    return Nearest(place_beyond, bound, math.inf, reach, ROUNDS, now)
+    return Nearest(place_beyond, bound, math.inf, reach, ROUNDS, conditions)
 
 
-def _place(task: Task, theta: float, radius: float) -> complex:
+def _place(task: RollerTask, theta: float, radius: float) -> complex:
     return complex(task.start + radius * np.exp(1j * theta))
 
 
 def _outward(
-    task: Task, theta: float, radius: float, tangent: float, ratio: float, reach: float
+    task: RollerTask, theta: float, radius: float, tangent: float, ratio: float, reach: float
 ) -> complex | None:
-    """The first place farther out in a direction that meets everything; None if none is met."""
+    """The first place farther out in the direction `theta` [rad] that meets all conditions, in
+    growing steps; None if there is none up to `reach` [mm].
+    """
     step = STEP
     while radius * (1.0 + step) < reach:
         place = _place(task, theta, radius * (1.0 + step))
@@ -677,8 +700,8 @@ def _outward(
     return None
 
 
-def meets(task: Task, place: complex, tangent: float, ratio: float) -> bool:
-    """Whether the cam axis at `place` meets all conditions over the whole turn, to rounding."""
+def meets(task: RollerTask, place: complex, tangent: float, ratio: float) -> bool:
+    """Whether the cam axis at `place` meets all conditions over the whole turn, up to rounding."""
     try:
         broken = extreme_angles(task, place, tangent, ratio)[1]
     except GeometryError:
@@ -687,7 +710,7 @@ def meets(task: Task, place: complex, tangent: float, ratio: float) -> bool:
 
 
 def extreme_angles(
-    task: Task, place: complex, tangent: float, ratio: float
+    task: RollerTask, place: complex, tangent: float, ratio: float
 ) -> tuple[FloatArray, bool]:
     """Cam angles [rad] at which the conditions are extreme, and whether one is broken."""
     angles, broken = [], False
@@ -712,28 +735,31 @@ def extreme_angles(
     return np.concatenate(angles), broken
 
 
-def _least_ratio(task: Task, now: Conditions, least: float, reach: float) -> float:
+def _least_ratio(
+    task: RollerTask, conditions: PlaceConditions, least: float, reach: float
+) -> float:
     first, last = task.directions
     theta = first + (last - first) * (np.arange(DIRECTIONS) + 0.5) / DIRECTIONS
     radii = np.geomspace(least, reach, RADII)
     places = (task.start + radii * np.exp(1j * theta)[:, np.newaxis]).ravel()
-    free = Conditions(now.terms, now.tangent, 0.0, 1.0, now.signs)
+    free = PlaceConditions(conditions.terms, conditions.tangent, 0.0, 1.0, conditions.signs)
     inside = places[free.met(places)]
-    return float(np.min(now.worst_ratio(inside))) if len(inside) else math.inf
+    return float(np.min(conditions.worst_ratio(inside))) if len(inside) else math.inf
 
 
 def _enclosed(
-    task: Task, now: Conditions, start: Start, least: float, share: float = 1.0
+    task: RollerTask, conditions: PlaceConditions, start: Start, least: float, share: float = 1.0
 ) -> tuple[float, float]:
-    """Direction and base radius of the smallest circle near `start`; infinite if there is none.
+    """Direction [rad] and base radius [mm] of the smallest circle near `start`; an infinite radius
+    if there is none.
 
-    `share` is that of the range of radii to begin with.
+    `share` is the fraction of the full range of radii with which the search begins.
     """
     best, radius, width = start
     for _ in range(MOST_STEPS):
         # Cam angles at which the whole neighbourhood meets the conditions can be skipped.
         places = np.array([task.start + radius * np.exp(1j * best)])
-        near = local_conditions(now, places, 1.1 * radius * (width + BELOW * share))
+        near = local_conditions(conditions, places, 1.1 * radius * (width + BELOW * share))
         theta = np.clip(best + width * np.linspace(-1.0, 1.0, 33), *task.directions)
         scan = radius * np.linspace(1.0 - BELOW * share, 1.0 + ABOVE * share, 46)
         halvings = max(1, math.ceil(math.log2(share / DIGITS)))
@@ -754,17 +780,23 @@ def _enclosed(
 
 
 def _nearest_along(
-    task: Task, now: Conditions, theta: FloatArray, scan: FloatArray, halvings: int
+    task: RollerTask,
+    conditions: PlaceConditions,
+    theta: FloatArray,
+    scan: FloatArray,
+    halvings: int,
 ) -> FloatArray:
-    """(k,) smallest base radius within `scan` in each direction; infinite if there is none."""
+    """(k,) smallest base radius [mm] within `scan` in each direction; infinite if there is none."""
     ways = np.exp(1j * theta)
-    met = now.met((task.start + scan * ways[:, np.newaxis]).ravel()).reshape(len(theta), -1)
+    met = conditions.met((task.start + scan * ways[:, np.newaxis]).ravel()).reshape(len(theta), -1)
     some = np.any(met, axis=1)
     first = np.argmax(met, axis=1)
+    # The limit lies between the first radius that meets all conditions and the one before it; where
+    # the first radius of the scan does, both are the same and nothing is bisected.
     good, bad = scan[first], scan[np.maximum(first - 1, 0)]
     for _ in range(halvings):
         middle = 0.5 * (good + bad)
-        fine = now.met(task.start + middle * ways)
+        fine = conditions.met(task.start + middle * ways)
         good, bad = np.where(fine, middle, good), np.where(fine, bad, middle)
     return np.where(some, good, np.inf)
 
@@ -798,6 +830,8 @@ GAP = 2e-4
 """A place nearer by less than this fraction is left to the search along directions."""
 
 MOST_CELLS = 12_000
+"""Most cells of one level; the farthest beyond that are dropped, and bound what is proved."""
+
 MOST_RUNS = 4
 """Neighbourhoods of the nearest places that are searched further."""
 
@@ -814,8 +848,9 @@ class Neighbourhoods:
 
     Attributes
     ----------
-    starts : one for each, empty if the middle of no cell meets the conditions.
-    bound : base radius [mm] below which every place breaks a condition; infinite if all do.
+    starts : one start of a search in each, the nearest first; empty if the middle of no cell meets
+        the conditions.
+    bound : base radius [mm] below which every place breaks a condition; infinite if all places do.
     """
 
     starts: tuple[Start, ...]
@@ -823,18 +858,21 @@ class Neighbourhoods:
 
 
 def nearest_cells(
-    now: Conditions,
+    conditions: PlaceConditions,
     start: complex,
     least: float,
     reach: float,
     directions: tuple[float, float] = (-math.pi, 0.0),
 ) -> Neighbourhoods:
-    """The places nearest to `start` that meet `now`, from `least` to `reach` [mm], in some
-    `directions` [rad]; in a single one the cells have no width.
+    """The neighbourhoods of the places nearest to `start` that meet `conditions`.
+
+    They lie from `least` to `reach` [mm] away, in a range of `directions` [rad]; if the range is a
+    single direction the cells have no width.
     """
     first, last = directions
     count = FIRST_DIRECTIONS if first < last else 1
     rows = max(1, math.ceil(math.log(reach / least) * FIRST_DIRECTIONS / math.pi))
+    # Half the height of a cell in the logarithm of the distance, in which cells are square.
     height = 0.5 * math.log(reach / least) / rows
     width = 0.5 * (last - first) / count
     theta = first + width * (2.0 * np.arange(count) + 1.0)
@@ -845,10 +883,12 @@ def nearest_cells(
     for _ in range(LEVELS):
         radius = np.exp(depth)
         places = start + radius * np.exp(1j * theta)
+        # A bound on half the diagonal of a cell: its far side is exp(height) times as long as its
+        # middle.
         half = radius * math.exp(height) * math.hypot(width, height)
-        left = ~excluded(now, places, half)
+        left = ~excluded(conditions, places, half)
         theta, depth, radius, places = theta[left], depth[left], radius[left], places[left]
-        met = now.met(places)
+        met = conditions.met(places)
         if np.any(met):
             best = min(best, float(np.min(radius[met])))
             good = np.concatenate((good, np.stack((theta[met], radius[met]))), axis=1)
@@ -856,6 +896,7 @@ def nearest_cells(
         open_ = lower < (1.0 - GAP) * best
         theta, depth, lower = theta[open_], depth[open_], lower[open_]
         if len(theta) > MOST_CELLS:
+            # The nearest cells go on; below the nearest dropped one everything is still examined.
             order = np.argsort(lower)
             bound = min(bound, float(lower[order[MOST_CELLS]]))
             theta, depth = theta[order[:MOST_CELLS]], depth[order[:MOST_CELLS]]
@@ -872,76 +913,81 @@ def nearest_cells(
     return Neighbourhoods(_starts(good, best, width), min(bound, (1.0 - GAP) * best))
 
 
-def excluded(now: Conditions, places: ComplexArray, half: FloatArray) -> BoolArray:
+def excluded(conditions: PlaceConditions, places: ComplexArray, half: FloatArray) -> BoolArray:
     """(k,) whether all places within `half` (k,) [mm] of `places` (k,) break a condition."""
-    count = 1 + len(places) * now.count // BLOCK
+    count = 1 + len(places) * conditions.count // BLOCK
     parts = zip(np.array_split(places, count), np.array_split(half, count), strict=True)
     return np.concatenate(
-        [_excluded(now, block[:, None], reach[:, None]) for block, reach in parts]
+        [_excluded(conditions, block[:, None], reach[:, None]) for block, reach in parts]
     )
 
 
-def _excluded(now: Conditions, places: ComplexArray, half: FloatArray) -> BoolArray:
-    terms = now.terms
+def _excluded(conditions: PlaceConditions, places: ComplexArray, half: FloatArray) -> BoolArray:
+    terms = conditions.terms
     u, v = terms.across_and_along(places)
-    tilted = u - now.tangent * np.abs(v) + half * math.hypot(1.0, now.tangent)
+    tilted = u - conditions.tangent * np.abs(v) + half * math.hypot(1.0, conditions.tangent)
     broken: BoolArray = np.any(tilted < 0.0, axis=1)
-    if now.half > 0.0:
-        broken |= np.any(terms.to_axis(places) + half <= now.half, axis=1)
-    if now.covers is not None and len(now.covers.first) and not np.all(broken):
+    if conditions.half > 0.0:
+        broken |= np.any(terms.to_axis(places) + half <= conditions.half, axis=1)
+    if conditions.covers is not None and len(conditions.covers.first) and not np.all(broken):
         rest = ~broken
-        gap, pace = now.covers.gap(places[rest, 0])
-        sure = gap + now.covers.change(half[rest], pace) < 0.0
+        gap, pace = conditions.covers.gap(places[rest, 0])
+        sure = gap + conditions.covers.change(half[rest], pace) < 0.0
         broken[rest] = np.any(sure, axis=1)
     rest = ~broken
-    if not np.any(rest) or not now.roller > 0.0:
+    if not np.any(rest) or not conditions.roller > 0.0:
         return broken
     u, v, half = u[rest], v[rest], half[rest]
     rho = np.hypot(u, v)
     linear = terms.alpha * u - terms.beta * v
     slack = half * np.hypot(terms.alpha, terms.beta)
     bent = np.zeros(len(u), dtype=np.bool_)
-    for sign in now.signs:
+    for sign in conditions.signs:
+        # Without a maximum inside the range of rho, the larger value at its ends is the largest.
         value = np.full(rho.shape, -np.inf)
         for end in (np.maximum(rho - half, 0.0), rho + half):
             square = end * end
-            value = np.maximum(value, (now.ratio / now.roller) * square * end - sign * square)
+            value = np.maximum(
+                value, (conditions.ratio / conditions.roller) * square * end - sign * square
+            )
         bent |= np.any(value + sign * linear + slack < 0.0, axis=1)
     broken[rest] = bent
     return broken
 
 
-def local_conditions(now: Conditions, place: ComplexArray, half: float) -> Conditions:
-    """`now` without the cam angles and the pairs at which all places within `half` [mm] of `place`
-    (1,) meet it.
+def local_conditions(
+    conditions: PlaceConditions, place: ComplexArray, half: float
+) -> PlaceConditions:
+    """The `conditions` without the cam angles and pairs at which all places within `half` [mm]
+    of `place` (1,) meet them.
 
     At least one cam angle remains.
     """
-    terms = now.terms
+    terms = conditions.terms
     u, v = terms.across_and_along(place)
-    needed = u - now.tangent * np.abs(v) - half * math.hypot(1.0, now.tangent) < 0.0
-    needed |= terms.to_axis(place) - half <= now.half
-    covers = now.covers
+    needed = u - conditions.tangent * np.abs(v) - half * math.hypot(1.0, conditions.tangent) < 0.0
+    needed |= terms.to_axis(place) - half <= conditions.half
+    covers = conditions.covers
     if covers is not None:
         gap, pace = covers.gap(place)
         covers = covers.some((gap - covers.change(np.array([[half]]), pace) < 0.0)[0])
-    if now.roller > 0.0:
-        slope = now.ratio / now.roller
+    if conditions.roller > 0.0:
+        slope = conditions.ratio / conditions.roller
         rho = np.hypot(u, v)
         low, high = np.maximum(rho - half, 0.0), rho + half
         linear = terms.alpha * u - terms.beta * v
         slack = half * np.hypot(terms.alpha, terms.beta)
-        for sign in now.signs:
+        for sign in conditions.signs:
             # The minimum of slope rho^3 - sign rho^2, at 2/(3 slope) if that is in the range.
             end = np.clip(2.0 / (3.0 * slope), low, high) if sign > 0.0 else low
             needed |= end * end * (slope * end - sign) + sign * linear - slack < 0.0
     if not np.any(needed):
         needed[0] = True
-    return replace(now, terms=taken(terms, needed), covers=covers)
+    return replace(conditions, terms=taken(terms, needed), covers=covers)
 
 
 def _starts(good: FloatArray, best: float, width: float) -> tuple[Start, ...]:
-    """Runs of neighbouring directions whose places are about as near as the nearest."""
+    """Starts in runs of neighbouring directions whose places are about as near as the nearest."""
     near = good[:, good[1] <= (1.0 + 4.0 * GAP) * best]
     if not near.shape[1]:
         return ()
@@ -969,17 +1015,17 @@ BLOCK_OF_PLACES = 4_000_000
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Conditions:
-    """All conditions at a set of cam angles.
+class PlaceConditions:
+    """All conditions on a place of the cam axis at a set of cam angles.
 
     Attributes
     ----------
-    terms : at these cam angles.
-    tangent : of the transmission angle.
+    terms : the terms at these cam angles.
+    tangent : tangent of the transmission angle.
     roller : r_R [mm].
-    ratio : the largest r_R/r_K.
-    signs : of the curvatures that count.
-    half : see `Task.half`.
+    ratio : largest r_R/r_K.
+    signs : signs of the curvatures that count.
+    half : distance [mm] of the roller centre from the cam axis, see `RollerTask.half`.
     covers : pairs of cam angles; None if global undercut is left out.
     """
 
@@ -997,13 +1043,14 @@ class Conditions:
         return len(self.terms.q) + (0 if self.covers is None else len(self.covers.first))
 
     def met(self, places: ComplexArray) -> BoolArray:
-        """(k,) whether the places (k,) meet all of them."""
+        """(k,) whether the places (k,) meet all conditions."""
         parts = np.array_split(places, 1 + len(places) * self.count // BLOCK_OF_PLACES)
         return np.concatenate([self._met(part) for part in parts])
 
     def _met(self, places: ComplexArray) -> BoolArray:
         u, v = self.terms.across_and_along(places[:, np.newaxis])
         met = np.asarray(np.all(u >= self.tangent * np.abs(v), axis=1) & np.all(u > 0.0, axis=1))
+        # Dearer conditions are computed only at places that meet the cheaper ones.
         if np.any(met) and self.half > 0.0:
             distance = self.terms.to_axis(places[met][:, np.newaxis])
             met[met] = np.all(distance > self.half, axis=1)
@@ -1019,6 +1066,8 @@ class Conditions:
         """
         u, v = self.terms.across_and_along(places[:, np.newaxis])
         with np.errstate(divide="ignore", invalid="ignore"):
+            # With u = |Z'| sin mu and v = |Z'| cos mu, (u - T |v|) / |Z'| over sqrt(1 + T^2) is the
+            # sine of the angle by which mu exceeds its limit.
             angle_sine = (u - self.tangent * np.abs(v)) / np.hypot(u, v)
             margins = [np.min(angle_sine, axis=1) / math.hypot(1.0, self.tangent)]
             margins.append(1.0 - self.worst_ratio(places) / self.ratio)
@@ -1030,11 +1079,11 @@ class Conditions:
             margins.append(np.min(gap, axis=1))
         return np.asarray(np.nan_to_num(np.min(margins, axis=0), nan=-np.inf))
 
-    def with_more(self, task: Task, phi: FloatArray, covers: Covers) -> Conditions:
-        """The same and the conditions at the cam angles `phi` (n,) [rad] and of the pairs `covers`
-        of the `task`.
+    def with_more(self, task: RollerTask, phi: FloatArray, covers: Covers) -> PlaceConditions:
+        """These conditions and those of the `task` at the cam angles `phi` (n,) [rad] and of the
+        pairs `covers`.
         """
-        more = conditions(task, self.tangent, self.ratio, phi, covers).terms
+        more = place_conditions(task, self.tangent, self.ratio, phi, covers).terms
         every = covers if self.covers is None else self.covers + covers
         return replace(self, terms=joined((self.terms, more)), covers=every)
 
@@ -1045,9 +1094,10 @@ class Conditions:
         return np.asarray(self.roller * np.max(worst, axis=0))
 
 
-def sample_angles(task: Task) -> FloatArray:
+def sample_angles(task: RollerTask) -> FloatArray:
     """(n,) cam angles [rad] inside all pieces, including their ends up to rounding."""
     share = np.linspace(0.0, 1.0, ANGLES)
+    # At the very ends the neighbouring pieces would decide.
     share[0], share[-1] = 1e-9, 1.0 - 1e-9
     samples = [
         piece.start + (piece.end - piece.start) * (share[:1] if piece.dwell else share)
@@ -1056,9 +1106,9 @@ def sample_angles(task: Task) -> FloatArray:
     return np.concatenate(samples)
 
 
-def conditions(
-    task: Task, tangent: float, ratio: float, phi: FloatArray, covers: Covers | None = None
-) -> Conditions:
+def place_conditions(
+    task: RollerTask, tangent: float, ratio: float, phi: FloatArray, covers: Covers | None = None
+) -> PlaceConditions:
     """The conditions at the cam angles `phi` (n,) [rad] and on both sides of each break, and those
     of the pairs `covers`.
     """
@@ -1066,4 +1116,4 @@ def conditions(
     right = task.terms(np.concatenate((phi, breaks)))
     terms = joined((right, task.terms(breaks, "left")))
     roller, half = task.follower.roller_radius, task.half
-    return Conditions(terms, tangent, roller, ratio, task.signs, half, covers)
+    return PlaceConditions(terms, tangent, roller, ratio, task.signs, half, covers)

@@ -46,12 +46,12 @@ from camgeo.units import TURN
 
 @dataclass(frozen=True, slots=True)
 class Placing(ABC):
-    """See the module.
+    """A cam whose axis is to be placed beside its follower, see the module.
 
     Attributes
     ----------
     cam : the present design; all dimensions of the follower that are not placed are kept.
-    second : the quantity that, with the base radius, determines a place.
+    second : name of the quantity that, with the base radius, determines a place.
     held : the pivot [mm]; None on a guide.
     present : place of the cam axis in the present design [mm].
     seen : signs of x and y in a picture for the real and the imaginary part of a place.
@@ -133,9 +133,11 @@ class Placing(ABC):
         return PitchCurve(self.motion, follower, self.cam.rotation)
 
 
-class Rocking(Placing):
-    """Beside a rocker: its pivot is the origin, the follower starts along the x axis, and the axes
-    are mirrored if it lies clockwise of the line pivot -> cam axis.
+class RockerPlacing(Placing):
+    """A cam axis to be placed beside a rocker.
+
+    The pivot is the origin, the follower starts along the x axis, and the axes are mirrored if the
+    follower lies clockwise of the line pivot -> cam axis.
     """
 
     __slots__ = ()
@@ -163,7 +165,7 @@ class Rocking(Placing):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Terms:
-    """What u, v and the curvature are made of at n cam angles, see the module.
+    """The terms of u, v and the curvature at n cam angles that do not depend on the place.
 
     Attributes
     ----------
@@ -172,6 +174,8 @@ class Terms:
     alpha, beta : (n,) [mm/rad^2]; |Z'|^3 kappa = |Z'|^2 - alpha u + beta v.
     p1, q1, turning : (n,) dp/dphi, dq/dphi, and d(-arg r)/dphi.
     centre : (n,) complex, the roller centre in the axes of the follower: r B [mm].
+
+    For p, q and r see the module.
     """
 
     p: FloatArray
@@ -196,7 +200,7 @@ class Terms:
     def curvature(self, place: complex | ComplexArray) -> FloatArray:
         """kappa [1/mm], shape as of `across_and_along`; Z' must not vanish."""
         u, v = self.across_and_along(place)
-        square = u * u + v * v
+        square = u * u + v * v  # |Z'|^2, so that the divisor is |Z'|^3
         return np.asarray((square - self.alpha * u + self.beta * v) / (square * np.sqrt(square)))
 
     def half_planes(self, tangent: float) -> tuple[ComplexArray, FloatArray]:
@@ -205,13 +209,13 @@ class Terms:
 
 
 @dataclass(frozen=True, slots=True)
-class Task(Placing):
-    """A cam with a roller, whose axis is to be placed beside its follower, see `Task.from_cam`.
+class RollerTask(Placing):
+    """A cam with a roller whose axis is to be placed beside its follower, see `from_cam`.
 
     Attributes
     ----------
     start : roller centre at cam angle 0 [mm].
-    sense : in which the cam turns in the axes of places: +1 counter-clockwise, -1 clockwise.
+    sense : sense of the cam's rotation in the axes of places: +1 counter-clockwise, -1 clockwise.
     directions : the first and the last direction [rad] in which the cam axis may lie from the
         roller centre at cam angle 0.
     """
@@ -233,7 +237,7 @@ class Task(Placing):
 
     @abstractmethod
     def lift_terms(self, lift: Jet) -> Terms:
-        """What the conditions are made of for lifts (3, n), not necessarily of one motion."""
+        """The terms for lifts with two derivatives (3, n), not necessarily of one motion."""
 
     def base_radius(self, place: complex) -> float:
         """See `Placing`."""
@@ -250,13 +254,16 @@ class Task(Placing):
         return self.cam.disc.flank_distance if self.cam.contact.runs_inside else 0.0
 
     def direction_half_planes(self) -> tuple[ComplexArray, FloatArray]:
-        """Normals n (k,) and c (k,) of the half-planes Re(conj(n) P) >= c of its directions."""
+        """Normals n (k,) and c (k,) of the half-planes Re(conj(n) P) >= c that keep the place in
+        the allowed direction, if there is a single one.
+        """
         if self.directions[0] < self.directions[1]:
             return np.empty(0, dtype=np.complex128), np.empty(0)
+        # x >= 0 and x <= 0: the line through the start along which a yoke is placed.
         return np.array([1.0 + 0j, -1.0 + 0j]), np.zeros(2)
 
     def terms(self, phi: FloatArray, side: Side = "right") -> Terms:
-        """What the conditions are made of at `phi` (n,) [rad]."""
+        """The terms at `phi` (n,) [rad]."""
         return self.lift_terms(self.motion.jet(phi, side, 2))
 
     def slack(self, place: complex, tangent: float) -> Extremes:
@@ -276,7 +283,7 @@ class Task(Placing):
         return extremes(self.motion, value, slope)
 
     @staticmethod
-    def from_cam(cam: Cam) -> Task:
+    def from_cam(cam: Cam) -> RollerTask:
         """The task of placing the axis of `cam`.
 
         GeometryError with key "follower.kind" if its follower has no roller.
@@ -289,8 +296,8 @@ class Task(Placing):
         return kind(cam)
 
 
-class OnGuide(Task):
-    """On a guide, upright, below which the axis lies anywhere."""
+class OnGuide(RollerTask):
+    """A follower on an upright guide, with the cam axis anywhere below it."""
 
     __slots__ = ()
 
@@ -300,17 +307,17 @@ class OnGuide(Task):
 
     @property
     def directions(self) -> tuple[float, float]:
-        """See `Task`: both rollers of a yoke lie in line with the cam axis."""
+        """See `RollerTask`: both rollers of a yoke lie in line with the cam axis."""
         below = -0.5 * math.pi
         return (-math.pi, 0.0) if self.cam.yoke is None else (below, below)
 
     @property
     def present(self) -> complex:
-        """See `Task`."""
+        """See `RollerTask`."""
         return complex(self.follower.offset, -self.follower.start_height)
 
     def second_length(self, place: complex) -> float:
-        """See `Task`: the offset."""
+        """See `RollerTask`: the offset."""
         return place.real
 
     def moved(self, place: complex) -> dict[str, float | complex]:
@@ -318,7 +325,7 @@ class OnGuide(Task):
         return {"offset": place.real if self.cam.yoke is None else 0.0}
 
     def lift_terms(self, lift: Jet) -> Terms:
-        """See `Task`."""
+        """See `RollerTask`."""
         one, none = np.ones(lift.shape[1], dtype=np.complex128), np.zeros(lift.shape[1])
         height, rate, bend = self.follower.direction * lift[:3]
         q = self.cam.rotation * rate
@@ -326,18 +333,21 @@ class OnGuide(Task):
         return Terms(height, q, one, bend, q, rate, bend_of_q, none, 1j * height)
 
 
-class OnRocker(Rocking, Task):
-    """On a rocker: the axis lies anywhere about its pivot, whose direction from it is kept."""
+class OnRocker(RockerPlacing, RollerTask):
+    """A follower on a rocker, with the cam axis anywhere about the pivot.
+
+    The direction from the cam axis to the pivot is kept.
+    """
 
     __slots__ = ()
 
     def moved(self, place: complex) -> dict[str, float | complex]:
-        """See `Task`."""
+        """See `RollerTask`."""
         away = self.follower.pivot / self.follower.centre_distance
         return {"pivot": away * abs(place)}
 
     def lift_terms(self, lift: Jet) -> Terms:
-        """See `Task`."""
+        """See `RollerTask`."""
         none, arm = np.zeros(lift.shape[1]), self.follower.arm
         sense = self.follower.arm_side * self.follower.swing_sense
         angle, rate, bend = sense * lift[:3]
@@ -349,7 +359,7 @@ class OnRocker(Rocking, Task):
         )  # fmt: skip
 
 
-TASKS: Final[dict[type[Follower], type[Task]]] = {
+TASKS: Final[dict[type[Follower], type[RollerTask]]] = {
     TranslatingRoller: OnGuide,
     OscillatingRoller: OnRocker,
 }
@@ -371,19 +381,19 @@ TASKS: Final[dict[type[Follower], type[Task]]] = {
 # the place out, whatever else is known of it. Between places h apart it changes by at most h |1 -
 # E| + |d| times the turn of N_1, whose sine is at most h / |N_1|.
 #
-# There are too many pairs to examine all of them. The relevant ones are found from what the outline
-# of a place has lost.
+# There are too many pairs to examine all of them. The relevant ones follow from what the outline of
+# a place has lost.
 
 
 TOUCHING = 3e-9
-"""A point covered by less than this fraction of |d| counts as touched: somewhat more than in
-`camgeo.geometry.pieces`."""
+"""A point covered by less than this fraction of |d| counts as touched, which is somewhat more than
+in `camgeo.geometry.pieces`."""
 
 AROUND, ACROSS = 720, 17
-"""Cam angles over the turn, and between two crossings, at which covering is sought."""
+"""Number of cam angles over the turn, and between two crossings, at which covering is examined."""
 
 MOST = 120
-"""Most pairs taken from one place."""
+"""Most pairs that one place adds to the conditions."""
 
 ZOOMS, GRID = 14, 5
 """Steps of a refinement, each in half the range, and cam angles that it tries on each side."""
@@ -391,13 +401,13 @@ ZOOMS, GRID = 14, 5
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Covers:
-    """Pairs of cam angles, and what their conditions are made of, see the module.
+    """Pairs of cam angles with the terms of their conditions, see above.
 
     Attributes
     ----------
     first, second : (k,) phi_1 and phi_2 [rad].
     distance : (k,) d [mm].
-    apart, turned, normal : (k,) complex B_1 - B_2 E, 1 - E, and N_1 + P [mm].
+    difference, turned, normal : (k,) complex B_1 - B_2 E, 1 - E, and N_1 + P [mm].
     """
 
     first: FloatArray
@@ -415,24 +425,27 @@ class Covers:
         seen = places[:, np.newaxis]
         normal = self.normal - seen
         pace = np.abs(normal)
+        # The unit normal times d leads from the roller centre to the point on the flank.
         with np.errstate(divide="ignore", invalid="ignore"):
             offset = self.distance * (normal / pace)
         reach = np.abs(self.difference - seen * self.turned + offset)
         return reach - np.abs(self.distance), pace
 
     def change(self, half: FloatArray, pace: FloatArray) -> FloatArray:
-        """(n, k) most by which `gap` [mm] changes within `half` (n, 1) [mm] of places."""
+        """(n, k) bound on the change of `gap` [mm] within `half` (n, 1) [mm] of the places."""
         with np.errstate(divide="ignore", invalid="ignore"):
+            # A unit normal that turns by t moves by 2 sin(t/2) <= sqrt(2) sin t up to a right
+            # angle, and by 2 at most.
             turn = np.where(pace > half, math.sqrt(2.0) * half / pace, 2.0)
         return np.asarray(half * np.abs(self.turned) + np.abs(self.distance) * turn)
 
     def met(self, places: ComplexArray) -> BoolArray:
-        """(n,) whether no point is covered with the cam axis at the places (n,)."""
+        """(n,) whether no point of a pair is covered with the cam axis at the places (n,)."""
         gap, _ = self.gap(places)
         return np.asarray(np.all(gap >= 0.0, axis=1))
 
     def some(self, wanted: BoolArray | IntArray) -> Covers:
-        """Those of the pairs that are `wanted`."""
+        """The pairs that are `wanted`, a mask or indices."""
         return taken(self, wanted)
 
     def __add__(self, other: Covers) -> Covers:
@@ -440,34 +453,38 @@ class Covers:
 
 
 def pair_conditions(
-    task: Task, first: FloatArray, second: FloatArray, distance: float | FloatArray
+    task: RollerTask, first: FloatArray, second: FloatArray, distance: float | FloatArray
 ) -> Covers:
-    """The conditions at the cam angles `first` and `second` (k,) [rad] of flanks at d [mm]."""
+    """The conditions of pairs of cam angles `first` and `second` (k,) [rad] of flanks at the
+    `distance` d [mm] from the pitch curve.
+    """
     places, ways = _centres(task, first)
     others, _ = _centres(task, second)
     turned = np.exp(-1j * task.sense * (second - first))
     distances = np.broadcast_to(np.asarray(distance, dtype=np.float64), first.shape)
+    # N_1 + P, along the normal of the pitch curve at the first angle.
     normals = places + 1j * task.sense * ways
     return Covers(first, second, distances, places - others * turned, 1.0 - turned, normals)
 
 
-def no_pairs(task: Task) -> Covers:
+def no_pairs(task: RollerTask) -> Covers:
     """No pairs at all."""
     return pair_conditions(task, np.empty(0), np.empty(0), 0.0)
 
 
-def _centres(task: Task, phi: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+def _centres(task: RollerTask, phi: FloatArray) -> tuple[ComplexArray, ComplexArray]:
     """B and B' (n,) at `phi` (n,) [rad], in the axes of places."""
     terms = task.terms(phi)
+    # `centre` is r B, so conj(r) turns it back.
     back = np.conj(terms.turn)
     return back * terms.centre, 1j * back * (terms.p1 + terms.turning * terms.centre)
 
 
-def covered_pairs(task: Task, place: complex) -> Covers:
+def covered_pairs(task: RollerTask, place: complex) -> Covers:
     """Pairs at which the flanks in use are cut off with the cam axis at `place`, the worst first.
 
-    Empty if they are not, or only touch to rounding. What is cut off at a corner of the pitch curve
-    is left out: a jump of the velocity rules the disc out at every size.
+    Empty if they are not cut off, or only touch up to rounding. What is cut off at a corner of the
+    pitch curve is left out: a jump of the velocity rules the disc out at every size.
     """
     disc = task.placed_cam(place).disc
     kinks = np.array([pivot.phi_end for pivot in disc.pitch_path.pivots])
@@ -477,27 +494,34 @@ def covered_pairs(task: Task, place: complex) -> Covers:
             if not disc.outline(name).is_trimmed:
                 continue
             crossings = find_crossings(flank, disc.bends)
-        except GeometryError:  # nothing is left, or what is left cannot be decided
+        except GeometryError:  # nothing remains of the flank, or it is unknown what remains
             crossings = ()
         angles = sorted(
             angle for crossing in crossings for angle in (crossing.first, crossing.second)
         )
+        # Between two neighbouring crossings a flank is covered as a whole or not at all; the last
+        # stretch passes cam angle 0. Without crossings all of it is one stretch.
         ends = [*angles[1:], *(angle + TURN for angle in angles[:1])]
         stretches = list(zip(angles, ends, strict=True)) or [(0.0, TURN)]
         for start, end in stretches:
             if not (angles and np.any((kinks - start) % TURN <= end - start)):
                 pairs = pairs + _stretch_pairs(task, place, flank.distance, start, end)
+    # Pairs that only touch, up to rounding, do not rule the place out.
     gap = pairs.gap(np.array([place]))[0][0]
     order = np.argsort(gap)[:MOST]
     return pairs.some(order[gap[order] < -TOUCHING * np.abs(pairs.distance[order])])
 
 
-def _stretch_pairs(task: Task, place: complex, distance: float, start: float, end: float) -> Covers:
+def _stretch_pairs(
+    task: RollerTask, place: complex, distance: float, start: float, end: float
+) -> Covers:
     """Pairs of the flank between two of its crossings, which is covered as a whole or nowhere.
 
-    Samples of its points, each with the nearest roller centre, and the deepest point, refined.
+    They are samples of its points, each with the nearest roller centre, and the refined deepest
+    point.
     """
     count = max(ACROSS, math.ceil(AROUND * (end - start) / (2.0 * TURN)))
+    # Midpoints, as the ends of a stretch lie on the border of what covers it.
     share = (np.arange(count) + 0.5) / count
     first = start + (end - start) * share
     around = np.linspace(0.0, TURN, AROUND, endpoint=False)
@@ -514,13 +538,16 @@ def _stretch_pairs(task: Task, place: complex, distance: float, start: float, en
 
 
 def _deepest(
-    task: Task,
+    task: RollerTask,
     place: complex,
     distance: float,
     pairs: tuple[FloatArray, FloatArray],
     wide: tuple[float, float],
 ) -> tuple[FloatArray, FloatArray]:
-    """For each of `pairs` (k,), (k,) the deepest within `wide` [rad] of its two angles."""
+    """For each of the `pairs` (k,), (k,) the deepest one within `wide` [rad] of its two angles.
+
+    The grid about the best pair so far is halved `ZOOMS` times; a range of 0 keeps its angle.
+    """
     first, second = pairs
     first_reach, second_reach = wide
     share = np.linspace(-1.0, 1.0, 2 * GRID - 1)
@@ -537,13 +564,14 @@ def _deepest(
 
 
 def _gaps(
-    task: Task, place: complex, distance: float, first: FloatArray, second: FloatArray
+    task: RollerTask, place: complex, distance: float, first: FloatArray, second: FloatArray
 ) -> FloatArray:
     """`Covers.gap` of one place at cam angles of shapes (k, n) and (n,), or both (k, n) [mm]."""
     starts, ways = _centres(task, first.ravel())
     normals = starts + 1j * task.sense * ways - place
     points = starts - place + distance * (normals / np.abs(normals))
     centres, _ = _centres(task, second.ravel())
+    # Both are turned with the cam, back to cam angle 0, where they can be compared.
     turned = (
         vectors * np.exp(-1j * task.sense * phi)
         for vectors, phi in (

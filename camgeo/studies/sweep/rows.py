@@ -548,7 +548,7 @@ def _disc(design: Design, question: Question) -> DesignReading:
 
 
 def _part(design: Design, question: Question) -> DesignReading:
-    from camgeo.design.judged_part import Body, part_findings
+    from camgeo.design.judged_part import PartBody, part_findings
     from camgeo.part.mass import Solid, largest_diameter
 
     scene = design.scene
@@ -557,7 +557,7 @@ def _part(design: Design, question: Question) -> DesignReading:
     if scene.part is None:
         raise NoValueError("the scene has no [part]")
     if question.name == "mass":
-        mass = Body(Solid.from_part(design.disc.drawn.part), scene.part.density).mass
+        mass = PartBody(Solid.from_part(design.disc.drawn.part), scene.part.density).mass
         if mass is None:
             raise NoValueError("the scene states neither material nor density of the part")
         return DesignReading(mass, "kg")

@@ -8,7 +8,7 @@ from collections.abc import Set
 from dataclasses import dataclass, replace
 from typing import Final
 
-from camgeo.design.linting import Bench
+from camgeo.design.linting import WorkData
 from camgeo.numeric.arrays import phase
 from camgeo.reading import PROGRAM, beyond
 from camgeo.units import TURN
@@ -62,7 +62,7 @@ class Mover(BlockReader):
     """
 
     def __init__(
-        self, controller: Controller, state: State, bench: Bench, findings: Findings
+        self, controller: Controller, state: State, bench: WorkData, findings: Findings
     ) -> None:
         super().__init__(controller, state, findings)
         self.moves: list[CutterMove] = []
@@ -454,7 +454,7 @@ SLACK: Final = 1e-9
 class Hazards:
     """Judges moves one after another."""
 
-    def __init__(self, controller: Controller, bench: Bench, findings: Findings) -> None:
+    def __init__(self, controller: Controller, bench: WorkData, findings: Findings) -> None:
         self._controller = controller
         self._bench = bench
         self._findings = findings

@@ -8,7 +8,7 @@ from codecs import BOM_UTF8
 from collections.abc import Collection, Iterator
 from typing import Final
 
-from camgeo.design.linting import Bench, Linted
+from camgeo.design.linting import Linted, WorkData
 from camgeo.milling.machine import LONGEST_LINE, Machine
 from camgeo.reading import PROGRAM, check_text, text_lines
 from camgeo.units import MM_PER
@@ -56,7 +56,7 @@ ASSIGNMENT: Final = re.compile(r"(?:N\d++\s*+)?+(?:#|R\d++\s*+=)", re.ASCII)
 def run(
     program: str | bytes,
     machine: Machine,
-    bench: Bench | None = None,
+    bench: WorkData | None = None,
     most: int = MOST,
     fatal: Collection[str] = (),
 ) -> ProgramRun:
@@ -78,7 +78,7 @@ def run(
     data = program.encode("utf-8", "replace") if isinstance(program, str) else program
     check_text(data, PROGRAM, "the program")
     findings = Findings(most, fatal)
-    reader = _Program(machine, bench or Bench(), findings)
+    reader = _Program(machine, bench or WorkData(), findings)
     complete = True
     try:
         check_ends(data, machine, findings)
@@ -102,7 +102,7 @@ MOST_KNOWN: Final = 20_000
 class _Program:
     """A program while it is read."""
 
-    def __init__(self, machine: Machine, bench: Bench, findings: Findings) -> None:
+    def __init__(self, machine: Machine, bench: WorkData, findings: Findings) -> None:
         self._machine = machine
         self._bench = bench
         self._controller = Controller.from_machine(machine)
@@ -264,7 +264,7 @@ class _Program:
 class GcodeLinter:
     """The interpreter as `camgeo lint` asks for it."""
 
-    def lint(self, data: bytes, machine: Machine, bench: Bench) -> Linted:
+    def lint(self, data: bytes, machine: Machine, bench: WorkData) -> Linted:
         """All findings; FileError for data beyond the limits of a program."""
         program = run(data, machine, bench)
         wanted = {finding.line for finding in program.findings}

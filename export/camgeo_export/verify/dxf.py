@@ -8,7 +8,15 @@ from collections.abc import Collection, Iterable, Mapping
 from typing import Final
 
 from camgeo.design.product import Product
-from camgeo.design.verify import Check, Origin, Reading, at_most, failed, parse_tolerance, reported
+from camgeo.design.verify import (
+    Check,
+    Origin,
+    ReadingOptions,
+    at_most,
+    failed,
+    parse_tolerance,
+    reported,
+)
 from camgeo.errors import CamgeoError, FileError, GeometryError
 from camgeo.geometry.contour.contour import Contour
 from camgeo.geometry.contour.exact import deviation_bound
@@ -65,7 +73,7 @@ class DxfVerifier:
         )
 
     def checks(
-        self, product: Product, data: bytes, reading: Reading, tolerance: float
+        self, product: Product, data: bytes, reading: ReadingOptions, tolerance: float
     ) -> tuple[Check, ...]:
         """Unit, contents, and each closed contour against its boundary."""
         try:
@@ -124,7 +132,7 @@ def _is_sheet(data: bytes) -> bool:
     return FRAME.search(data) is not None and "camgeo" in _properties(data)
 
 
-def _unit(drawing: Drawing, reading: Reading) -> Check:
+def _unit(drawing: Drawing, reading: ReadingOptions) -> Check:
     """The unit that the drawing states."""
     stated = drawing.value("$INSUNITS") or "0"
     if reading.unit is not None and stated == "0":

@@ -19,13 +19,13 @@ from typing import Final
 import numpy as np
 import shapely
 
-from camgeo.design.linting import Bench, LineFinding
+from camgeo.design.linting import LineFinding, WorkData
 from camgeo.design.milled import job
 from camgeo.design.product import Product, product_sides, side_programs
 from camgeo.design.verify import (
     Check,
     Origin,
-    Reading,
+    ReadingOptions,
     at_most,
     failed,
     parse_tolerance,
@@ -93,7 +93,7 @@ class GcodeVerifier:
         return Origin(notes.version, notes.scene, notes.tolerance)
 
     def checks(
-        self, product: Product, data: bytes, reading: Reading, tolerance: float
+        self, product: Product, data: bytes, reading: ReadingOptions, tolerance: float
     ) -> tuple[Check, ...]:
         """Unit, safety, every operation at each depth, each closed path against its exact one."""
         if lacking := FORMAT.lacking(product.values):
@@ -110,7 +110,7 @@ class GcodeVerifier:
         product = programs[notes.program - 1 if len(programs) > 1 else 0]
         machine = load(product.milled.gcode.machine)
         limits = machine.arcs
-        bench = program_bench(product, machine) if notes.version else Bench()
+        bench = program_bench(product, machine) if notes.version else WorkData()
         try:
             program = run(data, machine, bench, fatal=("words", "path"))
             program.refuse("words", "path")
@@ -144,7 +144,7 @@ class GcodeVerifier:
         """What a program of any origin does to the blank and the part of a scene, by line; nothing
         of one whose path is not known.
         """
-        program = run(data, machine, Bench())
+        program = run(data, machine, WorkData())
         side = _side(product, parse_notes(program.comments).second)
         if side is None:
             note = "it is for a second side, which the scene does not have"
@@ -758,14 +758,14 @@ def beyond_slack(cut: ContourCut, contour: Contour | SplineContour) -> float:
     return max(0.0, cut.centre.deviation(contour) - cut.slack)
 
 
-def program_bench(product: Product, machine: Machine) -> Bench:
+def program_bench(product: Product, machine: Machine) -> WorkData:
     """The work of a program of ours: its blank, and its heights, which are printed rounded; all in
     its own coordinates.
     """
     heights, milling = product.milled.gcode.heights, product.milled.spec
     z = product.milled.zero.z
     step = 10.0 ** -machine.numbers.decimals.for_unit(product.unit) * MM_PER[product.unit]
-    return Bench(
+    return WorkData(
         stock_top=(0.0 if milling is None else milling.stock.top) - z,
         clearance=heights.retract - z - 0.5 * step,
         operations=tuple(cut.name for cut in product.milled.cuts),

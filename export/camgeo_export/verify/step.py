@@ -14,7 +14,7 @@ from camgeo.design.product import Product
 from camgeo.design.verify import (
     Check,
     Origin,
-    Reading,
+    ReadingOptions,
     at_most,
     failed,
     near,
@@ -70,7 +70,7 @@ class StepVerifier:
         return Origin(version, stated(SCENE), parse_tolerance(stated(TOLERANCE)))
 
     def checks(
-        self, product: Product, data: bytes, reading: Reading, tolerance: float
+        self, product: Product, data: bytes, reading: ReadingOptions, tolerance: float
     ) -> tuple[Check, ...]:
         """Unit, the shell, and the solid against the part."""
         try:

@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 
 from camgeo.design.product import Product
-from camgeo.design.verify import Check, Origin, Reading, equal, failed, reported
+from camgeo.design.verify import Check, Origin, ReadingOptions, equal, failed, reported
 from camgeo.errors import FileError
 from camgeo.numeric.arrays import FloatArray
 from camgeo.reading import (
@@ -77,7 +77,7 @@ class StlVerifier:
         return Origin(version, scene, None, _damage(data))
 
     def checks(
-        self, product: Product, data: bytes, reading: Reading, tolerance: float
+        self, product: Product, data: bytes, reading: ReadingOptions, tolerance: float
     ) -> tuple[Check, ...]:
         """Unit, header, normals, and the body against the part."""
         ours = OURS.match(data[:PREFIX]) is not None
@@ -123,7 +123,7 @@ def _damage(data: bytes) -> str:
     return f"not a complete binary STL: {size}, {expected} for its {facets}"
 
 
-def _unit(data: bytes, reading: Reading) -> tuple[LengthUnit, Check]:
+def _unit(data: bytes, reading: ReadingOptions) -> tuple[LengthUnit, Check]:
     """Ours are in mm and say so; others state no unit."""
     match = OURS.match(data[:PREFIX])
     if match:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 from camgeo.design.product import Product
-from camgeo.design.verify import Check, Origin, Reading, failed, parse_tolerance, reported
+from camgeo.design.verify import Check, Origin, ReadingOptions, failed, parse_tolerance, reported
 from camgeo.errors import CamgeoError, FileError
 from camgeo.scene.formats.format import CUT_SVG
 from camgeo_export.reading import ARC_SLACK, text_tokens
@@ -42,7 +42,7 @@ class CutSvgVerifier:
         return Origin(version, scene, parse_tolerance(tolerance), damage)
 
     def checks(
-        self, product: Product, data: bytes, reading: Reading, tolerance: float
+        self, product: Product, data: bytes, reading: ReadingOptions, tolerance: float
     ) -> tuple[Check, ...]:
         """Size, and each closed contour against its boundary."""
         try:

@@ -18,9 +18,9 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 
-from camgeo.design.plate import Piece, plate_pieces
+from camgeo.design.plate import PlatePiece, plate_pieces
 from camgeo.design.product import Product
-from camgeo.design.verify import Check, Origin, Reading, failed, parse_tolerance, unit_check
+from camgeo.design.verify import Check, Origin, ReadingOptions, failed, parse_tolerance, unit_check
 from camgeo.errors import FileError
 from camgeo.numeric.arrays import FloatArray, IntArray
 from camgeo.reading import COORDINATE, FACETS, Limits, beyond, check_size, parse_number
@@ -109,7 +109,7 @@ class ThreeMfVerifier:
         )
 
     def checks(
-        self, product: Product, data: bytes, reading: Reading, tolerance: float
+        self, product: Product, data: bytes, reading: ReadingOptions, tolerance: float
     ) -> tuple[Check, ...]:
         """Package, unit, and the body against the part."""
         parts = unpack_parts(data)
@@ -760,7 +760,7 @@ def _check_type(types: Mapping[tuple[str, str], str], part: str, allowed: Collec
 
 
 def plate_checks(
-    plate: Sequence[Piece],
+    plate: Sequence[PlatePiece],
     parts: Mapping[str, bytes],
     model: bytes,
     scale: float,
