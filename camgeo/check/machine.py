@@ -58,8 +58,8 @@ ANGLE_MEMBERS: Final = {
     "lever": ("lever", "crank"),
     "crank": ("crank", GUIDE_NORMAL),
 }
-"""The members that make the transmission angles `TO_FAR_END` and `TO_FOLLOWER` with the coupler, by the member
-whose motion is demanded."""
+"""The members that make the transmission angles `TO_FAR_END` and `TO_FOLLOWER` with the coupler, by
+the member whose motion is demanded."""
 
 
 def linkage_findings(drive: Drive, limits: Limits) -> tuple[Finding, ...]:

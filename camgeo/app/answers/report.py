@@ -250,9 +250,15 @@ DOCUMENT: Final = Key(
                     {
                         "name": "Name of the quantity, with its unit in brackets.",
                         "low": Key("Smallest value; null if it is infinite.", type=float | None),
-                        "low_at_deg": Key("Cam angle at which the smallest value is reached first.", of="low_angle"),
+                        "low_at_deg": Key(
+                            "Cam angle at which the smallest value is reached first.",
+                            of="low_angle",
+                        ),
                         "high": Key("Largest value; null if it is infinite.", type=float | None),
-                        "high_at_deg": Key("Cam angle at which the largest value is reached first.", of="high_angle"),
+                        "high_at_deg": Key(
+                            "Cam angle at which the largest value is reached first.",
+                            of="high_angle",
+                        ),
                     },
                 ),
             },
