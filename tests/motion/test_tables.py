@@ -65,7 +65,7 @@ def test_all_ways_of_writing_read_the_same(text: str) -> None:
 @pytest.mark.parametrize(
     ("text", "line", "message"),
     [
-        ("", 1, "no rows; allowed: 2 or more"),
+        ("", 1, "there are no rows; allowed: 2 or more"),
         ("# nothing\n", 2, "no rows"),
         ("0,0\n", 1, "1 row of numbers; allowed: 2"),
         ("phi,s\n", 2, "0 rows of numbers"),
@@ -81,7 +81,11 @@ def test_all_ways_of_writing_read_the_same(text: str) -> None:
         ("0,0\n1,\n360,0\n", 2, "not a number"),
         ("0,0\n1,1_0\n360,0\n", 2, "'1_0': not a number"),
         ("0;0\n1;1.234,5\n360;0\n", 2, "'1.234,5': not a number"),
-        ("0;0\n1;1,5\n360;0.5\n", 3, "'0.5': the decimals above have ','; allowed: one kind"),
+        (
+            "0;0\n1;1,5\n360;0.5\n",
+            3,
+            "'0.5': the numbers above have the decimal mark ','; allowed: one mark",
+        ),
         ("1,0\n360,0\n", 1, "'1.0': the first angle; allowed: 0"),
         ("0,0\n\n5,1\n5,2\n360,0\n", 4, "'5.0': the angle before is 5.0; allowed: only asc"),
         ("0,0\n5,1\n4,2\n360,0\n", 3, "'4.0': the angle before is 5.0"),
@@ -90,7 +94,11 @@ def test_all_ways_of_writing_read_the_same(text: str) -> None:
         ("phi,lift,s\n0,0,0\n360,0,0\n", 1, "2 columns of lift; allowed: one, called s or lift"),
         ("phi,v\n0,0\n360,0\n", 1, "'phi, v': 0 columns of lift"),
         ("a,s\n0,0\n360,0\n", 1, "0 columns of angle; allowed: one, called phi or angle or"),
-        ("phi [rad],s\n0,0\n360,0\n", 1, r"'phi [rad]': the unit of the angle; allowed: deg"),
+        (
+            "phi [rad],s\n0,0\n360,0\n",
+            1,
+            r"'phi [rad]': the unit of the angle is unknown; allowed: deg",
+        ),
     ],
 )
 def test_faults_are_reported_with_file_and_line(text: str, line: int, message: str) -> None:
@@ -184,7 +192,7 @@ def test_faults_are_reported(rows: list[tuple[float, float]], message: str) -> N
 
 
 def test_the_unit_of_the_time_is_seconds() -> None:
-    with pytest.raises(GeometryError, match="the unit of the time; allowed: s"):
+    with pytest.raises(GeometryError, match="the unit of the time is unknown; allowed: s"):
         SpeedCurve.read(text(ROWS, "t [ms],phi [deg]\n"), "speed.csv")
 
 
