@@ -105,7 +105,7 @@ def smoothest_values(
     Parameters
     ----------
     x, y : (n,) ascending x and the values there; n >= 2, or 1 with a period.
-    given : prescribed s' and s'' by index of the point, None where free.
+    prescribed : s' and s'' by index of the point, None where free.
     period : of a motion that closes, larger than x[-1] - x[0]; None for one that ends.
 
     Raises GeometryError as `Spline.clamped` does.

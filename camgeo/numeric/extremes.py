@@ -415,9 +415,9 @@ def stretch_around(cuts: FloatArray, inside: BoolArray, place: float) -> tuple[f
 # error of the polynomial is estimated by the last difference and, in a cell that was halved, by the
 # distance of the slope from the polynomial of the whole cell. A cell is decided if the polynomial,
 # with a margin of this error, has no root, or is monotone, or has no more roots than its values
-# have sign changes, as its Bernstein coefficients show. Otherwise the cell is halved, until the value
-# whose slope it is cannot change in it by a relevant amount. So roots that are missed change no
-# value by more than `NEGLIGIBLE_CHANGE` of its size. This rests on the estimate, which holds for
+# have sign changes, as its Bernstein coefficients show. Otherwise the cell is halved, until the
+# value whose slope it is cannot change in it by a relevant amount. So roots that are missed change
+# no value by more than `NEGLIGIBLE_CHANGE` of its size. This rests on the estimate, which holds for
 # functions that are analytic in a cell, and is not a proof. The borders of the formula must be ends
 # of cells.
 

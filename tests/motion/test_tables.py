@@ -69,7 +69,7 @@ def test_all_ways_of_writing_read_the_same(text: str) -> None:
         ("# nothing\n", 2, "no rows"),
         ("0,0\n", 1, "1 row of numbers; allowed: 2"),
         ("phi,s\n", 2, "0 rows of numbers"),
-        ("0\n360\n", 1, "allowed separators are ; and tab and comma and blanks"),
+        ("0\n360\n", 1, "allowed separators: semicolon, tab, comma, blanks"),
         ("0,0,1\n360,0,1\n", 1, "3 columns; without a heading 2 are allowed"),
         ("0,5,1,5\n360,0,1,0\n", 1, "4 columns; without a heading 2"),
         ("0,0\n1\n360,0\n", 2, "1 column; allowed: 2"),

@@ -263,7 +263,7 @@ DOCUMENT: Final = Key(
             {
                 "task": 'E.g. "R-U".',
                 "ends": Key(
-                    'What the move meets at its start and at its end, e.g. "rest" and "turn".',
+                    'What the move meets at its start and at its end, e.g. "rest" and "reversal".',
                     type=tuple[str, str],
                 ),
                 "laws": Key(

@@ -208,8 +208,8 @@ FAULTS: list[tuple[list[Request], str, str, str]] = [
         ],
         "motion[2].law",
         "polynomial-345",
-        (r"is made for R-R \(R rest, U turn, G constant velocity, B general motion\); here the move"
-        r" goes from rest to constant velocity \(R-G\), for which there are modified-sine,"
+        (r"is made for R-R \(R rest, U reversal, G constant velocity, B general motion\); here the"
+        r" move goes from rest to constant velocity \(R-G\), for which there are modified-sine,"
         " polynomial-5, polynomial-7, auto"),
     ),
     (
@@ -229,9 +229,9 @@ FAULTS: list[tuple[list[Request], str, str, str]] = [
         [move(60, 5.0), move(60, 5.0, "sine-straight"), move(240, 0.0)],
         "motion[2].law",
         "sine-straight",
-        "has no shape for a move that ends where it starts; polynomial-5 and auto have, and a",
+        "cannot make a move that ends where it starts; polynomial-5 and auto can, and a dwell",
     ),
-    ([move(360, 0.0, "harmonic-combination")], "motion[1].law", "harmonic-combination", "no shape"),
+    ([move(360, 0.0, "harmonic-combination")], "motion[1].law", "harmonic-combination", "cannot make"),
     # a turn that the law cannot make
     (
         [rest(60), move(120, 20.0, "harmonic-combination", acceleration=-4.0), move(180, 0.0)],
@@ -282,7 +282,7 @@ FAULTS: list[tuple[list[Request], str, str, str]] = [
         ],
         "motion[1].law",
         "",
-        "would stop for a moment at its end and then go on in the same direction",
+        "would stop for a moment at its end and then continue in the same direction",
     ),
     # stated, but the law has no freedom left
     (
@@ -306,7 +306,7 @@ FAULTS: list[tuple[list[Request], str, str, str]] = [
         [move(60, 10.0, "polynomial-5", jerk=3.0), move(300, 0.0)],
         "motion[1].jerk",
         "3",
-        "is met by polynomial-7 and polynomial only; leave it out or name one of them",
+        "is met only by polynomial-7 and polynomial; leave it out or name one of them",
     ),
     # numbers
     ([move(60, 10.0), move(300, 1.0)], "motion", "", "starts at 0 and ends at 1 mm, it does"),
@@ -322,7 +322,7 @@ FAULTS: list[tuple[list[Request], str, str, str]] = [
         [through("0.001", 0.0, (0.2, 1.0), (0.4, 0.0)), move("359.999", 0.0)],
         "motion[1].points",
         "",
-        "has points too near to each other beside the moves",
+        "has points that are too close together beside the moves",
     ),
     (
         [move("359.999999", 5.0, "modified-trapezoid"), move("0.000001", 0.0)],
@@ -671,7 +671,10 @@ def test_a_table_that_does_not_return_is_reported() -> None:
 
 @pytest.mark.parametrize(
     ("before", "words"),
-    [((), "off where it would close"), ((rest(0),), "the last row lies 0.5 off the first one")],
+    [
+        ((), "off where it would close"),
+        ((rest(0),), "the last row differs from the first one by 0.5"),
+    ],
 )
 def test_a_turn_that_does_not_close_is_reported(before: tuple[Request, ...], words: str) -> None:
     with pytest.raises(GeometryError, match=words) as caught:
