@@ -40,7 +40,7 @@ class NumberColumn:
     what : its name in messages.
     names : those allowed in headings, in lower case.
     units : allowed in headings, in lower case; empty for any.
-    shown : these units in messages.
+    units_text : the units as messages list them.
     """
 
     what: str

@@ -216,7 +216,7 @@ FAULTS: list[tuple[list[Request], str, str, str]] = [
         [rest(40), move(60, 5.0, "sine-straight"), move(260, 0.0)],
         "motion[2].law",
         "sine-straight",
-        r"from rest to rest or turn \(R-R, R-U\), for which there are .*harmonic-combination",
+        r"from rest to rest or reversal \(R-R, R-U\), for which there are .*harmonic-combination",
     ),
     (
         [move(60, 5.0, "double-harmonic", velocity=2.0), move(300, 0.0)],
@@ -231,7 +231,12 @@ FAULTS: list[tuple[list[Request], str, str, str]] = [
         "sine-straight",
         "cannot make a move that ends where it starts; polynomial-5 and auto can, and a dwell",
     ),
-    ([move(360, 0.0, "harmonic-combination")], "motion[1].law", "harmonic-combination", "cannot make"),
+    (
+        [move(360, 0.0, "harmonic-combination")],
+        "motion[1].law",
+        "harmonic-combination",
+        "cannot make a move",
+    ),
     # a turn that the law cannot make
     (
         [rest(60), move(120, 20.0, "harmonic-combination", acceleration=-4.0), move(180, 0.0)],
@@ -309,7 +314,7 @@ FAULTS: list[tuple[list[Request], str, str, str]] = [
         "is met only by polynomial-7 and polynomial; leave it out or name one of them",
     ),
     # numbers
-    ([move(60, 10.0), move(300, 1.0)], "motion", "", "starts at 0 and ends at 1 mm, it does"),
+    ([move(60, 10.0), move(300, 1.0)], "motion", "", "starts at 0 and ends at 1 mm, so it does"),
     ([move(60, 10.0), move(299, 0.0)], "motion", "359", "add up to 359 degrees"),
     ([move(0, 10.0), move(360, 0.0)], "motion[1].span", "0", "cannot change the position"),
     (
@@ -330,7 +335,7 @@ FAULTS: list[tuple[list[Request], str, str, str]] = [
         "modified-trapezoid",
         r"speed up or slow down within .*e-1\d degrees of its 360, .* allowed: 8.1e-13 or more\.",
     ),
-    ([table(360, [0.0, 5.0, 1.0])], "motion[1].file", "1.0", "the last point lies 1 off"),
+    ([table(360, [0.0, 5.0, 1.0])], "motion[1].file", "1.0", "the last point lies 1 away"),
     # parameters
     (
         [move(60, 10.0, "sine-straight", parameters={"sine": 0.5}), move(300, 0.0)],
@@ -342,7 +347,7 @@ FAULTS: list[tuple[list[Request], str, str, str]] = [
         [rest(60), move(120, 10.0, parameters={"inflection": 0.4}), move(180, 0.0)],
         "motion[2].inflection",
         "auto",
-        "no law for R-U with inflection = 0.4 meets .* leave those out, or name a law",
+        "no law for R-U with inflection = 0.4 meets .* leave those parameters out, or",
     ),
 ]  # fmt: skip
 
@@ -672,7 +677,7 @@ def test_a_table_that_does_not_return_is_reported() -> None:
 @pytest.mark.parametrize(
     ("before", "words"),
     [
-        ((), "off where it would close"),
+        ((), "away from where it would close"),
         ((rest(0),), "the last row differs from the first one by 0.5"),
     ],
 )
