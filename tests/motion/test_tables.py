@@ -145,7 +145,7 @@ def test_a_periodic_table_may_miss_its_closing_row() -> None:
     rows = "".join(f"{k},{math.sin(math.radians(k))!r}\n" for k in range(0, 360, 5))
     table = TwoColumns.of_lifts(rows, "lift.csv", periodic=True)
     assert table.first[-1] == 355.0
-    with pytest.raises(GeometryError, match="the end of the span, 360"):
+    with pytest.raises(GeometryError, match="the end of the span; allowed: 360"):
         TwoColumns.of_lifts(rows, "lift.csv")
     closing = TwoColumns.of_lifts(rows + "360,0\n", "lift.csv", periodic=True)
     spline, closed = (

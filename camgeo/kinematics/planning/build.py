@@ -284,7 +284,7 @@ def _unreachable_end(a0: float, a1: float) -> tuple[str, float, bool]:
     return "a1", -least, False
 
 
-# -- turns ----------------------------------------------------------------------------------------
+# -- reversals ------------------------------------------------------------------------------------
 # The acceleration at reversals, where the neighbouring laws determine it.
 
 
@@ -324,17 +324,17 @@ def settle_reversals(links: Sequence[Link]) -> tuple[set[RingJoint], dict[RingJo
         If a law that meets the values at one end cannot meet those at the other, or the motion
         continues in the same direction at a joint where both laws have a reversal.
     """
-    turns = [link.start for link in links if link.start.kind == "U"]
-    gentlest = {joint: _gentlest(joint) for joint in turns}
+    reversals = [link.start for link in links if link.start.kind == "U"]
+    gentlest = {joint: _gentlest(joint) for joint in reversals}
     _decide(links, gentlest)
-    undecided = [joint for joint in turns if joint.acceleration is None]
+    undecided = [joint for joint in reversals if joint.acceleration is None]
     suited = {joint: _suited(joint) for joint in undecided}
-    for joint, turn in suited.items():
-        joint.acceleration = turn
+    for joint, acceleration in suited.items():
+        joint.acceleration = acceleration
     return set(undecided), {
-        joint: turn
+        joint: acceleration
         for joint in undecided
-        if suited[joint] is None and (turn := gentlest[joint]) is not None
+        if suited[joint] is None and (acceleration := gentlest[joint]) is not None
     }
 
 
@@ -354,18 +354,20 @@ def tied_reversals(links: Sequence[Link], undecided: Set[RingJoint]) -> dict[Rin
         ties = link.task == "U-U" and adjustable == SHAPES and len(stated) == 1
         if not ties or not any(is_open):
             continue
-        turns = [end.acceleration or 0.0 for end in ends]
+        accelerations = [end.acceleration or 0.0 for end in ends]
         size = [
-            abs(turn / preferred)
-            for turn, preferred in zip(turns, _preferred_reversals(link), strict=True)
+            abs(acceleration / preferred)
+            for acceleration, preferred in zip(
+                accelerations, _preferred_reversals(link), strict=True
+            )
         ]
         follows = int(size[0] <= size[1]) if all(is_open) else is_open.index(True)
         wanted = _following(link, follows)
         if all(is_open) and abs(wanted) < abs(_neighbour_reversal(ends[follows], link)):
             follows = 1 - follows
             wanted = _following(link, follows)
-        if abs(wanted - turns[follows]) > SAME * abs(wanted):
-            return {ends[follows]: wanted, ends[1 - follows]: turns[1 - follows]}
+        if abs(wanted - accelerations[follows]) > SAME * abs(wanted):
+            return {ends[follows]: wanted, ends[1 - follows]: accelerations[1 - follows]}
     return {}
 
 
@@ -383,7 +385,9 @@ def _neighbour_reversal(joint: RingJoint, link: Link) -> float:
     """The gentlest acceleration at a joint that the law on the side opposite to `link` can have; 0
     if that side has no named law.
     """
-    return next((turn for side, turn in _reversals_of_sides(joint) if side is not link), 0.0)
+    return next(
+        (acceleration for side, acceleration in _reversals_of_sides(joint) if side is not link), 0.0
+    )
 
 
 def _reversals_of_sides(joint: RingJoint) -> Iterator[tuple[Link, float]]:
@@ -454,7 +458,8 @@ def _choose_sharper(link: Link, gentlest: Mapping[RingJoint, float | None]) -> N
     ends = link.start, link.end
     needed = [gentlest[end] or 0.0 for end in ends]
     sizes = [
-        turn / preferred for turn, preferred in zip(needed, _preferred_reversals(link), strict=True)
+        acceleration / preferred
+        for acceleration, preferred in zip(needed, _preferred_reversals(link), strict=True)
     ]
     sharper = sizes.index(max(sizes))
     if sizes[sharper] > 1.0:
@@ -465,15 +470,15 @@ def _gentlest(joint: RingJoint) -> float | None:
     """The gentlest acceleration at a reversal that the named laws beside it can meet; None if there
     are no such laws.
     """
-    turns = [turn for _, turn in _reversals_of_sides(joint)]
-    if len(turns) == 2 and turns[0] * turns[1] < 0.0:
+    accelerations = [acceleration for _, acceleration in _reversals_of_sides(joint)]
+    if len(accelerations) == 2 and accelerations[0] * accelerations[1] < 0.0:
         raise GeometryError(
             "would stop for a moment at its end and then continue in the same direction: this law"
             " decelerates up to there, the next one accelerates from there, and their accelerations"
             " have opposite signs; polynomial-5 and auto pass with a velocity",
             key=f"{joint.previous.key}.law",
         )
-    return max(turns, key=abs, default=None)
+    return max(accelerations, key=abs, default=None)
 
 
 def _suited(joint: RingJoint) -> float | None:
@@ -482,10 +487,10 @@ def _suited(joint: RingJoint) -> float | None:
     """
     candidates, prefers = [], False
     for link, at_end in _sides(joint):
-        turns = _preferred_reversals(link) if link.is_named else _best_reversals(link)
-        if not link.stroke or turns is None:
+        accelerations = _preferred_reversals(link) if link.is_named else _best_reversals(link)
+        if not link.stroke or accelerations is None:
             return None
-        candidates.append(turns[at_end])
+        candidates.append(accelerations[at_end])
         prefers |= _choices(link)[0] != SHAPES
     if not prefers or candidates[0] * candidates[1] <= 0.0:
         return None
@@ -497,12 +502,12 @@ def _suited(joint: RingJoint) -> float | None:
 
 
 def _compromise(joint: RingJoint, candidates: list[float]) -> float:
-    """The acceleration of a turn between two "auto" moves that keeps small what both optimise.
+    """The acceleration at a reversal between two "auto" moves that keeps small what both optimise.
 
     `candidates` are the accelerations that each of them prefers.
     """
     gentler, sharper = sorted(candidates, key=abs)
-    turns = gentler * np.geomspace(1.0, sharper / gentler, TRIED)
+    accelerations = gentler * np.geomspace(1.0, sharper / gentler, TRIED)
     weights: Counter[str] = Counter()
     sizes = {name: np.zeros(TRIED) for name in POWERS}
     for link, at_end in _sides(joint):
@@ -510,17 +515,19 @@ def _compromise(joint: RingJoint, candidates: list[float]) -> float:
         assert both is not None
         weights.update(request.optimise or DEFAULT)
         unit = link.unit_acceleration
-        known = {f"a{end}": turn / unit for end, turn in enumerate(both) if turn}
+        known = {
+            f"a{end}": acceleration / unit for end, acceleration in enumerate(both) if acceleration
+        }
         known |= normalised(link)
-        for place, turn in enumerate(turns):
+        for place, acceleration in enumerate(accelerations):
             criteria = criterion_sizes(
-                link.task, known | {f"a{at_end}": turn / unit}, request.optimise
+                link.task, known | {f"a{at_end}": acceleration / unit}, request.optimise
             )
             for name, (spans, strokes) in POWERS.items():
                 size = criteria[name] * abs(link.stroke) ** strokes / link.length**spans
                 sizes[name][place] = max(sizes[name][place], size)
     costs = [weight * sizes[name] / np.min(sizes[name]) for name, weight in weights.items()]
-    return float(turns[int(np.argmin(np.sum(costs, axis=0)))])
+    return float(accelerations[int(np.argmin(np.sum(costs, axis=0)))])
 
 
 def _preferred_reversals(link: Link) -> tuple[float, float]:
@@ -538,9 +545,9 @@ def _best_reversals(link: Link) -> tuple[float, float] | None:
         return None
     known = normalised(link)
     optimise = tuple(sorted(link.move.optimise.items()))
-    turns = best_reversal(link.task, known["v0"], known["v1"], optimise)
+    accelerations = best_reversal(link.task, known["v0"], known["v1"], optimise)
     unit = link.unit_acceleration
-    return turns and (turns[0] * unit, turns[1] * unit)
+    return accelerations and (accelerations[0] * unit, accelerations[1] * unit)
 
 
 # -- auto -----------------------------------------------------------------------------------------
@@ -632,7 +639,11 @@ def best_reversal(
         mirrored = best_reversal(f"{task[-1]}-U", v1, v0, optimise)
         return mirrored and (-mirrored[1], -mirrored[0])
     known = {"v0": v0, "v1": v1}
-    preferred = [turn for name in FAMILIES if (turn := _preferred_reversal(name, task, known))]
+    preferred = [
+        acceleration
+        for name in FAMILIES
+        if (acceleration := _preferred_reversal(name, task, known))
+    ]
     if not preferred:
         return None
     middle = min(preferred, key=abs)
@@ -642,25 +653,27 @@ def best_reversal(
             weights.get(SUBSTITUTES.get(name, name), 0.0) + weight
         )
 
-    def rated(name: str, turn: float) -> Sequence[Rated]:
-        ends = {"a1": turn, **({"a0": -turn} if task == "U-U" else {})}
+    def rated(name: str, acceleration: float) -> Sequence[Rated]:
+        ends = {"a1": acceleration, **({"a0": -acceleration} if task == "U-U" else {})}
         return [(law, characteristic(law)) for law in _candidates(name, task, known | ends, {})]
 
     scale = _least([pair for name in FAMILIES for pair in rated(name, middle)], weights)
 
-    def cost(name: str, turn: float) -> float:
-        tame = [pair for pair in rated(name, turn) if not _overshoots(pair[1])]
+    def cost(name: str, acceleration: float) -> float:
+        tame = [pair for pair in rated(name, acceleration) if not _overshoots(pair[1])]
         return min(_costs(tame, weights, scale), default=math.inf)
 
-    best = min((cost(name, turn), turn) for name in FAMILIES for turn in preferred)
+    best = min(
+        (cost(name, acceleration), acceleration) for name in FAMILIES for acceleration in preferred
+    )
     for name in FAMILIES:
         if task in FAMILIES[name].tasks:
-            turn = _lowest(partial(cost, name), GENTLEST_SHIFT * middle, SHARPEST * middle)
-            lowest = cost(name, turn)
+            acceleration = _lowest(partial(cost, name), GENTLEST_SHIFT * middle, SHARPEST * middle)
+            lowest = cost(name, acceleration)
             if lowest < best[0] * (1.0 - GAIN):
-                best = lowest, turn
-    turn = best[1]
-    return (-turn if task == "U-U" else 0.0), turn
+                best = lowest, acceleration
+    acceleration = best[1]
+    return (-acceleration if task == "U-U" else 0.0), acceleration
 
 
 def _preferred_reversal(name: str, task: str, known: Mapping[str, float]) -> float | None:

@@ -527,10 +527,10 @@ def settle_values(links: Sequence[Link]) -> None:
     while True:
         _settle_smoothest(links)
         decided = {
-            joint: turn
-            for joint, turn in gentlest.items()
+            joint: acceleration
+            for joint, acceleration in gentlest.items()
             # The smoothest acceleration is gentler than the law permits, or has the wrong sign.
-            if (joint.acceleration or 0.0) * turn < turn * turn
+            if (joint.acceleration or 0.0) * acceleration < acceleration * acceleration
         }
         if not decided:
             decided = tied_reversals(links, undecided)
@@ -538,8 +538,8 @@ def settle_values(links: Sequence[Link]) -> None:
             undecided -= decided.keys()
         if not decided:
             return
-        for joint, turn in decided.items():
-            known[joint] = known[joint][0], turn
+        for joint, acceleration in decided.items():
+            known[joint] = known[joint][0], acceleration
             gentlest.pop(joint, None)
         for joint, values in known.items():
             joint.velocity, joint.acceleration = values
