@@ -467,17 +467,18 @@ def far_end(plan: MotionPlan, linkage: Linkage) -> FarEnd:
 
 @dataclass(frozen=True)
 class Drive(Pickled):
-    """What moves the follower; everything is computed on demand.
+    """The drive of the follower; everything is computed on demand.
 
     Cam angles are in radians, any number of turns, arrays (n,); lengths in mm.
 
     Attributes
     ----------
     plan : the prescribed motion: of the far end of a linkage if there is one, else of the follower.
-    linkage : between plan and follower, or None.
-    unit : of the plan's positions.
-    speed : of the cam, positive [rad/s], the mean if it varies; None if none is given.
-    speed_curve : how the speed varies over the turn; None if it does not.
+    linkage : linkage between plan and follower, or None.
+    unit : unit of the plan's positions.
+    speed : angular speed of the cam [rad/s], above 0; the mean if it varies, None if none is
+        stated.
+    speed_curve : variation of the speed over the turn; None for constant speed.
     ledger : records what has been computed.
 
     Raises
@@ -521,7 +522,7 @@ class Drive(Pickled):
 
     @lazy
     def time_course(self) -> TimeCourse | None:
-        """How the cam turns in time; None if no speed is given."""
+        """The rotation of the cam over time; None if no speed is stated."""
         if self.speed_curve is not None:
             return self.speed_curve
         from camgeo.kinematics.time_course import ConstantSpeed

@@ -57,7 +57,7 @@ class Motion(Protocol):
     def jet(self, phi: FloatArray, side: Side = "right", order: int = FULL_ORDER) -> Jet:
         """(order + 1, n) lift and derivatives at `phi` (n,) [rad], any number of turns.
 
-        A motion may return more orders than it is asked for, never fewer.
+        A motion may return more orders than requested, never fewer.
         """
 
     def jet_and_bounds(self, low: FloatArray, high: FloatArray) -> tuple[Jet, Jet]:

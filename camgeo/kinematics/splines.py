@@ -225,7 +225,7 @@ def _boundaries(
 
 
 def _prescribed(y: FloatArray, given: Mapping[int, Boundary]) -> tuple[FloatArray, BoolArray]:
-    """(n, 3) nodal values y, s', s'', and which of s', s'' are prescribed."""
+    """(n, 3) nodal values y, s', s'', 0 where not prescribed; and (n, 3) whether s' or s'' is."""
     nodes = np.zeros((len(y), 3))
     fixed = np.zeros((len(y), 3), dtype=np.bool_)
     nodes[:, 0] = y
@@ -462,6 +462,8 @@ class Spline(Pickled):
         `low`, `high` (n,) as `values` takes them; no cell reaches across a knot. The Taylor series
         from the middle of the cell, which ends with the fifth derivative.
         """
+        # Terms of the series with derivative j > k bound the change of derivative k over the half
+        # cell.
         half = 0.5 * (high - low)
         middle = np.abs(self.values(0.5 * (low + high), DEGREE))
         bounds = np.zeros((FULL_ORDER + 1, len(half)))
@@ -489,10 +491,11 @@ class Spline(Pickled):
         return sampled_extremes(self._arguments(pieces, places), values)
 
     def beyond_knots(self) -> Extreme:
-        """How far s goes, inside a piece, beyond both its values at the ends of the piece.
+        """The largest amount by which s exceeds, inside a piece, both values at the ends of the
+        piece.
 
-        The largest such distance, negative below them, and where it is; 0 where s stays between.
-        Exact except for rounding.
+        Negative if s falls below both values, with the place at which it does; 0 if s stays between
+        them everywhere. Exact except for rounding.
         """
         pieces, places = self._turning_points(0)
         values = _evaluate_rows(self.taylor[pieces], places)
@@ -890,6 +893,7 @@ class Smoothing:
         width = self.width
         banded = np.zeros((2 * width + 1, self.size))
         right = np.zeros(self.size)
+        # Equations of the moments: moment - weight * (matrix of the piece) * nodal values = 0.
         banded[width, self.of_piece] = 1.0
         for k in range(3):
             for j in range(6):

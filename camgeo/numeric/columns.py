@@ -26,7 +26,8 @@ LONGEST_HEADING: Final = 200
 MOST_COLUMNS: Final = 1_000
 
 BLANKS: Final = re.compile(r"(?<!\s)\s++(?![\[(]|[^\[\]()\s]{0,20}+\s{0,5}+[\])])")
-"""What separates cells without any other separator; a unit in brackets belongs to its name."""
+"""The blanks that separate cells where nothing else does; a unit in brackets belongs to its
+name."""
 
 LINE_END: Final = re.compile(r"\r\n|\r|\n")
 
@@ -92,7 +93,7 @@ class Columns:
 
 @dataclass(frozen=True, slots=True)
 class _Layout:
-    """How the rows are written: separator, number of cells, cells and units of the columns."""
+    """The form of the rows: separator, number of cells, and the cells and units of the columns."""
 
     separator: str
     cells: int
@@ -108,8 +109,8 @@ def read_columns(data: bytes | str, file: str, requested: RequestedColumns) -> C
     row; commas in numbers between which blanks stand are decimal ones. The decimal mark is a point;
     with other separators than a comma it may be a comma, the same in all rows. Empty lines and
     lines that begin with # are skipped. A heading may name the columns: then there may be more
-    than those asked for, which are found by their names, in any case, with or without a unit in
-    brackets. Without a heading there are just those asked for.
+    than those requested, which are recognised by their names, in upper or lower case, with or
+    without a unit in brackets. Without a heading a table has the requested columns only.
 
     Parameters
     ----------

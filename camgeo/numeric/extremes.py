@@ -601,7 +601,7 @@ def _decided(coefficients: FloatArray, error: FloatArray) -> BoolArray:
     """(n,) whether the slope in each cell has at most one root: it keeps its sign, or ascends, or
     descends, with a margin of `error` (n,); or it is 0 throughout.
 
-    `coefficients` (n, 14) are as of `_bernstein_matrix`.
+    `coefficients` (n, 14) are those that `_bernstein_matrix` gives.
     """
     # Extremes of two groups of columns: the coefficients bound the slope, their differences its
     # derivative.
@@ -861,7 +861,7 @@ NEARLY_REAL = 1e-6
 
 VANISHING = 1e-40
 """A coefficient below this fraction of the largest one is far below the rounding of the others
-wherever roots are sought, and quotients with it overflow."""
+wherever roots are searched, and quotients with it overflow."""
 
 ROUNDING_OF_ROOTS = 1e-12
 """More than the rounding of a polynomial of the degrees used here near its maximum."""

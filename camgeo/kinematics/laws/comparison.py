@@ -31,7 +31,7 @@ QUANTITIES: Final = (
 """The characteristic values that are compared: C_v, C_a, C_a*, C_j, C_j*, C_Mdyn, C_Mdyn*."""
 
 ZERO: Final = {"R": ("v", "a"), "G": ("a",), "U": ("v",), "B": ()}
-"""What is zero at an end of each class: velocity, acceleration."""
+"""The values that are zero at an end of each class: "v" velocity, "a" acceleration."""
 
 MM2_PER_M2: Final = 1e6
 

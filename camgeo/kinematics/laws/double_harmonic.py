@@ -21,7 +21,8 @@ JERK = 4.0 * math.pi**3
 
 
 def _turns() -> tuple[float, ...]:
-    """Where f'', f''', (f' f'')' and f'''' vanish, by s^2: the last two are quadratics in it.
+    """The z at which f'', f''', (f' f'')' and f'''' vanish: the roots of equations in s^2, of which
+    the last two are quadratic.
 
     f' f'' is s^5 c (3 - 4 s^2), f''' is s c (3 - 8 s^2).
     """

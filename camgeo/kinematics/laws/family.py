@@ -1,4 +1,4 @@
-"""What a family of motion laws is: one shape, for one or more motion tasks, with parameters."""
+"""Families of motion laws: a family is one shape with parameters, for one or more motion tasks."""
 
 from __future__ import annotations
 

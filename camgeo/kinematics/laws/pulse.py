@@ -224,6 +224,8 @@ class _Shares:
 def _sine_stretch(shares: _Shares) -> Stretch:
     """a = sin(pi x/(2 b)) over [0, b]."""
     b = float(shares.sine)
+    # Derivative of the angle by x, and its reciprocal: each integration by x multiplies by
+    # `length`.
     rate, length = 0.5 * math.pi / b, 2.0 * b / math.pi
     tail = float(1 - shares.sine)
     w, q = (float(value) for value in shares.constant_start_backwards)
@@ -232,6 +234,7 @@ def _sine_stretch(shares: _Shares) -> Stretch:
         angle = rate * u
         half = 0.5 * angle
         sine, cosine = np.sin(half), np.cos(half)
+        # 1 - cos of the whole angle, without cancellation.
         twice = 2.0 * sine * sine
         return np.array((
             length * length * x_minus_sin(angle),
@@ -305,6 +308,7 @@ def _cosine_stretches(shares: _Shares) -> tuple[Stretch, Stretch]:
         half = 0.5 * rate * u
         sine, cosine = np.sin(half), np.cos(half)
         double = 2.0 * sine * cosine
+        # 1 - cos of the whole angle; `double` is its sine.
         square = 2.0 * sine * sine
         return np.array((
             position + velocity * u + length * length * square,
@@ -466,6 +470,7 @@ class Parts:
             v0, v1 = Decimal(self.v0), Decimal(self.v1)
             missing = 1 - l1 * v0 - l2 * v1
             first, second = self.first, self.second
+            # The determinant of the two linear equations for A l1 and B l2, see above.
             common = l2 * first.velocity * second.position + l1 * second.velocity * first.position
             a = second.velocity * missing + l2 * second.position * (v1 - v0)
             b = first.velocity * missing - l1 * first.position * (v1 - v0)
@@ -544,7 +549,7 @@ class Parts:
             a1 = weight * d * (second.velocity - second.position)
             b0 = first.velocity * (1 - v1)
             b1 = d * (first.velocity - first.position)
-            # First with opposite signs, as of a part that accelerates and one that decelerates.
+            # Opposite signs first: one part accelerates and the other one decelerates.
             for sign in (1, -1):
                 roots = _inside(-a1 - sign * b1, a1 - a0 - sign * b0, a0)
                 if roots:

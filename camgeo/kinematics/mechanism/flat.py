@@ -112,7 +112,7 @@ class FlatFollower(Follower):
 
     @abstractmethod
     def touch(self, jet: Jet, rotation: int) -> Touch:
-        """The contact for lifts `jet` (4, n); `rotation` as of `Follower.relative_jet`."""
+        """The contact for lifts `jet` (4, n); `rotation` as in `Follower.relative_jet`."""
 
     def curvature(self, relative: RelativeJet, speed: FloatArray, rotation: int) -> FloatArray:
         """See `Follower.curvature`: that of the outline, whose tangent is the face.

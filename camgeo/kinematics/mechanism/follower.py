@@ -118,7 +118,7 @@ class Follower(ABC):
     rolls : whether what touches the cam rolls on it; a flat face slides.
     has_pitch_curve : whether the flanks are parallels of the curve that it traces, and may cross
         themselves; a flat face touches the outline itself, which must be convex.
-    standstill : what it means where Z' = 0, in words.
+    standstill : the consequence of Z' = 0, as a sentence of messages.
     ahead : how many derivatives of the lift R_k needs beyond the k-th. A flat face needs one, so
         it has no R_3: a motion has three derivatives.
     harmonic_is_round : whether Z turns rigidly about a point of the cam where s''' = -s'.
@@ -209,9 +209,9 @@ class Follower(ABC):
     def speed_bounds(self, jet: Jet, bounds: Jet, half: FloatArray, rotation: int) -> FloatArray:
         """(3, n) upper bounds of |Z'|, |Z''|, |Z'''| [mm/rad^k] over cells of cam angle.
 
-        `jet` is the lift in the middle of the cells, `bounds` as of `Motion.jet_and_bounds`, `half`
-        (n,) half their widths [rad]. Where there is no Z''' the third one says how far Z'' may be
-        from its value in the middle, see `camgeo.kinematics.mechanism.flat`.
+        `jet` is the lift in the middle of the cells, `bounds` those of `Motion.jet_and_bounds`,
+        `half` (n,) half their widths [rad]. Where there is no Z''' the third one says how far Z''
+        may be from its value in the middle, see `camgeo.kinematics.mechanism.flat`.
         """
 
     @abstractmethod

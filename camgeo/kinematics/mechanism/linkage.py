@@ -1,4 +1,4 @@
-"""What a linkage is: a motion from a motion, as long as it closes.
+"""The interface of linkages: each transforms a motion into another one, as long as it closes.
 
 At one end of a linkage a member makes the motion that the scene demands: a slider, a lever or a
 crank. At the other end is the follower, on a pivot or on a guide, whose motion the linkage computes
@@ -140,7 +140,7 @@ class Linkage(Protocol):
     ) -> MechanismSketch[Places]:
         """The linkage with its far end at `position` (n,) [mm or rad], in the frame of the cam.
 
-        `place` and `outward` are as of `Follower.linkage_joint`.
+        `place` and `outward` are the results of `Follower.linkage_joint`.
         """
 
     def joint_rates(

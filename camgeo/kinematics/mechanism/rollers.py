@@ -95,6 +95,7 @@ class TranslatingRoller(Guided, WithRoller):
         """See `Follower.relative_jet`."""
         e, sense = self.offset, float(rotation * self.direction)
         along, across = np.empty((2, order + 1, jet.shape[1]))
+        # Views of the rows of the result: what is written to them is written there.
         height, v = across[0], across[1]  # R_1 = sigma (u + i v), u the height
         np.multiply(jet[0], float(self.direction), out=height)
         height += self.start_height
@@ -284,6 +285,7 @@ class OscillatingRoller(Rocking, WithRoller):
         tip_along *= l3
         tip_across *= l3
         turning = sense * jet[1]
+        # Angular velocity of the rocker as seen from the turning cam.
         omega = turning - rotation
         v += excess
         v -= (rotation * l3) * turning
@@ -319,6 +321,8 @@ class OscillatingRoller(Rocking, WithRoller):
         chi = chi + self.arm_side * self.start_angle
         along, across = l1 * np.cos(chi), l1 * np.sin(chi)
         relative = 1.0 - rotation * chi1
+        # l_1 cos chi - l_3 (1 - sigma chi'), with cos chi as 1 - 2 sin^2(chi/2) so that l_1 and l_3
+        # do not cancel.
         behind = rotation * l3 * chi1 - self.excess - 2.0 * l1 * np.sin(0.5 * chi) ** 2
         u = np.stack((across, along * chi1))
         w = np.stack((behind, rotation * l3 * chi2 - across * chi1))
@@ -541,6 +545,7 @@ def return_on_lever(
     # |A_0 B_2| by the law of cosines, in the form that stays accurate for small angles.
     chord_square = 4.0 * main.centre_distance * return_arm * math.sin(0.5 * chi) ** 2
     base_radius = math.sqrt(arm_excess(main.pivot, return_arm) ** 2 + chord_square)
+    # At 0 and pi the arm lies on the line of centres and has no lever.
     flat = not FLAT < abs(chi) < math.pi - FLAT
     try:
         if not flat:

@@ -692,7 +692,7 @@ def _preferred_reversal(name: str, task: str, known: Mapping[str, float]) -> flo
 
 
 def _lowest(cost: Callable[[float], float], low: float, high: float) -> float:
-    """Where `cost` is lowest between `low` and `high`, by golden-section search."""
+    """The argument with the lowest `cost` between `low` and `high`, by golden-section search."""
     ratio = 0.5 * (math.sqrt(5.0) - 1.0)
     inner = [high - ratio * (high - low), low + ratio * (high - low)]
     costs = [cost(place) for place in inner]

@@ -224,7 +224,7 @@ class RingJoint:
 
     @property
     def kind(self) -> End:
-        """Its class, once only one remains."""
+        """The class of the joint, once only one remains."""
         (only,) = self.classes
         return only
 
@@ -293,7 +293,7 @@ class Link:
 
     @property
     def is_free(self) -> bool:
-        """Whether it joins to any velocity and acceleration."""
+        """Whether the segment meets any velocity and acceleration at its ends."""
         return self.law in FREE_LAWS or isinstance(self.request, PointsRequest)
 
     @property
