@@ -66,12 +66,12 @@ class Contact(StrEnum):
 
     @property
     def main(self) -> Flank:
-        """The flank that closes the contact, the inner one of a groove."""
+        """The flank against which the follower is pressed; for a groove the inner one."""
         return self.flanks[0]
 
     @property
     def push(self) -> int:
-        """Sign of the force that presses the follower onto that flank, positive outward."""
+        """Sign of the force that presses the follower onto the `main` flank, positive outward."""
         return -self.main.sign
 
     def distances(self, half: float) -> dict[Flank, float]:
@@ -83,7 +83,7 @@ class Contact(StrEnum):
 
 
 def contact_by_name(key: str, value: object) -> Contact:
-    """The contact of that name; GeometryError with `key` if there is none."""
+    """The contact with the name `value`; GeometryError with `key` if there is none."""
     return Contact(one_of(key, value, [contact.value for contact in Contact]))
 
 
@@ -97,7 +97,7 @@ class Disc(Pickled):
     Attributes
     ----------
     drive : what moves the follower.
-    follower : the one that touches the disc.
+    follower : the follower that touches the disc.
     rotation : sense in which the disc turns: +1 counter-clockwise, -1 clockwise.
     contact : the flank on which the follower runs; both for a groove.
     clearance : width of the groove minus the diameter of the roller [mm].
@@ -144,9 +144,10 @@ class Disc(Pickled):
 
     @lazy
     def bends(self) -> Extremes:
-        """The extremes of the pitch curve's curvature; GeometryError if it stands still somewhere.
+        """The extremes of the pitch curve's curvature; GeometryError if the curve stands still
+        somewhere, so that it has none.
 
-        Guaranteed to include every extreme that could cause undercut on a flank in use.
+        Every extreme that could cause undercut on a flank in use is guaranteed to be included.
         """
         bends = curvature_extremes(self.pitch_curve)
         if not self.follower.has_pitch_curve:
@@ -224,10 +225,11 @@ class Cam(Pickled):
     Attributes
     ----------
     drive : gives the prescribed motion.
-    follower : the one that touches the disc.
+    follower : the follower that touches the disc.
     rotation, contact, clearance : as for `Disc`.
     yoke : the other side of the follower on a cam of constant breadth; None if there is none.
-    mount : how the roller is fixed to the main one of a conjugate pair; None for a main cam.
+    mount : for the return cam of a conjugate pair, how its roller is fixed to the main follower;
+        None for a main cam.
     """
 
     drive: Drive
@@ -276,7 +278,7 @@ class Cam(Pickled):
 
     @built
     def opposite(self) -> Cam | None:
-        """The disc as the second side of the yoke touches it, a cam of the same drive; None without
+        """The same disc as a cam for the second side of the yoke, with the same drive; None without
         a yoke. Raises GeometryError as `Breadth.opposite`.
         """
         if self.breadth is None:
@@ -315,7 +317,8 @@ class Cam(Pickled):
 HALF = 0.5 * TURN
 
 ROUNDING: Final = 1e-12
-"""Widths that differ by less than this share of the largest are equal but for rounding."""
+"""Widths that differ by less than this fraction of the largest one are equal except for
+rounding."""
 
 
 @dataclass(frozen=True)
@@ -344,7 +347,7 @@ class Breadth:
         return _add_opposite_angles(self.motion.borders)
 
     dwells: ClassVar[tuple[Dwell, ...]] = ()
-    """None: where both sides dwell the slope is simply 0."""
+    """Empty: where both sides dwell, the slope is 0, and the search for extremes needs no more."""
 
     def width(self, phi: FloatArray, side: Side = "right") -> FloatArray:
         """(n,) w [mm] at `phi` (n,) [rad]."""
@@ -355,6 +358,8 @@ class Breadth:
         return self.reach * self._sum(phi, side, 1)
 
     def _sum(self, phi: FloatArray, side: Side, order: int) -> FloatArray:
+        # The other side of the yoke touches the cam half a turn away: w(phi) = h(phi) + h(phi +
+        # pi).
         one = self.motion.jet(phi, side, 1)[order]
         other = self.motion.jet(phi + HALF, side, 1)[order]
         return np.asarray(one + other)
@@ -367,7 +372,7 @@ class Breadth:
 
     @property
     def best(self) -> float:
-        """The breadth of the yoke [mm] that minimizes the largest error."""
+        """The breadth of the yoke [mm] whose largest difference from the width is smallest."""
         (least, _), (most, _) = self.range
         return 0.5 * (least + most)
 
@@ -388,9 +393,9 @@ class Breadth:
         """The second side of the yoke, a follower in its own right with the lift of `follower`, the
         first one, on a cam that is `best` wide everywhere.
 
-        It is the first one turned by half a turn about the cam axis, and what moves one of them
-        outward moves the other inward. A breadth that gives it play does not move its disc, so it
-        is not that of the yoke.
+        It is the first one rotated by half a turn about the cam axis, and what moves one of them
+        outward moves the other inward. The breadth used is `best`, not that of the yoke: play in
+        the yoke changes nothing in the disc.
 
         Raises
         ------
@@ -398,6 +403,8 @@ class Breadth:
             With key "follower.yoke", if the cam is so far from constant breadth that there is none.
         """
         first: Any = follower  # only followers in a guide have a yoke
+        # The widest and the narrowest place differ from `best` by the same amount, so the second
+        # side starts at what the first one leaves of it.
         height, angle = self.best - self.height, first.guide_angle
         if not height > 0.0:
             raise GeometryError(
@@ -408,7 +415,9 @@ class Breadth:
         turned: Follower = replace(
             first,
             base_radius=height,
+            # Stays within the range of a guide's angle, one turn either way.
             guide_angle=angle - HALF if angle > 0.0 else angle + HALF,
+            # The yoke moves as a whole: outward on one side is inward on the other.
             direction=-first.direction,
         )
         return turned
@@ -447,7 +456,7 @@ class Yoke:
 
 
 Demanded = Literal["follower"] | Member
-"""Whose motion is prescribed: the follower's, or that of the far end of a linkage."""
+"""The member whose motion is prescribed: the follower, or the far end of a linkage."""
 
 
 @kept_with_owner
@@ -458,17 +467,18 @@ def far_end(plan: MotionPlan, linkage: Linkage) -> FarEnd:
 
 @dataclass(frozen=True)
 class Drive(Pickled):
-    """What moves the follower; everything is computed on demand.
+    """The drive of the follower; everything is computed on demand.
 
     Cam angles are in radians, any number of turns, arrays (n,); lengths in mm.
 
     Attributes
     ----------
     plan : the prescribed motion: of the far end of a linkage if there is one, else of the follower.
-    linkage : between plan and follower, or None.
-    unit : of the plan's positions.
-    speed : of the cam, positive [rad/s], the mean if it varies; None if none is given.
-    speed_curve : how the speed varies over the turn; None if it does not.
+    linkage : linkage between plan and follower, or None.
+    unit : unit of the plan's positions.
+    speed : angular speed of the cam [rad/s], above 0; the mean if it varies, None if none is
+        stated.
+    speed_curve : variation of the speed over the turn; None for constant speed.
     ledger : records what has been computed.
 
     Raises
@@ -491,7 +501,7 @@ class Drive(Pickled):
 
     @property
     def demanded_member(self) -> Demanded:
-        """Whose motion is prescribed."""
+        """The member whose motion is prescribed: the follower, or the far end of the linkage."""
         return "follower" if self.linkage is None else self.linkage.member
 
     @lazy
@@ -512,7 +522,7 @@ class Drive(Pickled):
 
     @lazy
     def time_course(self) -> TimeCourse | None:
-        """How the cam turns in time; None if no speed is given."""
+        """The rotation of the cam over time; None if no speed is stated."""
         if self.speed_curve is not None:
             return self.speed_curve
         from camgeo.kinematics.time_course import ConstantSpeed
@@ -525,7 +535,9 @@ class Drive(Pickled):
         Raises GeometryError if there is no speed.
         """
         if self.time_course is None:
-            raise GeometryError("needs [cam] speed or speed_curve", key="cam.speed")
+            raise GeometryError(
+                "motion over time needs [cam] speed or speed_curve", key="cam.speed"
+            )
         from camgeo.kinematics.time_course import in_time
 
         angles = np.atleast_1d(phi)
@@ -553,7 +565,9 @@ class Drive(Pickled):
 
 
 def smooth_angles(motion: Motion, course: TimeCourse | None) -> FloatArray:
-    """(k,) cam angles [rad] as of `Drive.smooth_angles`, for a follower with this `motion`."""
+    """(k,) cam angles [rad] as described at `Drive.smooth_angles`, for a follower with this
+    `motion` and a cam that turns by `course`, at constant speed if None.
+    """
     edges = [motion.borders, turning_angles(motion), np.array([0.0, TURN])]
     if course is not None:
         edges.append(course.borders)

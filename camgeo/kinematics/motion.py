@@ -1,4 +1,4 @@
-"""The interface of a motion to the later stages: lift over the cam angle, and its borders.
+"""What other modules see of a motion: the lift over the cam angle, and where its formula changes.
 
 A `Jet` is the lift and its first three derivatives with respect to the cam angle at n angles, an
 array (4, n): s, s', s'', s''' in mm (rad for an oscillating follower) per rad^k.
@@ -57,7 +57,7 @@ class Motion(Protocol):
     def jet(self, phi: FloatArray, side: Side = "right", order: int = FULL_ORDER) -> Jet:
         """(order + 1, n) lift and derivatives at `phi` (n,) [rad], any number of turns.
 
-        A motion may return more orders than it is asked for, never fewer.
+        A motion may return more orders than requested, never fewer.
         """
 
     def jet_and_bounds(self, low: FloatArray, high: FloatArray) -> tuple[Jet, Jet]:
@@ -99,7 +99,8 @@ def turning_angles(motion: Motion) -> FloatArray:
     velocity = of_order(1)
     known = velocity(places.ravel(), np.empty(0, dtype=np.intp)).reshape(1, *places.shape)
     roots, _ = isolated_roots(velocity, of_order(0), places, known)
-    # At rest at an end of its piece a law may round to 0 at the outermost place.
+    # A law that comes to rest at the end of its piece may round to 0 at the outermost place, which
+    # is no change of sign.
     piece = np.searchsorted(starts, roots) - 1
     margin = 4.0 * INSIDE * (ends - starts)[piece]
     return np.asarray(roots[(roots - starts[piece] > margin) & (ends[piece] - roots > margin)])
@@ -116,7 +117,9 @@ FREE: Final[Boundary] = (None, None)
 
 
 def checked_boundaries(key: str, given: Any, least: int, most: int) -> dict[int, Boundary]:
-    """`given` by index of the point; GeometryError unless all are from `least` to `most`."""
+    """The boundaries `given` by index of the point, checked; GeometryError unless all indices are
+    from `least` to `most`.
+    """
     return {
         checked.whole(key, index, least, most): checked_boundary(key, values)
         for index, values in checked.instance(key, given, Mapping, "boundaries by index").items()
@@ -124,10 +127,10 @@ def checked_boundaries(key: str, given: Any, least: int, most: int) -> dict[int,
 
 
 def checked_boundary(key: str, values: Any) -> Boundary:
-    """`values` as a boundary; GeometryError unless it is two numbers, or None where free."""
+    """`values` as a boundary; GeometryError unless they are two numbers, None for a free one."""
     if not isinstance(values, tuple | list) or len(values) != 2:
         raise GeometryError(
-            "must be a velocity and an acceleration, None where free",
+            "must be a velocity and an acceleration, None for a free one",
             key,
             checked.value_text(values),
         )
@@ -144,7 +147,7 @@ TASKS: Final[tuple[str, ...]] = tuple(f"{start}-{end}" for start in ENDS for end
 NAMES: Final[dict[End, str]] = {
     "R": "rest",
     "G": "constant velocity",
-    "U": "turn",
+    "U": "reversal",
     "B": "general motion",
 }
 

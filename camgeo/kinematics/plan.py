@@ -64,9 +64,10 @@ class SplineMove:
     ----------
     to : position at the end [mm or rad].
     spline : over z in [0, 1], the displacement from the position at the start [mm or rad].
-    report : how far it is from the rows of a lift table; None for a motion through points.
-    shift : what was added to every row of the table [mm or rad], so that the first one lies where
-        the segment starts.
+    report : deviation of the spline from the rows of a lift table; None for a motion through
+        points.
+    shift : amount added to every row of the table [mm or rad], so that the first row lies where the
+        segment starts.
     """
 
     span: Decimal
@@ -124,7 +125,7 @@ class MotionPlan(Pickled):
             position = segment.to
         if position != 0.0:
             raise GeometryError(
-                f"the motion starts at 0 and ends at {position:g}, it does not close after one"
+                f"the motion starts at 0 and ends at {position:g}, so it does not close after one"
                 " turn; the last move must return to 0",
                 key="motion",
             )
@@ -149,6 +150,7 @@ class MotionPlan(Pickled):
                 pieces.append(Piece(start, end, position))
                 continue
             for region in segment.law.regions:
+                # At 0 and 1 the joints themselves, so that neighbouring pieces meet exactly.
                 piece = Piece(
                     start=start + region.start * (end - start) if region.start > 0.0 else start,
                     end=start + region.end * (end - start) if region.end < 1.0 else end,
@@ -162,6 +164,7 @@ class MotionPlan(Pickled):
                     from_end=region.from_end,
                     harmonic=region.harmonic,
                 )
+                # A region shorter than the rounding of the cam angle is no piece.
                 if piece.end > piece.start:
                     pieces.append(piece)
             position = segment.to
@@ -205,6 +208,7 @@ class MotionPlan(Pickled):
         """All rests, neighbours merged, also across cam angle 0."""
         runs = [[*run] for rests, run in groupby(self._pieces, attrgetter("rests")) if rests]
         spans = [[run[0].start, run[-1].end] for run in runs]
+        # A rest across cam angle 0 begins with the last piece and goes on with the first one.
         if len(spans) > 1 and self._pieces[0].rests and self._pieces[-1].rests:
             spans[-1][1] += spans[0][1]
             spans = spans[1:]
@@ -212,8 +216,8 @@ class MotionPlan(Pickled):
 
     @cached_property
     def harmonics(self) -> tuple[DwellSpan, ...]:
-        """Where s''' = -s' without a rest, one for each formula: the lift swings once a turn
-        about a fixed middle.
+        """The pieces without a rest in which s''' = -s': the lift swings about a fixed middle with
+        the period of one turn.
         """
         return tuple(
             DwellSpan(piece.start, piece.end - piece.start)
@@ -248,6 +252,7 @@ class MotionPlan(Pickled):
         bounds = np.abs(values)
         piece = self._columns.piece_numbers(middle, "right")
         jerk = bounds[3]
+        # A view of the last row of `bounds`: from here on it holds the bound of the jerk.
         jerk[:] = self._columns.jerk_limits[piece]
         bounds[0] = half * (bounds[1] + half * (bounds[2] / 2.0 + half * jerk / 6.0))
         bounds[1] += half * (bounds[2] + half * jerk / 2.0)
@@ -270,6 +275,7 @@ def in_turn(phi: FloatArray, side: Side = "right") -> FloatArray:
         if not np.all(np.isfinite(phi)):
             raise GeometryError("cam angles must be finite numbers")
         phi = phi - TURN * np.floor(phi / TURN)
+        # An angle just below a whole turn is the joint at 0, rounded.
         phi = np.where(phi >= TURN - SNAP, 0.0, phi)
     if side == "left":
         phi = np.where(phi <= SNAP, TURN, phi)
@@ -291,15 +297,16 @@ MANY: Final = 64
 """Mean number of angles per piece from which pieces are evaluated one by one."""
 
 SNAP: Final = 4.0 * math.ulp(TURN)
-"""Two cam angles [rad] closer than this are the same angle, rounded differently when converted from
-degrees; the angle counts as the joint itself. A millionth of a degree is 5 million times wider."""
+"""Two cam angles [rad] closer than this are the same angle, rounded differently in the conversion
+from degrees; an angle so close to a joint counts as the joint. A millionth of a degree is 5 million
+times wider."""
 
 ULPS: Final = 2.0**-52 * 8.0
 """Rounding of the rate of a harmonic, as a fraction of it."""
 
 COLUMNS: Final = 8
-"""Numbers of a piece before those of its formula: start and end of the segment, one over its
-length, origin, and the factors of the near value and the derivatives."""
+"""How many numbers of a piece stand before those of its formula: start and end of the segment, the
+reciprocal of its length, the origin, and the factors of the near value and of the derivatives."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -342,7 +349,7 @@ class Piece:
         return np.asarray(self.segment_start + inner * self.length)
 
     def spline_bounds(self, low: FloatArray, high: FloatArray) -> Jet:
-        """(4, n) the result of `MotionPlan.jet_and_bounds` for cells of a piece with a spline."""
+        """(4, n) the bounds of `MotionPlan.jet_and_bounds` for cells of a piece with a spline."""
         assert self.spline is not None  # called for those only
         shares = [np.clip((a - self.segment_start) / self.length, 0.0, 1.0) for a in (low, high)]
         bounds = self.spline.cell_bounds(*shares)
@@ -350,8 +357,8 @@ class Piece:
 
 
 def spline_piece(spline: Spline, position: float, start: float, end: float) -> Piece:
-    """The piece of a motion by data: `spline` over z in [0, 1], from `position`; a rest if it is
-    constant.
+    """The piece of a motion by data: `spline` over z in [0, 1], added to `position`; a rest if the
+    spline is constant.
     """
     if not np.any(spline.taylor[:, 1:]):
         return Piece(start, end, position + float(spline.taylor[0, 0]))
@@ -379,8 +386,9 @@ class Pieces:
         start = np.array([piece.segment_start for piece in pieces])
         end = np.array([piece.segment_end for piece in pieces])
         lift, length = np.array([piece.lift for piece in pieces]), end - start
+        # g = 1 - f falls as f rises, and is counted from the end position.
         near = np.where([piece.from_end for piece in pieces], -lift, lift)
-        # Python's power and numpy's differ in the last bit.
+        # Powers of Python's floats; those of numpy differ from them in the last bit.
         squares, cubes = (np.array([float(span) ** k for span in length]) for k in (2, 3))
         bounds = np.array([piece.jerk_bound for piece in pieces])
         self.jerk_limits = np.abs(lift) / cubes * bounds
@@ -390,6 +398,8 @@ class Pieces:
         self._formulas = [*dict.fromkeys(piece.formula for piece in pieces)]
         numbers = {formula: group for group, formula in enumerate(self._formulas)}
         self._group = np.array([numbers[piece.formula] for piece in pieces])
+        # Pieces with the same formula form a group with a table of its own, one column for each
+        # piece.
         self._row = np.empty(len(pieces), dtype=np.intp)
         self._tables = []
         for group in range(len(self._formulas)):
@@ -439,13 +449,18 @@ class Pieces:
         out: Jet,
         places: slice | IntArray,
     ) -> None:
-        """Write a formula's values to some places: of one piece, by its row, or of each its own."""
+        """Write the values of the formula of a `group` to `places` of `out`.
+
+        `rows` is the number of one piece in the table of the group, or one for each place.
+        """
         numbers, formula = self._tables[group][:, rows], self._formulas[group]
         if formula is None:
             out[0, places], out[1:, places] = numbers[3], 0.0
             return
         phi, (start, end, rate) = phi[places], numbers[:3]
         values = formula((phi - start) * rate, (end - phi) * rate, numbers[COLUMNS:])
+        # A slice is a view, into which the product goes directly; indices make a copy, which is
+        # written back.
         target = out[:, places] if isinstance(places, slice) else values
         np.multiply(values, numbers[4:COLUMNS].reshape(4, -1), out=target)
         target[0] += numbers[3]
@@ -454,19 +469,19 @@ class Pieces:
 
 
 def indices_by_key(keys: IntArray) -> list[tuple[int, IntArray]]:
-    """Each distinct one of `keys` (n,), ascending, with the indices at which it occurs."""
+    """Each distinct key of `keys` (n,), ascending, with the indices at which it occurs."""
     order = np.argsort(keys, kind="stable")
     ends = np.flatnonzero(np.diff(keys[order])) + 1
     return [(int(keys[places[0]]), places) for places in np.split(order, ends) if len(places)]
 
 
 # -- joints ---------------------------------------------------------------------------------------
-# Joints of a motion plan: what meets there, and how smoothly.
+# Joints of a motion plan: which segments meet there, and how smoothly.
 
 
 ROUNDING = 1e-9
-"""A value below this fraction of a bound of its order in its segment counts as zero; the rounding
-of conversions from degrees is a thousand times smaller."""
+"""A derivative below this fraction of the bound of its order in its segment counts as zero; the
+rounding of conversions from degrees is a thousand times smaller."""
 
 JUMP = 1e-10
 """A jump below this fraction of the largest value of its order on either side is not a jump."""
@@ -483,8 +498,9 @@ class Joint(Pickled, checked.CheckedFields):
     ----------
     cam_angle : [rad] in [0, 2 pi).
     position : lift [mm or rad].
-    before, after : class of the end of the segment before and of the start of the one after.
-    order : of the highest derivative that is continuous, -1 (none) to 3.
+    before, after : class of the end of the segment before the joint, and of the start of the one
+        after it.
+    order : order of the highest continuous derivative, -1 (none) to 3.
     left, right : (4,) lift and three derivatives with respect to the cam angle from either side.
     """
 
@@ -505,7 +521,7 @@ def joints(plan: MotionPlan) -> tuple[Joint, ...]:
 
 @kept_with_owner
 def breaks(plan: MotionPlan) -> tuple[Joint, ...]:
-    """As `joints`, including the places inside the laws at which a derivative may jump."""
+    """The `joints` together with the places inside the laws at which a derivative may jump."""
     return _evaluate_joints(plan, ascending(np.append(_angles(plan), plan.breaks)))
 
 
@@ -526,6 +542,8 @@ def _evaluate_joints(plan: MotionPlan, angles: FloatArray) -> tuple[Joint, ...]:
             position=float(right[0, k]),
             before=end_class(float(left[1, k]), float(left[2, k])),
             after=end_class(float(right[1, k]), float(right[2, k])),
+            # The order of the first jump, less one; the True stands for no jump up to the third
+            # derivative.
             order=int(np.argmax([*jumps[:, k], True])) - 1,
             left=left[:, k],
             right=right[:, k],
@@ -535,10 +553,11 @@ def _evaluate_joints(plan: MotionPlan, angles: FloatArray) -> tuple[Joint, ...]:
 
 
 def _slack(angles: FloatArray) -> FloatArray:
-    """(k,) fraction of a derivative below which a jump at each of `angles` is none.
+    """(k,) fraction of a derivative up to which a difference at each of `angles` is rounding.
 
-    The length of a segment is a difference of rounded cam angles, so its derivatives of order n are
-    off by n times the rounding over the length: 1.5e-7 for the jerk of the shortest segments.
+    The length of a segment is a difference of rounded cam angles, so derivatives of order n have a
+    relative error of n times the rounding over the length: 1.5e-7 for the jerk of the shortest
+    segments.
     """
     lengths = np.diff(np.append(angles, angles[0] + TURN))
     shorter = np.minimum(lengths, np.roll(lengths, 1))
@@ -548,14 +567,16 @@ def _slack(angles: FloatArray) -> FloatArray:
 def _scales(
     plan: MotionPlan, angles: FloatArray, left: FloatArray, right: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """(4, k) bounds of each derivative in the segment before and in the one after each joint."""
+    """(4, k), (4, k) bounds of the derivatives in the segments before and after each joint."""
     low, high = isolation_cells(np.append(plan.borders, TURN))
     middle, bounds = plan.jet_and_bounds(low, high)
     cell_bounds = np.concatenate((np.abs(middle[:1]) + bounds[:1], bounds[1:]))
     first = np.searchsorted(0.5 * (low + high), angles)
+    # The maximum over all cells from one joint to the next.
     size = np.maximum.reduceat(cell_bounds, first, axis=1)
     size = np.maximum(size, np.abs(right))
     right_scale: FloatArray = np.maximum(size, np.abs(np.roll(left, -1, axis=1)))
+    # Positions are compared with the largest lift of the whole turn.
     right_scale[0] = np.max(right_scale[0])
     return np.roll(right_scale, 1, axis=1), right_scale
 
@@ -573,7 +594,7 @@ DECIMALS: Final = 300
 """Most decimals of a span."""
 
 EXACT: Final = Context(prec=DECIMALS + 100)
-"""In which spans are added and subtracted exactly."""
+"""The context in which spans are added and subtracted exactly."""
 
 
 def checked_span(key: str, value: Any, shortest: Decimal = Decimal(0)) -> Decimal:
@@ -605,7 +626,7 @@ MovingSpan = Annotated[Decimal, partial(checked_span, shortest=SHORTEST_SPAN)]
 
 
 def sum_spans(spans: Iterable[Decimal]) -> tuple[Decimal, ...]:
-    """Sums of the spans, from 0 on.
+    """The joints [degrees] between segments with these `spans`: their partial sums, from 0 to 360.
 
     Raises
     ------
@@ -618,7 +639,7 @@ def sum_spans(spans: Iterable[Decimal]) -> tuple[Decimal, ...]:
             joints.append(joints[-1] + span)
     if joints[-1] != FULL_TURN:
         raise GeometryError(
-            f"the spans add up to {joints[-1]} degrees, they must add up to exactly 360",
+            f"the spans add up to {joints[-1]} degrees; they must add up to exactly 360",
             key="motion",
             value=str(joints[-1]),
         )

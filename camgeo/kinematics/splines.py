@@ -105,14 +105,15 @@ def smoothest_values(
     Parameters
     ----------
     x, y : (n,) ascending x and the values there; n >= 2, or 1 with a period.
-    given : prescribed s' and s'' by index of the point, None where free.
+    prescribed : s' and s'' by index of the point, None where free.
     period : of a motion that closes, larger than x[-1] - x[0]; None for one that ends.
 
     Raises GeometryError as `Spline.clamped` does.
     """
     count = len(x)
     if period is not None:
-        # A ring of few points is repeated: the matrix needs distinct neighbours.
+        # A ring of few points is repeated, because the folded matrix needs distinct neighbours.
+        # Division rounded up.
         times = -(-MIN_RING // count)
         x = np.concatenate([x + k * period for k in range(times)])
         y = np.tile(y, times)
@@ -141,7 +142,7 @@ def _checked(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
             f"has {counted(len(y), 'number')}, x has {len(x)}; allowed: as many as x", "y"
         )
     if len(x) < 2:
-        raise GeometryError(f"{_few(x)}; at least 2 are allowed", "x")
+        raise GeometryError(f"{_few(x)}; allowed: at least 2", "x")
     step = np.diff(x)
     wrong = np.flatnonzero(step <= 0.0)
     if len(wrong):
@@ -174,11 +175,14 @@ def _check_spacing(step: FloatArray) -> None:
 def _ring(
     x: FloatArray, y: FloatArray, period: float, rise: float, gap: float
 ) -> tuple[FloatArray, FloatArray]:
-    """The knots of one period with the closing one, and the values without it."""
+    """The knots of one period including the closing one, and the values without that of the closing
+    one, which repeats the first.
+    """
     period = checked.positive("period", period)
     rise = checked.number("rise", rise, largest=HIGHEST)
     gap = checked.number("gap", gap, least=0.0, largest=HIGHEST)
     rest = float(x[0]) + period - float(x[-1])
+    # Each of the three numbers is rounded, and so is their sum.
     rounding = 4.0 * np.spacing(max(abs(float(x[0])), abs(float(x[-1])), period))
     if rest < -rounding:
         raise GeometryError(
@@ -190,15 +194,15 @@ def _ring(
         seam = float(y[-1]) - (float(y[0]) + rise)
         if not abs(seam) <= gap:
             raise GeometryError(
-                f"the last point lies {seam:g} off where it would close with the first; allowed:"
-                f" up to {gap:g}",
+                f"the last point lies {seam:g} away from where it would close with the first one;"
+                f" allowed: up to {gap:g}",
                 key="y",
                 value=repr(seam),
             )
         x, y = x[:-1], y[:-1]
     if len(x) < 3:
         raise GeometryError(
-            f"{_few(x)} for a period, without the closing one; at least 3 are allowed", "x"
+            f"{_few(x)} for a period, not counting the closing one; allowed: at least 3", "x"
         )
     knots = np.append(x, x[0] + period)
     _check_spacing(np.diff(knots))
@@ -212,7 +216,7 @@ def _few(x: FloatArray) -> str:
 def _boundaries(
     count: int, start: Boundary, end: Boundary, inner: Mapping[int, Boundary]
 ) -> dict[int, Boundary]:
-    """The prescribed values, by index of the point."""
+    """The prescribed s' and s'' at the ends and at inner points, by index of the point."""
     return {
         0: checked_boundary("start", start),
         **checked_boundaries("inner", inner, 1, count - 2),
@@ -221,7 +225,7 @@ def _boundaries(
 
 
 def _prescribed(y: FloatArray, given: Mapping[int, Boundary]) -> tuple[FloatArray, BoolArray]:
-    """(n, 3) nodal values y, s', s'', and which of s', s'' are prescribed."""
+    """(n, 3) nodal values y, s', s'', 0 where not prescribed; and (n, 3) whether s' or s'' is."""
     nodes = np.zeros((len(y), 3))
     fixed = np.zeros((len(y), 3), dtype=np.bool_)
     nodes[:, 0] = y
@@ -241,10 +245,12 @@ def _prescribed(y: FloatArray, given: Mapping[int, Boundary]) -> tuple[FloatArra
 DEGREE: Final = 5
 
 MAX_STEPS: Final = 200
-"""Every third step of the root search halves the bracket; 53 halvings of [0, 1] suffice."""
+"""Most steps of the search for a root. Every third one halves the bracket, and 53 halvings of [0,
+1] suffice."""
 
 LARGEST: Final = 1e200
-"""Largest magnitude of knots, coefficients and rise: above that of all points within limits."""
+"""Largest magnitude of knots, coefficients and rise; points within their own limits stay below
+it."""
 
 EDGE: Final = 8.0 * 2.0**-52
 """An argument outside the knots by at most this fraction of the largest knot is rounding."""
@@ -351,7 +357,8 @@ class Spline(Pickled):
         fixed[:, 0] = True
         if len(x) == 2 and np.count_nonzero(fixed) == 2:
             raise GeometryError(
-                "2 points without a velocity or acceleration are too few; 3 are allowed", key="x"
+                "2 points without a velocity or acceleration are too few; allowed: at least 3",
+                key="x",
             )
         step, chord = np.diff(x), np.diff(y)
         nodes = interpolate(step, chord, nodes, fixed, ring=False)
@@ -404,7 +411,7 @@ class Spline(Pickled):
         """
         x, y = _checked(x, y)
         if len(x) < 3:
-            raise GeometryError(f"{_few(x)} to smooth; at least 3 are allowed", "x")
+            raise GeometryError(f"{_few(x)} to smooth; allowed: at least 3", "x")
         nodes, fixed = _prescribed(y, _boundaries(len(x), start, end, {}))
         fixed[[0, -1], 0] = True
         return _smoothed(x, nodes, fixed, largest_deviation, ring=False)
@@ -433,6 +440,8 @@ class Spline(Pickled):
         derivatives = _taylor(self.taylor[piece].T, (x - left) * rate, order)
         scale = np.ones_like(rate)
         for k in range(1, order + 1):
+            # The polynomial is in t, so each derivative with respect to x has one more factor dt/dx
+            # = 1/h.
             scale = scale * rate
             derivatives[k] *= scale
         derivatives[0] += turns * self.rise
@@ -453,11 +462,14 @@ class Spline(Pickled):
         `low`, `high` (n,) as `values` takes them; no cell reaches across a knot. The Taylor series
         from the middle of the cell, which ends with the fifth derivative.
         """
+        # Terms of the series with derivative j > k bound the change of derivative k over the half
+        # cell.
         half = 0.5 * (high - low)
         middle = np.abs(self.values(0.5 * (low + high), DEGREE))
         bounds = np.zeros((FULL_ORDER + 1, len(half)))
         for k in range(FULL_ORDER + 1):
             for j in range(DEGREE, k - 1, -1):
+                # The value in the middle itself is no deviation from it.
                 if j == k == 0:
                     continue
                 bounds[k] += middle[j] * half ** (j - k) / math.factorial(j - k)
@@ -479,10 +491,11 @@ class Spline(Pickled):
         return sampled_extremes(self._arguments(pieces, places), values)
 
     def beyond_knots(self) -> Extreme:
-        """How far s goes, inside a piece, beyond both its values at the ends of the piece.
+        """The largest amount by which s exceeds, inside a piece, both values at the ends of the
+        piece.
 
-        The largest such distance, negative below them, and where it is; 0 where s stays between.
-        Exact except for rounding.
+        Negative if s falls below both values, with the place at which it does; 0 if s stays between
+        them everywhere. Exact except for rounding.
         """
         pieces, places = self._turning_points(0)
         values = _evaluate_rows(self.taylor[pieces], places)
@@ -496,13 +509,17 @@ class Spline(Pickled):
         return Extreme(float(beyond[most]), float(self._arguments(pieces, places)[most]))
 
     def _turning_points(self, order: int) -> tuple[IntArray, FloatArray]:
-        """All (piece, t) at which the derivative of `order` may have an extremum, ends included."""
+        """(n,), (n,) the pieces and the t in them at which the derivative of `order` may have an
+        extremum, the ends of the pieces included.
+        """
         rows = np.arange(len(self.taylor))
         piece = [rows, rows]
         place = [np.zeros(len(rows)), np.ones(len(rows))]
         if order < DEGREE:
             turning = _derivative(self.taylor, order + 1)
             hull = _bernstein(turning)
+            # Where all Bernstein coefficients have one sign the derivative has no root, as its
+            # values lie in their hull.
             bent = np.flatnonzero((np.min(hull, axis=1) <= 0.0) & (np.max(hull, axis=1) >= 0.0))
             edges = _monotone_edges(turning[bent])
             inner = _sign_changes(turning[bent], edges)
@@ -511,7 +528,7 @@ class Spline(Pickled):
         return np.concatenate(piece), np.concatenate(place)
 
     def _arguments(self, pieces: IntArray, places: FloatArray) -> FloatArray:
-        """x at t = `places` (n,) of `pieces` (n,), within the domain."""
+        """(n,) x at t = `places` (n,) in `pieces` (n,), clipped to the domain."""
         x = self.knots[pieces] + places * np.diff(self.knots)[pieces]
         return np.asarray(np.clip(x, self.knots[0], self.knots[-1]))
 
@@ -533,7 +550,9 @@ class Spline(Pickled):
         y = y - turns * self.rise
         slack = EDGE * max(abs(float(start[0])), abs(end))
         if not np.all((y >= start[0] - slack) & (y <= end + slack)):
-            raise GeometryError(f"a value is outside the range {start[0]:g} to {end:g}")
+            raise GeometryError(
+                f"a value is outside the range of the spline, {start[0]:g} to {end:g}"
+            )
         piece = np.clip(np.searchsorted(start, y, "right") - 1, 0, len(start) - 1)
         rows = self.taylor[piece].copy()
         rows[:, 0] -= y
@@ -558,6 +577,8 @@ class Spline(Pickled):
             return np.zeros(len(x)), x
         turns = np.floor((x - first) / self.period)
         if side == "left":
+            # From the left the end of a period belongs to that period, from the right to the next
+            # one.
             turns = np.ceil((x - first) / self.period) - 1.0
         return turns, x - turns * self.period
 
@@ -567,12 +588,15 @@ class Spline(Pickled):
 
 
 def _taylor(rows: FloatArray, t: FloatArray, order: int) -> FloatArray:
-    """(order + 1, n) a polynomial's value and derivatives at `t` (n,); `rows` (6, n) coefficients.
+    """(order + 1, n) values and derivatives at `t` (n,) of n polynomials with coefficients `rows`
+    (6, n).
 
-    Horner's scheme for all orders at once: it builds s^(k) / k!.
+    Horner's scheme for all orders at once; it yields s^(k) / k!, multiplied by k! at the end.
     """
     derivatives = np.zeros((order + 1, len(t)))
     for row in rows[::-1]:
+        # From the highest order down, as order k needs the value of order k - 1 from before this
+        # step.
         for k in range(order, 0, -1):
             derivatives[k] *= t
             derivatives[k] += derivatives[k - 1]
@@ -584,7 +608,7 @@ def _taylor(rows: FloatArray, t: FloatArray, order: int) -> FloatArray:
 
 
 def _evaluate_rows(rows: FloatArray, t: FloatArray) -> FloatArray:
-    """Each polynomial of `rows` (n, d + 1) at its own `t` (n,)."""
+    """(n,) the value of each polynomial of `rows` (n, d + 1) at its own `t` (n,)."""
     return np.asarray(polyval(t, rows.T, tensor=False), np.float64)
 
 
@@ -610,8 +634,8 @@ def _bernstein(rows: FloatArray) -> FloatArray:
 def _monotone_edges(rows: FloatArray) -> FloatArray:
     """(m, d + 1) ends in [0, 1], ascending, between which each polynomial (m, d + 1) is monotone.
 
-    The roots of the derivative, found between those of the second derivative and so on. Where
-    there are fewer than d - 1 some ends are equal.
+    They are the roots of the derivative, which lie between those of the second derivative, and so
+    on. If there are fewer than d - 1 of them, some ends are equal.
     """
     degree = rows.shape[1] - 1
     edges = np.tile(np.array([0.0, 1.0]), (len(rows), 1))
@@ -622,7 +646,9 @@ def _monotone_edges(rows: FloatArray) -> FloatArray:
 
 
 def _sign_changes(rows: FloatArray, edges: FloatArray) -> FloatArray:
-    """(m, k) the root of each polynomial in each of its k brackets; without one the left end."""
+    """(m, k) the root of each polynomial in each of its k brackets; the left end of a bracket
+    without a root.
+    """
     count = edges.shape[1]
     at_edges = np.stack([_evaluate_rows(rows, edges[:, k]) for k in range(count)], axis=1)
     roots = edges[:, :-1].copy()
@@ -634,11 +660,12 @@ def _sign_changes(rows: FloatArray, edges: FloatArray) -> FloatArray:
 def _roots(rows: FloatArray, low: FloatArray, high: FloatArray) -> FloatArray:
     """(n,) the root of each polynomial of `rows` (n, d + 1) in its bracket [low, high] in [0, 1].
 
-    Newton's method where it stays inside, bisection elsewhere. `numeric.roots` knows a bracket by
-    the argument alone; here each bracket has its own polynomial over the same [0, 1].
+    Newton's method where it stays inside, bisection elsewhere.
     """
     slope = _derivative(rows, 1)
     low, high = low.copy(), high.copy()
+    # The sign of the slope between the ends of a bracket says which of them a value of either sign
+    # replaces.
     rising = _evaluate_rows(rows, high) >= _evaluate_rows(rows, low)
     t = 0.5 * (low + high)
     active = np.arange(len(t))
@@ -652,6 +679,8 @@ def _roots(rows: FloatArray, low: FloatArray, high: FloatArray) -> FloatArray:
         low[active] = np.where(above, low[active], here)
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             newton = here - value / _evaluate_rows(slope[active], here)
+        # Every third step is a bisection, so that slow convergence of Newton, at a double root,
+        # ends too.
         inside = (newton >= low[active]) & (newton <= high[active]) & (step % 3 != 2)
         following = np.where(inside, newton, 0.5 * (low[active] + high[active]))
         following = np.where(value == 0.0, here, following)
@@ -682,16 +711,17 @@ MOMENTS: Final = np.array(
 """(d0, d1, d2) from u, u', u'' at t = 0 and at t = 1."""
 
 OF_CHORD: Final = np.array([0.0, 0.0, 12.0 * ROOT_5])
+"""(d0, d1, d2) per unit of the chord D = u(1) - u(0)."""
 
 SLOPES: Final = [1, 2, 4, 5]
-"""Columns of MOMENTS that belong to derivatives."""
+"""Columns of MOMENTS that belong to u' and u'' at both ends."""
 
 LONGEST: Final = 1e4
-"""Largest cut-off length in mean distances of points; rounding grows with its cube and eight digits
-are left there."""
+"""Largest cut-off length, as a multiple of the mean distance of points; rounding grows with its
+cube, and eight digits are left there."""
 
 SHORTEST: Final = 1e-4
-"""Smallest cut-off length tried, as a multiple of the shortest distance: its spline nearly
+"""Smallest cut-off length that is tried, as a multiple of the shortest distance; its spline nearly
 interpolates."""
 
 NEAR_ENOUGH: Final = 0.97
@@ -707,7 +737,7 @@ TINY: Final = 1e-300
 
 
 def node_scales(step: FloatArray, ring: bool) -> FloatArray:
-    """(n,) the length unit of the derivatives at each node: that of its shorter piece."""
+    """(n,) the unit of length for the derivatives at each node: the length of its shorter piece."""
     if ring:
         return np.minimum(step, np.roll(step, 1))
     padded = np.concatenate((step[:1], step, step[-1:]))
@@ -715,10 +745,14 @@ def node_scales(step: FloatArray, ring: bool) -> FloatArray:
 
 
 def pieces(step: FloatArray, scale: FloatArray, ring: bool) -> tuple[FloatArray, IntArray]:
-    """(m, 3, 6) the moments of each piece from scaled nodal values; (m, 2) its nodes."""
+    """(m, 3, 6) matrices that give the moments of each piece from the scaled values at its two
+    nodes; (m, 2) the numbers of these nodes.
+    """
     count = len(scale)
     first = np.arange(len(step))
     ends = np.stack((first, (first + 1) % count if ring else first + 1), axis=1)
+    # s, s' and s'' are in units of their node's length; the piece needs them in units of its own,
+    # h^k / scale^k times them.
     powers = (step[:, np.newaxis] / scale[ends])[:, :, np.newaxis] ** np.arange(3.0)
     return MOMENTS * powers.reshape(-1, 1, 6), ends
 
@@ -767,8 +801,12 @@ def interpolate(
     scale = node_scales(step, ring)
     moments, ends = pieces(step, scale, ring)
     # The moments see the positions only through the chord, which is exact where positions cancel.
+    # The square of a row is the integral over its piece, which is the sum of squares divided by
+    # h^5; in units of the shortest step, so that nothing overflows.
     rows = moments[:, :, SLOPES] * ((step / np.min(step)) ** -2.5)[:, np.newaxis, np.newaxis]
     shift = OF_CHORD * (chord * (step / np.min(step)) ** -2.5)[:, np.newaxis]
+    # Rows of the matrix for the four unknowns of each piece: two derivatives at each of its two
+    # nodes.
     place = 2 * positions(count, ring)[ends][:, :, np.newaxis] + np.arange(2)
     place = place.reshape(-1, 4)
 
@@ -779,20 +817,26 @@ def interpolate(
     unknown[node_rows] = nodes[:, 1:] * np.stack((scale, scale**2), axis=1)
 
     width = 5 if ring else 3
+    # For each piece m the 4 by 4 matrix R^T R of its three moments k, for unknowns i and j.
     stiffness = np.einsum("mki,mkj->mij", rows, rows)
     diagonal = np.zeros(2 * count)
     np.add.at(diagonal, place, np.einsum("mii->mi", stiffness))
+    # Scaled to a diagonal of ones, so that pieces of very unequal length keep their digits.
     balance = 1.0 / np.sqrt(diagonal)
     banded = np.zeros((width + 1, 2 * count))
     for i in range(4):
         for j in range(4):
             low, high = place[:, i], place[:, j]
+            # Only the lower triangle is stored; rows and columns of prescribed values are left out
+            # and become the identity.
             free = (low >= high) & ~held[low] & ~held[high]
             entry = stiffness[free, i, j] * balance[low[free]] * balance[high[free]]
             np.add.at(banded, (low[free] - high[free], high[free]), entry)
     banded[0, held] = 1.0
     factor = cholesky_banded(banded, lower=True)
     for _ in range(2):  # the second pass corrects the rounding of the first
+        # The moments k of each piece m at the present solution; their gradient is the force that is
+        # left.
         strain = np.einsum("mki,mi->mk", rows, unknown[place]) + shift
         force = np.zeros(2 * count)
         np.add.at(force, place, -np.einsum("mki,mk->mi", rows, strain))
@@ -821,6 +865,8 @@ class Smoothing:
         self.mean = float(np.mean(step))
         self.moments, self.ends = pieces(step, self.scale, ring)
         members = 2 * len(step) if ring else 2 * len(step) + 1
+        # Nodes and pieces alternate in the chain, each with three unknowns: y, s', s'' or d0, d1,
+        # d2.
         place = 3 * positions(members, ring)[:, np.newaxis] + np.arange(3)
         self.size = 3 * members
         self.width = 8 if ring else 5
@@ -833,8 +879,11 @@ class Smoothing:
         from scipy.linalg import solve_banded
 
         unit = self.scale[:, np.newaxis] ** np.arange(3.0)
+        # Square root of lambda / h^5 with lambda = length^6 / mean: the weight of a moment against
+        # a deviation.
         weight = (length / self.mean) ** 3 * (self.mean / self.step) ** 2.5
-        # With all pieces at a point soft, the rows of its s' and s'' have small numbers only.
+        # If all pieces at a point have small weights, the equations of its s' and s'' have small
+        # coefficients only and are scaled up.
         nearest = np.zeros(len(self.nodes))
         np.maximum.at(nearest, self.ends, weight[:, np.newaxis])
         balance = np.ones((len(self.nodes), 3))
@@ -844,16 +893,20 @@ class Smoothing:
         width = self.width
         banded = np.zeros((2 * width + 1, self.size))
         right = np.zeros(self.size)
+        # Equations of the moments: moment - weight * (matrix of the piece) * nodal values = 0.
         banded[width, self.of_piece] = 1.0
         for k in range(3):
             for j in range(6):
+                # Band storage: row i, column j of the matrix is at [width + i - j, j].
                 node, piece = self.of_ends[:, j], self.of_piece[:, k]
                 banded[width + piece - node, node] = -rows[:, k, j]
                 banded[width + node - piece, piece] = columns[:, k, j]
-        banded[width, self.of_node[:, 0]] = 1.0  # the sum of squares
+        banded[width, self.of_node[:, 0]] = 1.0  # from the sum of squares
         right[self.of_node[:, 0]] = self.nodes[:, 0]
         held = self.of_node[self.fixed]
-        for offset in range(-width, width + 1):  # a prescribed value: its row becomes value = given
+        # The equation of a prescribed value becomes "unknown = value": its row is that of the
+        # identity.
+        for offset in range(-width, width + 1):
             column = held - offset
             inside = (column >= 0) & (column < self.size)
             banded[width + offset, column[inside]] = 1.0 if offset == 0 else 0.0
@@ -865,16 +918,16 @@ class Smoothing:
         return values, solution[self.of_piece] / weight[:, np.newaxis]
 
     def _deviating(self, length: float) -> tuple[tuple[FloatArray, FloatArray], float]:
-        """What `solve` finds for a cut-off length, and its largest deviation from the points."""
+        """The result of `solve` for a cut-off length, and its largest deviation from the points."""
         solution = self.solve(length)
         return solution, float(np.max(np.abs(solution[0][:, 0] - self.nodes[:, 0])))
 
     def longest_fit(self, largest_deviation: float) -> tuple[FloatArray, FloatArray]:
-        """Nodal values and moments of the longest cut-off length found that keeps the deviation.
+        """Nodal values and moments for the longest cut-off length found that keeps the deviation.
 
-        The largest deviation need not grow with the length, so lengths are halved from the longest
-        one down; then false position, on logarithms, between the first that keeps it and its
-        predecessor.
+        As the largest deviation need not grow with the length, lengths are halved from the longest
+        one down to the first that keeps the deviation; then follows false position, on logarithms,
+        between this one and its predecessor.
         """
         allowed = checked.number("largest_deviation", largest_deviation, above=0.0, largest=HIGHEST)
         length, above = min(LONGEST * self.mean, float(np.sum(self.step))), 0.0
@@ -886,8 +939,8 @@ class Smoothing:
             length *= 0.5
             if length < SHORTEST * float(np.min(self.step)):
                 raise GeometryError(
-                    f"no spline was found within {allowed:g} of all points; the nearest one has a"
-                    f" deviation of {above:g}, from rounding; allowed: more",
+                    f"no spline was found within {allowed:g} of all points; because of rounding the"
+                    f" nearest one deviates by {above:g}; allowed: a larger deviation",
                     key="largest_deviation",
                     value=repr(allowed),
                 )
@@ -898,10 +951,12 @@ class Smoothing:
         for _ in range(MAX_SEARCH):
             if below >= NEAR_ENOUGH * allowed or log_high - log_low < 1e-4:
                 break
+            # The middle of the range of deviations in which the search ends.
             wanted = math.log(0.5 * (1.0 + NEAR_ENOUGH) * allowed)
             share = (wanted - math.log(max(below, TINY))) / (
                 math.log(above) - math.log(max(below, TINY))
             )
+            # Not too close to either end, so that the bracket shrinks from both sides.
             middle = log_low + min(max(share, 0.1), 0.9) * (log_high - log_low)
             candidate, deviation = self._deviating(math.exp(middle))
             if deviation <= allowed:

@@ -23,7 +23,7 @@ ANGLE: Final = NumberColumn(
 FULL_TURN: Final = 360.0
 
 LAST_ROW: Final = 1e-9
-"""The last angle may be off its span by this fraction, as 120.00000000001 is from 120."""
+"""The last angle may differ from the span by this fraction, as 120.00000000001 differs from 120."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -34,7 +34,7 @@ class TwoColumns(Pickled, checked.CheckedFields):
     ----------
     file : its name, for messages.
     first, second : (n,) the numbers.
-    unit : of the second column, from its heading; empty if the heading has none.
+    unit : unit of the second column, from its heading; empty if the heading has none.
     lines : (n,) line of the file on which each row stands, from 1.
     """
 
@@ -45,14 +45,14 @@ class TwoColumns(Pickled, checked.CheckedFields):
     lines: tuple[int, ...]
 
     def fault(self, row: int, values: FloatArray, message: str) -> GeometryError:
-        """The error for the value of a row, counted from 0, or backwards from the end."""
+        """The error for the value of a row; a negative `row` counts backwards from the end."""
         return fault(self.file, self.lines[row], repr(float(values[row])), message)
 
     @classmethod
     def read(
         cls, data: bytes | str, file: str, columns: tuple[NumberColumn, NumberColumn]
     ) -> TwoColumns:
-        """Read a table of two numbers a row; format, parameters and errors as of `read_columns`."""
+        """Read a table with two numbers in each row; see `read_columns` for format and errors."""
         table = read_columns(data, file, RequestedColumns(columns))
         first, second = table.values
         return cls(file, first, second, table.units[1], table.lines)
@@ -91,13 +91,17 @@ class TwoColumns(Pickled, checked.CheckedFields):
         beyond = np.flatnonzero(angles > span * (1.0 + LAST_ROW))
         if len(beyond):
             raise table.fault(
-                int(beyond[0]), angles, f"beyond the span; allowed: up to {span:.17g} degrees"
+                int(beyond[0]),
+                angles,
+                f"the angle is beyond the span; allowed: up to {span:.17g} degrees",
             )
         if abs(angles[-1] - span) <= LAST_ROW * span and span > angles[-2]:
             return replace(table, first=np.append(angles[:-1], span))
         if not periodic:
             raise table.fault(
-                -1, angles, f"the last angle; allowed: the end of the span, {span:.17g} degrees"
+                -1,
+                angles,
+                f"the last angle is not the end of the span; allowed: {span:.17g} degrees",
             )
         return table
 
@@ -108,7 +112,7 @@ class TwoColumns(Pickled, checked.CheckedFields):
         """
         self.check_from_zero(angles, "angle")
         if not abs(angles[-1] - FULL_TURN) <= LAST_ROW * FULL_TURN:
-            raise self.fault(-1, angles, "the last angle; allowed: 360 degrees")
+            raise self.fault(-1, angles, "the last angle is not a full turn; allowed: 360 degrees")
         radians = np.radians(angles)
         radians[-1] = TURN
         return radians
@@ -116,7 +120,7 @@ class TwoColumns(Pickled, checked.CheckedFields):
     def check_from_zero(self, values: FloatArray, what: str) -> None:
         """Raise GeometryError with the line of the first row that does not ascend from 0."""
         if values[0] != 0.0:
-            raise self.fault(0, values, f"the first {what}; allowed: 0")
+            raise self.fault(0, values, f"the first {what} is not 0; allowed: 0")
         self.check_ascending(values, what)
 
     def check_ascending(self, values: FloatArray, what: str) -> None:
@@ -126,5 +130,7 @@ class TwoColumns(Pickled, checked.CheckedFields):
             place = int(falls[0]) + 1
             previous = float(values[place - 1])
             raise self.fault(
-                place, values, f"the {what} before is {previous!r}; allowed: only ascending"
+                place,
+                values,
+                f"the {what} does not exceed the one before, {previous!r}; allowed: only ascending",
             )

@@ -36,13 +36,13 @@ CLOSING: Final = 1e-9
 """The table of a speed curve may miss a full turn by this much [rad]: rounding of its degrees."""
 
 SMOOTH, SHARP = np.array([1, 2]), np.array([3, 4])
-"""Rows of velocity and acceleration, which have extremes where the next row vanishes; rows of jerk
-and torque."""
+"""Rows of velocity and acceleration, which have extremes where the next row vanishes, and rows of
+jerk and torque, whose slopes are not known."""
 
 AngularSpeed = Annotated[float, partial(checked.positive, unit="rad/s")]
 
 FEWEST_ROWS: Final = 4
-"""Of a speed curve."""
+"""Smallest number of rows of a speed curve."""
 
 METRES: Final[dict[LiftUnit, float]] = {"mm": 1e-3, "rad": 1.0}
 """Factor from the unit of lift to the one in which M = m v a / omega holds without conversion."""
@@ -59,7 +59,7 @@ class TimeCourse(Protocol):
 
     @property
     def jumps(self) -> FloatArray:
-        """Those of them at which alpha jumps."""
+        """Those of the borders at which alpha jumps."""
 
     def rates(self, phi: FloatArray, side: Side = "right") -> FloatArray:
         """(3, n) omega [rad/s], alpha [rad/s^2] and dalpha/dt [rad/s^3] at `phi` (n,) [rad],
@@ -143,7 +143,9 @@ class SpeedCurve(Pickled):
                 key="phi",
                 value=repr(span),
             )
-        from camgeo.kinematics.splines import Spline  # constant speed needs none
+        from camgeo.kinematics.splines import (
+            Spline,
+        )  # only needed here: constant speed has no spline
 
         spline = Spline.closed(t, phi, float(t[-1] - t[0]), TURN, gap=CLOSING)
         slowest = spline.extremes(1).lowest
@@ -279,7 +281,7 @@ class TimeExtremes:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RowQuantities:
-    """`Many` quantities, which are rows (k,) of one that has several."""
+    """`Many` quantities that are rows of a single one: `rows` (k,) are their numbers."""
 
     rows: IntArray
 
@@ -304,9 +306,12 @@ def time_extremes(motion: Motion, course: TimeCourse, unit: LiftUnit = "mm") -> 
 
     Between neighbouring borders of both, velocity and acceleration turn where acceleration and
     jerk change sign: those places are isolated roots. Extremes of jerk and torque, whose slopes are
-    not known, are sought as of `camgeo.numeric.extremes`. At borders both one-sided values count.
+    not known, are searched on grids, see `camgeo.numeric.extremes`. At borders both one-sided
+    values count.
     """
     edges = ascending(np.concatenate((motion.borders, course.borders, [0.0, TURN])))
+    # Borders of motion and time course that differ by rounding only would leave a piece without
+    # width.
     edges = edges[np.concatenate((np.diff(edges) > 8.0 * math.ulp(TURN), [True]))]
 
     def timed(phi: FloatArray, side: Side = "right") -> FloatArray:
@@ -319,6 +324,7 @@ def time_extremes(motion: Motion, course: TimeCourse, unit: LiftUnit = "mm") -> 
         return np.asarray(timed(phi)[rows, np.arange(len(phi))])
 
     places = isolation_places(edges)
+    # Jerk and acceleration are the slopes of acceleration and velocity, up to the factor omega.
     known = timed(places.ravel())[SMOOTH + 1].reshape(len(SMOOTH), *places.shape)
     roots, which = isolated_roots(
         lambda phi, row: row_values(phi, SMOOTH[row] + 1),
@@ -340,7 +346,7 @@ def time_extremes(motion: Motion, course: TimeCourse, unit: LiftUnit = "mm") -> 
 
 
 def plan_extremes(plan: MotionPlan, course: TimeCourse, unit: LiftUnit = "mm") -> TimeExtremes:
-    """As `time_extremes`, without a search for a disc at constant speed.
+    """The same as `time_extremes`, without a search if the cam turns at constant speed.
 
     With constant speed velocity, acceleration, jerk and torque have their extremes where s', s'',
     s''' and s' s'' have theirs (VDI 2143-1, section 5.1): at the turning points of the laws and at

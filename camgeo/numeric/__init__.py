@@ -1,5 +1,5 @@
 """Numerical tools that know nothing of cams: arrays, checked values, roots, extremes, integrals.
 
-What is found holds between the samples, too: extremes and roots are enclosed in cells before they
-are refined.
+Results hold between the samples, too: extremes and roots are enclosed in cells before they are
+refined.
 """

@@ -29,19 +29,19 @@ Number = TypeVar("Number", bound=np.generic)
 def phase(value: complex) -> float:
     """The angle of a complex number [rad], -pi to pi.
 
-    As `cmath.phase`, which raises an OverflowError where the angle is smaller than the smallest
-    normal number (so that of a pivot at [-90, 5e-324]).
+    The same as `cmath.phase`, except that it accepts an angle below the smallest normal number, for
+    which `cmath.phase` raises an OverflowError (that of a pivot at [-90, 5e-324], for example).
     """
     return math.atan2(value.imag, value.real)
 
 
 def frozen(values: Any, dtype: DTypeLike) -> NDArray[Any]:
-    """Return `values` as a read-only array of `dtype`; a view of ours is reused as is."""
+    """Return a read-only copy of `values` as an array of `dtype`."""
     return read_only(np.array(values, dtype=dtype))
 
 
 def read_only(array: NDArray[Number]) -> NDArray[Number]:
-    """`array` itself, from now on read-only: a result of ours that is kept."""
+    """`array` itself, from now on read-only: for a result that is handed out more than once."""
     array.flags.writeable = False
     return array
 
@@ -64,7 +64,9 @@ def ascending(values: FloatArray) -> FloatArray:
 
 
 def grouped(counts: IntArray) -> tuple[IntArray, IntArray]:
-    """(m,), (m,) of groups of `counts` (k,) items: the group of each item, and its number in it."""
+    """For k groups of `counts` (k,) items, m in total: (m,) the group of each item, and (m,) the
+    number of each item within its group.
+    """
     group = np.repeat(np.arange(len(counts)), counts)
     return group, np.arange(len(group)) - np.repeat(np.cumsum(counts) - counts, counts)
 
@@ -73,12 +75,14 @@ def merged(angles: FloatArray) -> FloatArray:
     """The distinct `angles` (n,) [rad] of one turn, ascending; angles that differ by rounding are
     merged.
 
-    Of each group the first is kept, of the last group the last, so that both ends of the range
-    stay.
+    Of angles that are merged the first remains, but at the end of the range the last, so that both
+    ends of the range are exact.
     """
     ordered = ascending(angles)
     if len(ordered) < 2:
         return ordered
+    # Both ends of the range are rounded to the spacing of the largest angle, and each angle is the
+    # sum of a few such roundings.
     distinct = np.diff(ordered) > 8.0 * np.spacing(ordered[-1])
     first = ordered[np.concatenate(([True], distinct))]
     first[-1] = ordered[-1]
@@ -129,7 +133,7 @@ def resolved(value: float, size: float) -> float:
 # -- many -----------------------------------------------------------------------------------------
 # Quantities of many objects of a kind, such as the pitch curves of many designs, at once.
 #
-# Whatever is computed of several objects together has, of each, the bits that it has alone.
+# Each object has, to the last bit, the values that it has when it is computed alone.
 
 
 Quantity = Callable[[FloatArray, Side], FloatArray]
@@ -139,11 +143,11 @@ AnyQuantity = TypeVar("AnyQuantity", contravariant=True)
 
 
 class Many(Protocol[AnyQuantity]):
-    """Objects that are asked for the values of a quantity, together or each at its own places.
+    """Several objects with the same quantities, evaluated together or each at its own places.
 
     Attributes
     ----------
-    count : of the objects.
+    count : number of objects.
     """
 
     @property
@@ -165,6 +169,7 @@ class One:
 
     def everywhere(self, quantity: Quantity, x: FloatArray, side: Side) -> FloatArray:
         """See `Many.everywhere`."""
+        # The axis of the objects has length 1 and stands before that of x.
         return quantity(x, side)[..., None, :]
 
     def paired_values(

@@ -60,8 +60,8 @@ def number(
 ) -> float:
     """`value` as a float, between the bounds: `above` and `below` are excluded, the others allowed.
 
-    `largest` is the largest magnitude, for values that are multiplied less or more often than
-    lengths.
+    `largest` bounds the magnitude, so that no product of such values overflows; it differs from
+    the default for values that enter products less or more often than lengths do.
 
     Raises
     ------
@@ -174,7 +174,7 @@ def optional(key: str, value: Any, unit: str = "") -> float | None:
 def by_name(key: str, values: Any, largest: float = LARGEST) -> Mapping[str, float]:
     """`values` as a read-only mapping of names to finite numbers; GeometryError if it is not one.
 
-    The key of a number is its own name.
+    In messages the key of a number is its own name.
     """
     mapping = instance(key, values, Mapping, "numbers by name")
     names = [instance(key, name, str, "numbers by name") for name in mapping]
@@ -191,6 +191,7 @@ def array(key: str, values: Any, dimensions: int = 1, largest: float = LARGEST) 
         shape = "a row of numbers" if dimensions == 1 else "rows of numbers of equal length"
         raise GeometryError(f"must be {shape}", key, value_text(values))
     numbers = numbers.astype(np.float64, copy=False)
+    # Negated, so that a NaN, which compares as false, is wrong too.
     wrong = np.flatnonzero(~(np.abs(numbers) <= largest))
     if len(wrong):
         raise GeometryError(
@@ -218,8 +219,9 @@ def check_fields(owner: object, path: str = "") -> None:
 
 
 class CheckedFields:
-    """A frozen dataclass whose fields are checked on entry, see `check_fields`; `path` is what the
-    keys in messages begin with.
+    """Base of a frozen dataclass whose fields are checked on construction, see `check_fields`.
+
+    The keyword `path` of the subclass is what the keys in messages begin with.
     """
 
     __slots__ = ()
@@ -250,11 +252,10 @@ def field_checks(kind: type) -> Mapping[str, tuple[Check, str, bool]]:
 
 
 def instance_from_table(kind: type[Kind], table: Mapping[str, Any]) -> Kind:
-    """An object of the dataclass `kind` from a table with the names of its fields; raises as it
-    does.
+    """An object of the dataclass `kind` from a table whose keys are the names of its fields.
 
-    A table within it becomes what its field takes, a list a tuple, or a point where the field is
-    one, and a decimal number a float or a whole number.
+    A nested table becomes an object of its field's type, a list a tuple, or a point where the field
+    is one, and a decimal number a float or a whole number. Raises what the constructor raises.
     """
     values, known = dict(table), cast("Any", kind)  # which is hashable, though mypy denies it
     for name, hint in _hints(known).items():
@@ -270,13 +271,14 @@ def _hints(kind: type) -> dict[str, Any]:
 
 
 def _field_value(hint: Any, value: Any) -> Any:
-    """A value of a table as a field of that type takes it."""
+    """`value` of a table, converted to what a field with the type `hint` takes."""
     kinds = (hint, *get_args(hint))
     inner = next((candidate for candidate in kinds if is_dataclass(candidate)), None)
     if isinstance(value, Mapping) and isinstance(inner, type):
         return instance_from_table(inner, value)
     if isinstance(value, list | tuple):
         if complex in kinds:
+            # A point stands in a table as the list [x, y].
             return complex(*value)
         return tuple(_field_value(inner, entry) for entry in value)
     kind = next((candidate for candidate in (float, int) if candidate in kinds), None)
@@ -290,7 +292,7 @@ def hold(owner: object, /, **values: Any) -> None:
 
 
 def value_text(value: Any) -> str:
-    """A value as a message shows it, shortened."""
+    """`value` as a message shows it, shortened to `LONGEST` characters."""
     number = _float(value)
     if not math.isnan(number):
         return repr(number)
@@ -302,6 +304,7 @@ def _float(value: Any) -> float:
     """`value` as a float; NaN if it is not a number."""
     if type(value) is float:  # nearly always, and asking for `Real` takes far longer
         return value
+    # True and False are whole numbers in Python, but not in a scene.
     if isinstance(value, bool) or not isinstance(value, Real):
         return math.nan
     try:

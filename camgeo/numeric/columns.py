@@ -26,7 +26,8 @@ LONGEST_HEADING: Final = 200
 MOST_COLUMNS: Final = 1_000
 
 BLANKS: Final = re.compile(r"(?<!\s)\s++(?![\[(]|[^\[\]()\s]{0,20}+\s{0,5}+[\])])")
-"""What separates cells without any other separator; a unit in brackets belongs to its name."""
+"""The blanks that separate cells where nothing else does; a unit in brackets belongs to its
+name."""
 
 LINE_END: Final = re.compile(r"\r\n|\r|\n")
 
@@ -40,7 +41,7 @@ class NumberColumn:
     what : its name in messages.
     names : those allowed in headings, in lower case.
     units : allowed in headings, in lower case; empty for any.
-    shown : these units in messages.
+    units_text : the units as messages list them.
     """
 
     what: str
@@ -55,10 +56,10 @@ class RequestedColumns:
 
     Attributes
     ----------
-    needed : those that it must have.
-    besides : those that it may have, all of them or none.
-    fewest, most : rows.
-    named : whether `optional` are only found by their names in a heading.
+    required : columns that it must have.
+    optional : further columns that it may have, all of them or none.
+    fewest, most : smallest and largest number of rows.
+    named : whether the `optional` columns are recognised only by their names in a heading.
     """
 
     required: tuple[NumberColumn, ...]
@@ -69,7 +70,7 @@ class RequestedColumns:
 
     @property
     def sets(self) -> tuple[tuple[NumberColumn, ...], ...]:
-        """The columns of a table without a heading, one set or two."""
+        """The sets of columns, one or two, that a table without a heading may have."""
         both = (self.required, self.required + self.optional)
         return both if self.optional and not self.named else both[:1]
 
@@ -80,8 +81,8 @@ class Columns:
 
     Attributes
     ----------
-    values : (k, n) the columns found, in the order in which they are asked for.
-    units : (k) of them, from their headings; empty where there is none.
+    values : (k, n) the columns of the table, in the order in which they were requested.
+    units : (k) unit of each column, from its heading; empty where there is none.
     lines : (n) line of the file on which each row stands, from 1.
     """
 
@@ -92,7 +93,7 @@ class Columns:
 
 @dataclass(frozen=True, slots=True)
 class _Layout:
-    """How the rows are written: separator, number of cells, cells and units of the columns."""
+    """The form of the rows: separator, number of cells, and the cells and units of the columns."""
 
     separator: str
     cells: int
@@ -108,8 +109,8 @@ def read_columns(data: bytes | str, file: str, requested: RequestedColumns) -> C
     row; commas in numbers between which blanks stand are decimal ones. The decimal mark is a point;
     with other separators than a comma it may be a comma, the same in all rows. Empty lines and
     lines that begin with # are skipped. A heading may name the columns: then there may be more
-    than those asked for, which are found by their names, in any case, with or without a unit in
-    brackets. Without a heading there are just those asked for.
+    than those requested, which are recognised by their names, in upper or lower case, with or
+    without a unit in brackets. Without a heading a table has the requested columns only.
 
     Parameters
     ----------
@@ -129,7 +130,7 @@ def read_columns(data: bytes | str, file: str, requested: RequestedColumns) -> C
         if line.strip() and not line.lstrip().startswith("#")
     ]
     if not rows:
-        raise fault(file, len(lines), "", f"no rows; allowed: {requested.fewest} or more")
+        raise fault(file, len(lines), "", f"there are no rows; allowed: {requested.fewest} or more")
     layout = _layout(rows[0][1], file, rows[0][0], requested)
     if layout.has_heading:
         rows = rows[1:]
@@ -155,10 +156,14 @@ def _values(rows: list[tuple[int, str]], layout: _Layout, file: str) -> FloatArr
             text = cells[cell].strip()
             if len(text) > DIGITS or not NUMBER.fullmatch(text):
                 raise fault(file, number, text, "not a number; allowed: numbers like 12.5")
+            # All decimals of a file have the same mark, so that 1,234 is never read in two ways.
             mark = "," if "," in text else "." if "." in text else ""
             if mark and decimal and mark != decimal:
                 raise fault(
-                    file, number, text, f"the decimals above have {decimal!r}; allowed: one kind"
+                    file,
+                    number,
+                    text,
+                    f"the numbers above have the decimal mark {decimal!r}; allowed: one mark",
                 )
             decimal = mark or decimal
             value = float(text.replace(",", "."))
@@ -184,6 +189,7 @@ def _lines(data: bytes | str, file: str) -> list[str]:
         except UnicodeDecodeError as error:
             line = data[: error.start].count(b"\n") + 1
             raise fault(file, line, "", "not UTF-8 text") from error
+    # A line ends with LF, CR, or CR LF, which counts once.
     count = text.count("\n") + text.count("\r") - text.count("\r\n")
     if TABLE.lines is not None and count > TABLE.lines:
         message = f"the file has {counted(count, 'line')}; allowed: {TABLE.lines:,}"
@@ -195,10 +201,11 @@ def _layout(line: str, file: str, number: int, requested: RequestedColumns) -> _
     """Separator and columns, from the first line that is not skipped."""
     separator = next((mark for mark in (";", "\t", ",") if mark in line), " ")
     words = BLANKS.split(line.strip(), MOST_COLUMNS + 1)
+    # "1,5 2,5" has commas, but each word between blanks is a number: the commas are decimal.
     if separator == "," and all(map(NUMBER.fullmatch, words)) and len(words) > 1:
         separator = " "
     if separator == " " and len(words) == 1:
-        message = "one column; allowed separators are ; and tab and comma and blanks"
+        message = "there is only one column; allowed separators: semicolon, tab, comma, blanks"
         raise fault(file, number, line, message)
     cells = [cell.strip().strip('"').strip() for cell in _cells(line, separator)]
     if len(cells) > MOST_COLUMNS:
@@ -236,7 +243,7 @@ def _layout(line: str, file: str, number: int, requested: RequestedColumns) -> _
                 file,
                 number,
                 cells[place],
-                f"the unit of the {column.what}; allowed: {column.units_text}",
+                f"the unit of the {column.what} is unknown; allowed: {column.units_text}",
             )
     units = tuple(headings[place][1] for place in places)
     return _Layout(separator, len(cells), places, units, has_heading=True)

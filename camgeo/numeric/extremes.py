@@ -59,7 +59,7 @@ def sampled_extremes(x: FloatArray, values: FloatArray) -> Extremes:
 
 
 SAMPLES: Final = 33
-"""Grid points per piece on which turning points are sought at first, see `_finer`."""
+"""Points per piece of the first grid on which turning points are searched, see `_finer`."""
 
 FEWEST_SAMPLES: Final = 5
 MOST_POINTS: Final = 1_000_000
@@ -104,6 +104,7 @@ def sample_grid(edges: FloatArray) -> FloatArray:
     pieces = len(edges) - 1
     samples = int(np.clip(MOST_POINTS // max(pieces, 1), FEWEST_SAMPLES, SAMPLES))
     share = np.linspace(0.0, 1.0, samples)
+    # The ends of a piece belong to two pieces; a little inside, each point has one value only.
     share[0], share[-1] = INSET, 1.0 - INSET
     return np.asarray(edges[:-1, np.newaxis] + np.diff(edges)[:, np.newaxis] * share)
 
@@ -116,19 +117,19 @@ def piecewise_extremes(function: Quantity, edges: FloatArray) -> Extremes:
     function : (n,), side -> (n,); smooth between neighbouring edges, where it may jump.
     edges : (m + 1,) ascending, m >= 1.
 
-    At the edges both one-sided values count. Inside, turning points of a grid are refined until the
-    value is exact except for rounding. Where the grid does not resolve the function, as its own
-    differences show, and it may be beyond what is known there, the grid is made finer until it does
-    or nothing that matters can be left. This rests on the differences, and is no proof. Where an
-    edge has the extreme value except for rounding, the edge is the place: near a flat top
-    many arguments have that value.
+    At the edges both one-sided values count. Between them, turning points of a grid are refined
+    until the value is exact except for rounding. Where the fourth differences show that the grid
+    does not resolve the function, and where it may exceed the extremes found so far, the grid is
+    refined until it resolves the function or nothing relevant can be missed. This rests on the
+    differences and is not a proof. If the value at an edge is extreme except for rounding, the edge
+    is the place: near a flat top many arguments have that value.
     """
     return piecewise_extremes_of_many(ONE, function, edges)[0]
 
 
 def piecewise_lowest(function: Quantity, edges: FloatArray) -> Extreme:
-    """The smallest value alone, see `piecewise_extremes`: no turning point of the largest one is
-    refined.
+    """The smallest value alone, see `piecewise_extremes`; turning points that could only be the
+    largest value are not refined.
     """
     return piecewise_extremes_of_many(ONE, function, edges, BOTTOMS)[0].lowest
 
@@ -144,9 +145,9 @@ def piecewise_extremes_of_many(
     edges: FloatArray,
     signs: tuple[float, ...] = BOTH,
 ) -> list[Extremes]:
-    """`piecewise_extremes` of a quantity of each of `many`, which jumps at the same `edges`.
+    """`piecewise_extremes` of a quantity of each of `many` objects, with the same `edges` for all.
 
-    Of those that `signs` do not select, no turning point is refined.
+    Turning points are refined only for the kinds of extremes that `signs` select.
     """
     inside = sample_grid(edges)
     x, ends = inside.ravel(), np.concatenate((edges[:-1], edges[1:]))
@@ -179,7 +180,7 @@ def piecewise_extremes_of_many(
 def _object_values(
     many: Many[AnyQuantity], quantity: AnyQuantity, index: int, x: FloatArray
 ) -> FloatArray:
-    """(n,) the quantity of one of `many` at x (n,)."""
+    """(n,) the quantity of the object with that `index` among `many`, at x (n,)."""
     return many.paired_values(quantity, x, "right", np.full(len(x), index))
 
 
@@ -190,8 +191,10 @@ def _finer(
     known: Extremes,
     signs: tuple[float, ...],
 ) -> tuple[FloatArray, FloatArray]:
-    """(k,), (k,) places and values of `function` on finer grids, where the rows of `grid` (m, n)
-    with `values` (m, n) do not resolve it and it may be beyond what is `known`.
+    """(k,), (k,) places and values of `function` on finer grids.
+
+    The grids are refined where the rows of `grid` (m, n) with `values` (m, n) do not resolve the
+    function and where it may exceed the extremes that are `known`.
     """
     best = {sign: max(sign * known.lowest.value, sign * known.highest.value) for sign in signs}
     places, refined = [np.empty(0)], [np.empty(0)]
@@ -202,6 +205,7 @@ def _finer(
         wanted = np.zeros(excess.shape, dtype=np.bool_)
         for sign, height in best.items():
             ends = np.maximum(sign * values[:, :-1], sign * values[:, 1:])
+            # Only a cell in which the curve may exceed the best value so far needs a finer grid.
             wanted |= ends + excess > height + NEGLIGIBLE * abs(height)
         row, cell = np.nonzero(wanted & (excess > 0.0))
         if not 0 < len(row) <= MOST_FINER:
@@ -210,9 +214,7 @@ def _finer(
         grid = low[:, np.newaxis] + (high - low)[:, np.newaxis] * PARTS
         values = function(grid.ravel()).reshape(grid.shape)
         excess = _unresolved(values)
-        smooth = ~np.all(
-            excess, axis=1
-        )  # tops of what is unresolved all over are not worth climbing
+        smooth = ~np.all(excess, axis=1)  # a row unresolved throughout yields no brackets
         turning = np.empty(0)
         if np.any(smooth):
             climbing = tops(grid[smooth], values[np.newaxis, smooth], tuple(best))
@@ -220,6 +222,7 @@ def _finer(
         places += [grid.ravel(), turning]
         refined += [values.ravel(), function(turning)]
         for sign, height in best.items():
+            # Each round raises the bar for the next one.
             best[sign] = max(
                 height, *(float(np.max(sign * e, initial=height)) for e in refined[-2:])
             )
@@ -227,17 +230,19 @@ def _finer(
 
 
 def _unresolved(values: FloatArray) -> FloatArray:
-    """(m, n - 1) how far a curve may be beyond its `values` (m, n) between two of them; 0 where
-    these resolve it.
+    """(m, n - 1) how far a curve may exceed both of two neighbouring `values` (m, n) between them;
+    0 where the values resolve the curve.
     """
     fourth, second = (np.abs(np.diff(values, order, axis=1)) for order in (4, 2))
+    # A fourth difference spans five values, hence three second differences; the largest counts.
     bend = np.maximum(np.maximum(second[:, :-2], second[:, 1:-1]), second[:, 2:])
+    # It is centred on the third of its five values: two more on each side give one for each value.
     excess = np.pad(np.where(fourth > ROUGH * bend, fourth, 0.0), ((0, 0), (2, 2)), mode="edge")
     return np.asarray(np.maximum(excess[:, :-1], excess[:, 1:]))
 
 
 def _snap_to_edges(extremes: Extremes, edges: FloatArray, values: FloatArray) -> Extremes:
-    """The same extremes, at an edge if it has such a value but for rounding."""
+    """The same `extremes`, moved to an edge if the value there equals them but for rounding."""
     rounding = ROUNDING * extremes.magnitude
 
     def placed(extreme: Extreme) -> Extreme:
@@ -253,16 +258,21 @@ def _snap_to_edges(extremes: Extremes, edges: FloatArray, values: FloatArray) ->
 def tops(
     grid: FloatArray, values: FloatArray, signs: tuple[float, ...] = BOTH
 ) -> tuple[FloatArray, FloatArray, FloatArray, IntArray]:
-    """Sign, +1 of a top and -1 of a bottom, bracket, and the quantity of each turning point,
-    (k,) each.
+    """The turning points of q quantities with `values` (q, m, n) along the rows of `grid` (m, n).
 
-    Of the `values` (q, m, n) of q quantities along the rows of `grid` (m, n), those of the `signs`;
-    those that cannot be the largest or the smallest of their quantity are omitted.
+    Of the kinds selected by `signs`; those that cannot be the largest or the smallest value of
+    their quantity are omitted.
+
+    Returns
+    -------
+    (k,) each: the sign, +1 for a top and -1 for a bottom, the low and the high end of the bracket,
+    and the number of the quantity.
     """
     padded = np.concatenate((grid[:, :1], grid, grid[:, -1:]), axis=1)
     lows, highs = (
         np.broadcast_to(neighbours, values.shape) for neighbours in (padded[:, :-2], padded[:, 2:])
     )
+    # A constant row has tops at its ends, as the padding beyond them is lower.
     moving = np.ptp(values, axis=-1, keepdims=True) > 0.0
     brackets = []
     for sign in signs:
@@ -270,6 +280,7 @@ def tops(
         inner = np.pad(heights, ((0, 0), (0, 0), (1, 1)), constant_values=-np.inf)
         left, right = inner[..., :-2], inner[..., 2:]
         top = (heights >= left) & (heights >= right)
+        # Of a plateau only the ends count, not every point on it.
         top &= (heights > left) | (heights > right)
         # A parabola through three points rises above the middle one by at most an eighth of the
         # larger difference; what cannot reach the largest value even with that is omitted.
@@ -293,12 +304,14 @@ def climbed(
 ) -> FloatArray:
     """Place of the largest sign * function in each bracket [low, high] (k,), which has one maximum.
 
-    The function is asked for places, and for the bracket of each. A bracket that cannot reach the
-    largest value of its quantity `which` (k,) is left where it is, like one omitted by `tops`.
+    The function takes places and the number of the bracket of each. A bracket that cannot reach the
+    largest value of its quantity `which` (k,) is not refined any further, like one omitted by
+    `tops`.
     """
     if not len(low):
         return low
     share = np.arange(1.0, SECTIONS) / SECTIONS
+    # Tops and bottoms of a quantity do not compete with each other, so each is a group of its own.
     best, group = low.copy(), 2 * which + (sign > 0.0)
     left = np.arange(len(low))
     for _ in range(STEPS):
@@ -311,6 +324,8 @@ def climbed(
         low, high = best[left] - width, best[left] + width
         highest = np.full(2 * int(np.max(which)) + 2, -np.inf)
         np.maximum.at(highest, group[left], peaks)
+        # Between two cuts the curve cannot rise above the peak by more than it changes over a
+        # section.
         rise = np.max(np.abs(np.diff(heights, axis=1)), axis=1)
         promising = peaks + rise >= highest[group[left]]
         left, low, high = left[promising], low[promising], high[promising]
@@ -318,7 +333,8 @@ def climbed(
 
 
 def dips(function: Function, grid: FloatArray) -> FloatArray:
-    """Places where `function` has the opposite sign of the three points of `grid` around it.
+    """Places between points of `grid` where `function` has the sign opposite to that of the three
+    points around them, which a search for sign changes on the grid would miss.
 
     A parabola through three points falls below the middle one by at most 1/8 of the larger
     difference; where twice that could change the sign, the minimum is computed.
@@ -334,6 +350,7 @@ def dips(function: Function, grid: FloatArray) -> FloatArray:
     for row, column in np.argwhere(near):
         sign = signs[row, column + 1]
 
+        # The default binds the sign of this turn of the loop.
         def upright(phi: FloatArray, _side: Side, sign: float = sign) -> FloatArray:
             return sign * function(phi)
 
@@ -352,24 +369,24 @@ def stretch_below(
     ----------
     function : (n,) -> (n,), smooth between neighbouring edges.
     edges : (k,) angles from 0 to 2 pi, both included, ascending.
-    place : where it is lowest [rad].
+    place : angle at which the function is lowest [rad].
 
     Returns
     -------
-    As for `stretch_around`; None if it is negative nowhere, or at `place` alone. A root nearer to
-    an edge than `INSET` of a piece counts as at the edge.
+    As for `stretch_around`; None if the function is negative nowhere, or at `place` alone. A root
+    closer to an edge than the fraction `INSET` of the piece counts as at the edge.
     """
     cuts = with_roots(function, merged(np.concatenate((edges, [place]))))
     return stretch_around(cuts, function(0.5 * (cuts[:-1] + cuts[1:])) < 0.0, place)
 
 
 def stretch_around(cuts: FloatArray, inside: BoolArray, place: float) -> tuple[float, float] | None:
-    """Start and end [rad] of the stretch around `place` that is entirely inside.
+    """Start and end [rad] of the stretch around `place` all of whose pieces are inside.
 
     Parameters
     ----------
     cuts : (n + 1,) angles from 0 to 2 pi, both included, ascending; `place` is one of them.
-    inside : (n,) which of the pieces between two cuts belong to it.
+    inside : (n,) whether the piece after each cut, up to the next one, is inside.
 
     Returns
     -------
@@ -382,6 +399,7 @@ def stretch_around(cuts: FloatArray, inside: BoolArray, place: float) -> tuple[f
     following = int(np.searchsorted(cuts, place)) % pieces
     if not (inside[following] or inside[following - 1]):
         return None
+    # A negative index counts from the end of the turn, so the walk backwards needs no remainder.
     first = last = following if inside[following] else (following - 1) % pieces
     while inside[first - 1]:
         first -= 1
@@ -393,37 +411,39 @@ def stretch_around(cuts: FloatArray, inside: BoolArray, place: float) -> tuple[f
 # -- isolation ------------------------------------------------------------------------------------
 # Roots of slopes isolated in cells, for which no number of samples is fixed.
 #
-# In a cell a slope is known at seven places, by the polynomial through them. How far the slope may
-# be off that is estimated by the last difference, and in a cell that was halved by how far the
-# slope was off the polynomial of the whole. A cell is decided where the polynomial, with that to
-# spare, has no root, or is monotone, or has no more roots than its values change their sign, as its
-# Bernstein coefficients show; else it is halved, until the value whose slope it is cannot change in
-# it by what could matter. So what is missed between the places changes no value by more than
-# `NEGLIGIBLE` of its size. That rests on the estimate, which holds for what is analytic in a cell,
-# and is not a proof. The borders of the formula must be ends of cells.
+# In a cell a slope is evaluated at seven places and represented by the polynomial through them. The
+# error of the polynomial is estimated by the last difference and, in a cell that was halved, by the
+# distance of the slope from the polynomial of the whole cell. A cell is decided if the polynomial,
+# with a margin of this error, has no root, or is monotone, or has no more roots than its values
+# have sign changes, as its Bernstein coefficients show. Otherwise the cell is halved, until the
+# value whose slope it is cannot change in it by a relevant amount. So roots that are missed change
+# no value by more than `NEGLIGIBLE_CHANGE` of its size. This rests on the estimate, which holds for
+# functions that are analytic in a cell, and is not a proof. The borders of the formula must be ends
+# of cells.
 
 
 OfRows = Callable[[FloatArray, IntArray], FloatArray]
 """(n,), (n,) -> (n,) values at n arguments, given the numbers of their rows."""
 
 DEGREE: Final = 6
-"""Of the polynomial."""
+"""Degree of the polynomial that represents a slope in a cell."""
 
 PLACES: Final = DEGREE + 1
-"""Places in a cell: as many as it has coefficients."""
+"""Places in a cell: as many as the polynomial has coefficients."""
 
 SPARE: Final = 0.125
-"""Of the last difference of the slopes in a cell, the error of the polynomial: four times the last
-of its Chebyshev coefficients."""
+"""Error of the polynomial as a fraction of the last difference of the slopes in a cell: four times
+the last Chebyshev coefficient."""
 
 SHARES: Final = np.linspace(0.0, 1.0, PLACES)
 
 WIDEST: Final = math.pi / 32.0
-"""Longest cell to begin with [rad]."""
+"""Length of the longest initial cell [rad]."""
 
 INSIDE: Final = 1e-8
-"""How far inside a piece its ends are taken, as a fraction of its length: far beyond the rounding
-of a cam angle, and an extreme in between differs from the end value by this fraction squared."""
+"""Distance of the outermost places from the ends of a piece, as a fraction of its length: far more
+than the rounding of a cam angle, while an extreme in between differs from the end value by the
+square of this fraction only."""
 
 NEGLIGIBLE_CHANGE: Final = 1e-10
 """Change of a value, as a fraction of it, that may stay in an undecided cell."""
@@ -432,8 +452,8 @@ HALVINGS: Final = 24
 """Most rounds of halving."""
 
 NOISY, SHRINKING = 5, 0.125
-"""Round from which a slope whose last difference does not shrink to that fraction is taken for
-rounding; that of a slope that is resolved shrinks to a sixty-fourth."""
+"""Round from which a slope counts as rounding if its last difference does not shrink to this
+fraction; that of a resolved slope shrinks to 1/64 with every halving, as it is of sixth order."""
 
 RESOLVED: Final = 0.02
 """Largest error, as a fraction of the slope, with which sign changes are counted."""
@@ -443,20 +463,24 @@ MOST: Final = 200_000
 
 
 def _bernstein_matrix() -> FloatArray:
-    """(7, 14) from values at `SHARES` to the Bernstein coefficients of the polynomial through them,
-    the differences of these, and the last difference of the values.
+    """(7, 14) matrix that turns the values at `SHARES`, as a row, into the 7 Bernstein coefficients
+    of the polynomial through them, their 6 differences, and the last difference of the values.
     """
     share = SHARES[:, np.newaxis]
     columns = [
         math.comb(DEGREE, k) * share**k * (1.0 - share) ** (DEGREE - k) for k in range(PLACES)
     ]
+    # The columns are the Bernstein polynomials at `SHARES`; the inverse gives the coefficients from
+    # the values.
     hull = np.linalg.inv(np.concatenate(columns, axis=1))
     last = np.diff(np.eye(PLACES), DEGREE, axis=0)
     return np.asarray(np.concatenate((hull, np.diff(hull, axis=0), last)).T)
 
 
 def _midpoint_matrix() -> FloatArray:
-    """(7, 6) from values at `SHARES` to those of the polynomial in the middle between them."""
+    """(7, 6) matrix that turns the values at `SHARES`, as a row, into those of the polynomial
+    through them midway between neighbouring places.
+    """
     middle = 0.5 * (SHARES[:-1] + SHARES[1:])
     powers = np.arange(PLACES)
     through = np.linalg.inv(SHARES[:, np.newaxis] ** powers)
@@ -481,18 +505,21 @@ def isolation_cells(edges: FloatArray) -> tuple[FloatArray, FloatArray]:
 def cell_places(
     low: FloatArray, high: FloatArray, starts: FloatArray, ends: FloatArray
 ) -> FloatArray:
-    """(n, 7) the places in the cells [low, high] (n,), off both ends of the pieces [start, end]
-    (n,) in which they lie by `INSIDE`, because slopes may jump there.
+    """(n, 7) the places in the cells [low, high] (n,).
+
+    They stay clear of both ends of the pieces [start, end] (n,) that contain the cells, by the
+    fraction `INSIDE`, because slopes may jump there.
     """
     inside = INSIDE * (ends - starts)
     low, high = np.maximum(low, starts + inside), np.minimum(high, ends - inside)
     places: FloatArray = low[:, np.newaxis] + (high - low)[:, np.newaxis] * SHARES
+    # low + (high - low) may be rounded beyond the end of the cell.
     places[:, -1] = high
     return places
 
 
 def isolation_places(edges: FloatArray) -> FloatArray:
-    """(n, 7) the places in the cells of the pieces between neighbours of `edges` (m,)."""
+    """(n, 7) the places in all `isolation_cells` between neighbours of `edges` (m,)."""
     low, high = isolation_cells(edges)
     piece = np.searchsorted(edges, 0.5 * (low + high)) - 1
     return cell_places(low, high, edges[piece], edges[piece + 1])
@@ -505,14 +532,15 @@ def isolated_roots(
 
     Parameters
     ----------
-    slopes : of r quantities, one for each row; each smooth inside the cells.
-    values : what is extreme where the slope of a row vanishes.
-    places : (n, 7) of the cells, see `cell_places`.
-    known : (r, n, 7) the slopes there.
+    slopes : slopes of r quantities, one for each row; each smooth inside the cells.
+    values : the quantities themselves, which are extreme where the slope of their row vanishes.
+    places : (n, 7) places in the cells, see `cell_places`.
+    known : (r, n, 7) the slopes at these places.
 
     A slope that is 0 at all places of a cell has no root in it.
     """
     rows = len(known)
+    # All cells of all quantities are one list; `row` says whose each of them is.
     row = np.repeat(np.arange(rows), len(places))
     x, slope = np.tile(places, (rows, 1)), known.reshape(-1, PLACES)
     estimate, last = np.zeros(len(x)), np.full(len(x), np.inf)
@@ -521,6 +549,8 @@ def isolated_roots(
         coefficients = slope @ BERNSTEIN_MATRIX
         previous, last = last, np.abs(coefficients[:, -1])
         error = np.maximum(SPARE * last, estimate)
+        # The cheap criteria come first: each of them is applied only to the cells that those before
+        # it have left.
         decided = _decided(coefficients, error)
         if number >= NOISY:
             decided |= last > SHRINKING * previous
@@ -544,6 +574,8 @@ def isolated_roots(
         x, slope, row, last = x[undecided], slope[undecided], row[undecided], last[undecided]
         middle = 0.5 * (x[:, :-1] + x[:, 1:])
         middle_slopes = slopes(middle.ravel(), np.repeat(row, DEGREE)).reshape(middle.shape)
+        # The six new values, three in each half, show how far the polynomial of the whole cell was
+        # off.
         miss = np.abs(middle_slopes - slope @ MIDPOINT_MATRIX).reshape(-1, DEGREE // 2)
         estimate = np.max(miss, axis=1) / 32.0  # an error is 128 times less in a half
         x, slope = _halved(x, middle), _halved(slope, middle_slopes)
@@ -554,16 +586,25 @@ def isolated_roots(
 
 
 def _halved(ends: FloatArray, middle: FloatArray) -> FloatArray:
-    """(2 n, 7) rows of the halves of cells, from `ends` (n, 7) and the `middle` (n, 6) ones."""
+    """(2 n, 7) rows for the halves of n cells, first and second half of each in turn.
+
+    `ends` (n, 7) are the entries at the places of the whole cells, `middle` (n, 6) those midway
+    between them.
+    """
     both = np.empty((len(ends), 2 * PLACES - 1))
     both[:, ::2], both[:, 1::2] = ends, middle
+    # The middle entry of the thirteen belongs to both halves.
     return np.concatenate((both[:, :PLACES], both[:, PLACES - 1 :]), axis=1).reshape(-1, PLACES)
 
 
 def _decided(coefficients: FloatArray, error: FloatArray) -> BoolArray:
-    """(n,) whether the slopes of cells have at most one root: they keep their sign, or ascend, or
-    descend, with the `error` (n,) to spare; or they are 0.
+    """(n,) whether the slope in each cell has at most one root: it keeps its sign, or ascends, or
+    descends, with a margin of `error` (n,); or it is 0 throughout.
+
+    `coefficients` (n, 14) are those that `_bernstein_matrix` gives.
     """
+    # Extremes of two groups of columns: the coefficients bound the slope, their differences its
+    # derivative.
     kinds = [0, PLACES]
     least = np.minimum.reduceat(coefficients[:, :-1], kinds, axis=1)
     most = np.maximum.reduceat(coefficients[:, :-1], kinds, axis=1)
@@ -574,8 +615,11 @@ def _decided(coefficients: FloatArray, error: FloatArray) -> BoolArray:
 
 
 def _counted(hull: FloatArray, error: FloatArray, slopes: FloatArray) -> BoolArray:
-    """(n,) whether the `slopes` (n, 7) change their signs as often as their `hull` (n, 7) does, by
-    more than the `error` (n,), which is small: there are no more roots than that.
+    """(n,) whether the `slopes` (n, 7) have as many sign changes as their Bernstein coefficients
+    `hull` (n, 7).
+
+    A polynomial has at most as many roots as its coefficients have sign changes, so then the values
+    show them all. Counts only where every coefficient exceeds the `error` (n,) and this is small.
     """
     sure = np.min(np.abs(hull), axis=1) > error
     sure &= error < RESOLVED * np.max(np.abs(slopes), axis=1)
@@ -586,10 +630,10 @@ def _counted(hull: FloatArray, error: FloatArray, slopes: FloatArray) -> BoolArr
 
 
 def _negligible(hull: FloatArray, error: FloatArray, values: FloatArray) -> BoolArray:
-    """(n,) whether roots that are missed change `values` (n, 7) by less than what matters.
+    """(n,) whether roots that are missed change the `values` (n, 7) by a negligible amount.
 
-    Between two of them the slope has the wrong sign, and is at most as large as the error and as
-    what of its hull has that sign.
+    Between two missed roots the slope has the opposite sign; its magnitude there is at most the
+    error plus the largest coefficient of `hull` with that sign.
     """
     wrong = np.minimum(np.max(hull, axis=1), np.max(-hull, axis=1))
     share = 4.0 * (error + np.maximum(wrong, 0.0)) / np.max(np.abs(hull), axis=1)
@@ -619,8 +663,8 @@ def bracketed_roots(
 ) -> FloatArray:
     """`indexed_roots` of a `function` (k,) -> (k,) that is the same for all brackets.
 
-    `rows` (n,) for a function that gives (m, k) values, m quantities at once: which of them to
-    solve for in each bracket.
+    For a function that gives (m, k) values, of m quantities at once, `rows` (n,) says which of the
+    quantities has its root in each bracket.
     """
 
     def values(x: FloatArray, which: IntArray) -> FloatArray:
@@ -654,13 +698,16 @@ def indexed_roots(
     """
     if not len(low):
         return np.array(low, dtype=np.float64)
-    # Of each bracket the newest place, the one across the root, and the one before: x, f(x).
+    # For each bracket, as rows x and f(x): a is the newest place, b the one on the other side of
+    # the root, c the place that was a or b before.
     every = np.arange(len(low))
     f_low, f_high = (function(low, every), function(high, every)) if ends is None else ends
     a, b = np.stack((high, f_high)), np.stack((low, f_low))
     c = a.copy()
+    # The first step is a bisection; interpolation needs three places.
     step = np.full_like(a[0], 0.5)
     root: FloatArray = np.where(np.abs(a[1]) < np.abs(b[1]), a[0], b[0])
+    # A bracket with a root at an end is already solved.
     active = np.flatnonzero((a[1] != 0.0) & (b[1] != 0.0))
     for _ in range(MAX_STEPS):
         if not len(active):
@@ -675,6 +722,7 @@ def indexed_roots(
         nearer = np.abs(new[1]) < np.abs(across[1])
         root[active] = np.where(nearer, new[0], across[0])
         width, floor = np.abs(across[0] - new[0]), np.spacing(np.abs(root[active]))
+        # A bracket two spacings wide cannot be narrowed by another step that lies inside it.
         active = active[(new[1] != 0.0) & (width > 2.0 * floor)]
         step[active] = _next_step(a[:, active], b[:, active], c[:, active])
     return root
@@ -686,8 +734,11 @@ def _next_step(newest: FloatArray, across: FloatArray, last: FloatArray) -> Floa
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         xi = (a - b) / (c - b)
         phi = (fa - fb) / (fc - fb)
+        # Chandrupatla: only there is the inverse quadratic through the three places monotone in the
+        # bracket.
         quadratic = (phi**2 < xi) & ((1.0 - phi) ** 2 < 1.0 - xi)
         t = fa / (fb - fa) * fc / (fb - fc) + (c - a) / (b - a) * fa / (fc - fa) * fb / (fc - fb)
+        # A step below the spacing of a would not move the place at all.
         smallest = np.spacing(np.abs(a)) / np.abs(b - a)
     t = np.where(quadratic & np.isfinite(t), t, 0.5)
     smallest = np.minimum(smallest, 0.5)
@@ -712,18 +763,20 @@ def _changing(values: FloatArray) -> BoolArray:
     sign = np.sign(values)
     change: BoolArray = sign[..., :-1] * sign[..., 1:] < 0.0
     change |= (sign[..., :-1] == 0.0) & (sign[..., 1:] != 0.0)
+    # A root at the last point has no cell to its right.
     change[..., -1] |= (sign[..., -1] == 0.0) & (sign[..., -2] != 0.0)
     return change
 
 
 def roots_on_grid(function: Function, grid: FloatArray) -> FloatArray:
-    """Roots of `function` indicated by a sign change on a row of `grid` (..., m), row by row.
+    """Roots of `function` indicated by a sign change along a row of `grid` (..., m), row by row.
 
-    One call of the function evaluates all rows, however many there are. A function that gives
-    several quantities at once, (k, n), has the roots of all of them, one quantity after the other.
+    One call of the function evaluates all rows. For a function that gives k quantities at once,
+    (k, n), the roots of all of them are returned, one quantity after the other.
     """
     flat_values = function(grid.ravel())
     values = flat_values.reshape(flat_values.shape[:-1] + grid.shape)
+    # The rows of all quantities are numbered one after the other, `row_count` for each quantity.
     row_count = math.prod(grid.shape[:-1])
 
     def in_row(x: FloatArray, row: IntArray) -> FloatArray:
@@ -782,12 +835,14 @@ def inverse(function: Function, slope: Function, edges: FloatArray, y: FloatArra
     piece = np.clip(np.searchsorted(marks, y, "right") - 1, 0, len(edges) - 2)
     low, high = edges[piece], edges[piece + 1]
     width = float(edges[-1] - edges[0])
+    # Linear interpolation between the edges is the first approximation.
     x = low + (y - marks[piece]) / (marks[piece + 1] - marks[piece]) * (high - low)
     x = np.where(y >= marks[-1], edges[-1], x)
     for _ in range(MOST_STEPS):
         miss = function(x) - y
         low, high = np.where(miss < 0.0, x, low), np.where(miss > 0.0, x, high)
         step = x - miss / slope(x)
+        # A step of Newton that leaves the bracket is replaced by a halving.
         step = np.where((step >= low) & (step <= high), step, 0.5 * (low + high))
         step = np.where(miss == 0.0, x, step)
         converged = np.abs(step - x) <= CLOSE * width
@@ -806,7 +861,7 @@ NEARLY_REAL = 1e-6
 
 VANISHING = 1e-40
 """A coefficient below this fraction of the largest one is far below the rounding of the others
-wherever roots are sought, and quotients with it overflow."""
+wherever roots are searched, and quotients with it overflow."""
 
 ROUNDING_OF_ROOTS = 1e-12
 """More than the rounding of a polynomial of the degrees used here near its maximum."""
@@ -841,12 +896,16 @@ def product(first: Sequence[float], second: Sequence[float]) -> list[float]:
 def roots_inside(coefficients: Sequence[float], low: float, high: float) -> FloatArray:
     """Real roots in [low, high], ascending, to the last bits where they are simple."""
     descending = np.array(coefficients[::-1], dtype=np.float64)
+    # `numpy.roots` divides by the leading coefficient.
     descending[np.abs(descending) < VANISHING * np.max(np.abs(descending))] = 0.0
     roots = np.roots(descending)
+    # Far from 0 the imaginary part of a real root is rounded in proportion to its magnitude.
     scale = np.maximum(1.0, np.abs(roots))
     real: FloatArray = np.sort(roots.real[np.abs(roots.imag) < NEARLY_REAL * scale])
     least, most = 2.0 * low - high, 2.0 * high - low
-    real = real[(real > least) & (real < most)]  # the last digits do not bring others inside
+    real = real[
+        (real > least) & (real < most)
+    ]  # a wider range, as refinement moves a root by its last digits
     slope = derivative(coefficients)
     for _ in range(2):  # Newton's method
         rise = horner(slope, real)

@@ -53,7 +53,9 @@ class Interval:
             three, four = self.high * other.low, self.high * other.high
         low = np.minimum(np.minimum(one, two), np.minimum(three, four))
         high = np.maximum(np.maximum(one, two), np.maximum(three, four))
-        unknown = np.isnan(low)  # 0 times infinity: nothing is known
+        # An end times an infinite end of the other range may be 0 times infinity, a NaN, which
+        # minimum and maximum pass on.
+        unknown = np.isnan(low)
         if np.any(unknown):
             low, high = np.where(unknown, -np.inf, low), np.where(unknown, np.inf, high)
         return _widened(low, high)
@@ -67,6 +69,7 @@ class Interval:
         """One divided by the numbers of the ranges; infinite where these reach 0."""
         with np.errstate(divide="ignore"):
             low, high = 1.0 / self.high, 1.0 / self.low
+        # A range that contains 0 has reciprocals up to infinity on both sides: nothing is known.
         through = (self.low <= 0.0) & (self.high >= 0.0)
         if np.any(through):
             low, high = np.where(through, -np.inf, low), np.where(through, np.inf, high)
@@ -84,13 +87,13 @@ class Interval:
         return _widened(least, np.maximum(one, other))
 
     def intersection(self, other: Interval) -> Interval:
-        """The intersection of both ranges, where both hold."""
+        """The intersection of ranges that both enclose the same numbers."""
         return Interval(np.maximum(self.low, other.low), np.minimum(self.high, other.high))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Angles:
-    """n ranges of angles about their middles.
+    """n ranges of angles, each by its middle and its reach to either side.
 
     Attributes
     ----------
@@ -103,7 +106,7 @@ class Angles:
     reach: FloatArray
 
     def reaching(self, reach: FloatArray) -> Angles:
-        """Ranges about the same middles."""
+        """Ranges with the same middles and another `reach` (n,) [rad]."""
         return Angles(self.cosines, self.sines, reach)
 
     def __sub__(self, other: Angles) -> Angles:
@@ -126,6 +129,7 @@ class Angles:
     @classmethod
     def from_middles(cls, middles: FloatArray, reach: FloatArray) -> Angles:
         """The ranges of angles within `reach` (n,) of `middles` (n,) [rad]."""
+        # A large angle is rounded more than its cosine and sine, which `BLUR` covers.
         rounding = WIDENED * np.abs(middles)
         return cls(np.cos(middles), np.sin(middles), reach + rounding)
 
@@ -133,6 +137,8 @@ class Angles:
 def _swept(value: FloatArray, slope: FloatArray, reach: FloatArray) -> Interval:
     """The range of a cosine or sine with `value` and, up to its sign, `slope` (n,) at middles."""
     far = np.minimum(reach, FARTHEST)
+    # 1 - cos d <= d^2/2 and |sin d| <= |d|. The quadratic term moves the value towards 0 only, so
+    # it lowers a positive value and raises a negative one.
     straight, curved = np.abs(slope) * far + BLUR, 0.5 * far * far
     low = value - straight - curved * np.maximum(value, 0.0)
     high = value + straight - curved * np.minimum(value, 0.0)

@@ -1,8 +1,8 @@
-"""What is computed once and kept with the immutable object that it depends on.
+"""Caches of results, each kept with the immutable object that it depends on.
 
-`Answers` keep the values of a motion at the cam angles of the latest requests, `recalling` those of
-a quantity. `kept_with_owner` keeps the last result of a function of an object with the object,
-`kept_with_each` what is computed for many objects at once with each of them.
+`Answers` keep the values of a motion at the cam angles of the latest requests, `recalling` does so
+for any quantity. `kept_with_owner` keeps the last result of a function with its first argument,
+`kept_with_each` computes a function for many objects at once and keeps each result with its object.
 """
 
 from __future__ import annotations
@@ -21,10 +21,11 @@ P = ParamSpec("P")
 Result = TypeVar("Result")
 
 MOST_ANGLES: Final = 65_536
-"""Total number of cam angles of whose values `Answers` keep those of the latest requests [3 MB]."""
+"""Total number of cam angles whose values `Answers` keep, those of the latest requests [3 MB]."""
 
 MOST_VALUES: Final = 1 << 19
-"""The same where each has one number [8 MB], as forces have: a stiff train takes as many."""
+"""The same for quantities with one number per angle [8 MB], such as forces: computing those of a
+stiff train takes this many angles."""
 
 Kept = dict[Callable[..., Any], tuple[Any, Any]]
 """By function: the arguments of its last call, and the result."""
@@ -57,13 +58,18 @@ class Answers(Generic[Result]):
         """
         count, most = len(angles[0]), MOST_ANGLES if self._most is None else self._most
         if count > most:
+            # A request larger than the whole cache would evict everything and then itself.
             return make()
         question = way, *(phi.tobytes() for phi in angles)
         with self._lock:
             entry = self._entries.pop(question, None)
             if entry is not None:
-                self._entries[question] = entry  # behind those that were asked for before
+                # Put back at the end: a dict keeps its order, and the least recently used entry
+                # comes first.
+                self._entries[question] = entry
                 return entry[0]
+        # Computed without the lock, so that threads do not wait for each other; at worst two of
+        # them compute the same answer.
         answer = make()
         with self._lock:
             if question not in self._entries:
@@ -77,8 +83,9 @@ class Answers(Generic[Result]):
 def recalling(
     quantity: Callable[P, NDArray[Number]], most: int = MOST_VALUES
 ) -> Callable[P, NDArray[Number]]:
-    """The same `quantity`, read-only, with its values at the latest cam angles, `most` in total,
-    kept. Of its arguments the arrays are cam angles.
+    """`quantity` with a cache of its values, read-only, at the latest cam angles, `most` in total.
+
+    Those of its arguments that are arrays are cam angles.
     """
     answers: Answers[NDArray[Number]] = Answers(most)
 
@@ -112,10 +119,11 @@ def kept_with_owner(
 
 
 class kept_with_each(Generic[Owner, Result]):
-    """A function of one owner that is computed for many at once; the results are kept with each.
+    """A function of one owner that can be computed for many owners at once; each result is kept
+    with its owner.
 
-    The result of an owner must not depend, not even in its last bit, on those that are computed
-    together with it.
+    The result for an owner must not depend, not even in its last bit, on the other owners that are
+    computed together with it.
     """
 
     def __init__(self, make: Callable[[Sequence[Owner]], Sequence[Result]]) -> None:

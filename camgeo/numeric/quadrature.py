@@ -15,7 +15,7 @@ NODES: Final = 16
 """Nodes of the Gauss-Legendre rule on a piece; the rule on both halves gives its error."""
 
 SPARE: Final = 3
-"""More nodes, for functions that grow towards the ellipse on which they are bounded."""
+"""Additional nodes, for functions that grow towards the ellipse on which they are bounded."""
 
 MOST_HALVINGS: Final = 40
 """A piece is halved at most this often: to 1e-12 of its length."""
@@ -65,9 +65,12 @@ def piecewise_integral(
         halves, magnitudes = _gauss(function, lows, highs)
         count = len(low)
         finer = halves[:count] + halves[count:]
+        # The halved piece is far more exact than the whole, so their difference is the error of the
+        # whole, and an ample bound for that of the halves, which are used.
         change = np.abs(finer - parts)
         sizes = magnitudes[:count] + magnitudes[count:]
         scale = settled + float(np.sum(sizes))
+        # Each piece may contribute a share of the tolerance in proportion to its width.
         converged = change <= tolerance * scale * (high - low) / width
         if count > most:
             converged[:] = True
@@ -76,23 +79,25 @@ def piecewise_integral(
         error += float(np.sum(change[converged]))
         remaining = np.concatenate((~converged, ~converged))
         low, high, parts = lows[remaining], highs[remaining], halves[remaining]
+        # Halves of piece k are at k and at k + count; both belong to the interval of k.
         owner = np.concatenate((owner, owner))[remaining]
         magnitude = magnitudes[remaining]
         if not len(low):
             break
     else:
+        # No halving is left: the rest counts with its whole magnitude as error.
         np.add.at(integrals, owner, parts)
         error += float(np.sum(magnitude))
     return Integral(float(np.sum(integrals)), error + SHARE * scale, scale, integrals)
 
 
 def nodes_for_singularity(place: float) -> int:
-    """Nodes of Gauss-Legendre's rule that integrate to rounding over [-1, 1] what is analytic but
-    at `place` < -1 and beyond.
+    """Number of nodes with which Gauss-Legendre's rule over [-1, 1] is exact to rounding, for a
+    function whose only singularities are at `place` < -1 and beyond.
 
-    Of n nodes the error is about rho^(-2 n), of the largest ellipse about -1 and 1 within which the
-    function is analytic, rho the sum of its half axes (Trefethen, Approximation Theory and
-    Approximation Practice, theorem 19.3).
+    With n nodes the error is about rho^(-2 n), rho being the sum of the half axes of the largest
+    ellipse with foci -1 and 1 within which the function is analytic (Trefethen, Approximation
+    Theory and Approximation Practice, theorem 19.3).
     """
     rho = -place + math.sqrt((place - 1.0) * (place + 1.0))
     return SPARE + math.ceil(-0.5 * math.log(SHARE) / math.log(rho))

@@ -346,12 +346,15 @@ def test_between_rows_there_are_straight_lines() -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("1;2\n360;3\n", r"load\.csv, line 1: '1\.0': the first angle; allowed: 0"),
-        ("0;2\n350;3\n", r"line 2: '350\.0': the last angle; allowed: 360"),
-        ("0;2\n90;1\n90;3\n360;3\n", r"line 3: '90\.0': the angle before is 90\.0"),
+        ("1;2\n360;3\n", r"load\.csv, line 1: '1\.0': the first angle is not 0; allowed: 0"),
+        ("0;2\n350;3\n", r"line 2: '350\.0': the last angle is not a full turn; allowed: 360"),
+        (
+            "0;2\n90;1\n90;3\n360;3\n",
+            r"line 3: '90\.0': the angle does not exceed the one before, 90\.0",
+        ),
         ("0;2\n90;x\n360;3\n", r"line 2: 'x': not a number"),
-        ("phi [rad];F\n0;2\n360;3\n", "the unit of the angle; allowed: deg"),
-        ("phi;F [kg]\n0;2\n360;3\n", "the unit of the load; allowed: N or Nm"),
+        ("phi [rad];F\n0;2\n360;3\n", "the unit of the angle is unknown; allowed: deg"),
+        ("phi;F [kg]\n0;2\n360;3\n", "the unit of the load is unknown; allowed: N or Nm"),
     ],
 )
 def test_a_wrong_row_is_reported_with_its_line(text: str, message: str) -> None:

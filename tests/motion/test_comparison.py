@@ -316,14 +316,14 @@ def test_lambda_and_c_from_both_turns(curved: float, lam: float) -> None:
 @pytest.mark.parametrize(
     ("given_", "key", "words"),
     [
-        ({"a0": -1.0, "a1": 1.0}, "acceleration", "a0 must be positive, a1 negative"),
-        ({"a0": 6.0, "a1": 6.0}, "acceleration", "a0 must be positive, a1 negative"),
+        ({"a0": -1.0, "a1": 1.0}, "acceleration", "a0 must be positive and a1 negative"),
+        ({"a0": 6.0, "a1": 6.0}, "acceleration", "a0 must be positive and a1 negative"),
         ({"a0": 4.0, "a1": -4.0}, "acceleration", r"must be at least pi\^2/4 = 2.4674"),
         ({"a0": 4.0, "inflection": 0.5}, "acceleration", r"must be at least pi\^2/4 = 2.4674"),
         ({"a1": -4.0, "inflection": 0.5}, "acceleration", r"must be at least pi\^2/4 = 2.4674"),
-        ({"a0": 9.0, "a1": -9.0, "inflection": 0.5}, "inflection", "decide inflection too"),
-        ({"a0": 9.0, "a1": -9.0, "curved": 0.5}, "curved", "decide curved too"),
-        ({"a0": 9.0, "inflection": 0.5, "curved": 0.5}, "curved", "decide curved too"),
+        ({"a0": 9.0, "a1": -9.0, "inflection": 0.5}, "inflection", "already determine inflection"),
+        ({"a0": 9.0, "a1": -9.0, "curved": 0.5}, "curved", "already determine curved"),
+        ({"a0": 9.0, "inflection": 0.5, "curved": 0.5}, "curved", "already determine curved"),
     ],
 )
 def test_what_a_sine_straight_refuses(given_: dict[str, float], key: str, words: str) -> None:
@@ -345,7 +345,7 @@ def test_two_wishes_for_one_parameter_are_refused(name: str, task: str) -> None:
     if name == "sine-straight":
         return  # it has two parameters
     key = "a0" if task[0] == "U" else "a1"
-    with pytest.raises(GeometryError, match="give one of them") as caught:
+    with pytest.raises(GeometryError, match="state only one of them") as caught:
         make_law(name, task, **{key: 9.0, "inflection": 0.5})
     assert caught.value.key == "inflection"
 

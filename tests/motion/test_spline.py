@@ -543,8 +543,8 @@ SEAM = np.array([0.0, 1.0, 2.0, 0.0])
 @pytest.mark.parametrize(
     ("x", "y", "message"),
     [
-        ([0.0], [1.0], "1 point is too few; at least 2"),
-        ([0.0, 1.0], [1.0, 2.0], "too few; 3 are allowed"),
+        ([0.0], [1.0], "1 point is too few; allowed: at least 2"),
+        ([0.0, 1.0], [1.0, 2.0], "too few; allowed: at least 3"),
         ([0.0, 1.0, 1.0], [1.0, 2.0, 3.0], r"points 2 and 3 are equal \(1.0, 1.0\)"),
         ([0.0, 2.0, 1.0], [1.0, 2.0, 3.0], "points 2 and 3 are descending"),
         ([0.0, 1.0, np.inf], [1.0, 2.0, 3.0], "finite numbers, .* number 3 of them is not"),
@@ -563,7 +563,7 @@ def test_poor_points_are_refused(x: list[float], y: list[float], message: str) -
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: Spline.closed(GOOD, SEAM + 5.0 * (GOOD == 3.0), 3.0), "lies 5 off .*: up to 0"),
+        (lambda: Spline.closed(GOOD, SEAM + 5.0 * (GOOD == 3.0), 3.0), "lies 5 away .*: up to 0"),
         (lambda: Spline.closed(GOOD, SEAM, 2.9), "span 3.0; allowed: up to the period 2.9"),
         (lambda: Spline.closed(GOOD, SEAM, 0.0), "must be a number above 0"),
         (lambda: Spline.closed(GOOD, SEAM, np.nan), "must be a number above 0"),
@@ -591,7 +591,7 @@ def test_what_makes_no_spline_is_refused(call: Callable[[], object], message: st
 def test_a_gap_at_the_seam_is_allowed_up_to_the_stated_limit() -> None:
     y = np.array([0.0, 1.0, 2.0, 0.01])
     assert Spline.closed(GOOD, y, 3.0, gap=0.01).values(np.array([3.0]), 0)[0, 0] == 0.0
-    with pytest.raises(GeometryError, match=r"0\.01 off"):
+    with pytest.raises(GeometryError, match=r"0\.01 away"):
         Spline.closed(GOOD, y, 3.0, gap=0.0099)
 
 

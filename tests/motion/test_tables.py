@@ -65,11 +65,11 @@ def test_all_ways_of_writing_read_the_same(text: str) -> None:
 @pytest.mark.parametrize(
     ("text", "line", "message"),
     [
-        ("", 1, "no rows; allowed: 2 or more"),
+        ("", 1, "there are no rows; allowed: 2 or more"),
         ("# nothing\n", 2, "no rows"),
         ("0,0\n", 1, "1 row of numbers; allowed: 2"),
         ("phi,s\n", 2, "0 rows of numbers"),
-        ("0\n360\n", 1, "allowed separators are ; and tab and comma and blanks"),
+        ("0\n360\n", 1, "allowed separators: semicolon, tab, comma, blanks"),
         ("0,0,1\n360,0,1\n", 1, "3 columns; without a heading 2 are allowed"),
         ("0,5,1,5\n360,0,1,0\n", 1, "4 columns; without a heading 2"),
         ("0,0\n1\n360,0\n", 2, "1 column; allowed: 2"),
@@ -81,16 +81,32 @@ def test_all_ways_of_writing_read_the_same(text: str) -> None:
         ("0,0\n1,\n360,0\n", 2, "not a number"),
         ("0,0\n1,1_0\n360,0\n", 2, "'1_0': not a number"),
         ("0;0\n1;1.234,5\n360;0\n", 2, "'1.234,5': not a number"),
-        ("0;0\n1;1,5\n360;0.5\n", 3, "'0.5': the decimals above have ','; allowed: one kind"),
-        ("1,0\n360,0\n", 1, "'1.0': the first angle; allowed: 0"),
-        ("0,0\n\n5,1\n5,2\n360,0\n", 4, "'5.0': the angle before is 5.0; allowed: only asc"),
-        ("0,0\n5,1\n4,2\n360,0\n", 3, "'4.0': the angle before is 5.0"),
-        ("0,0\n5,1\n361,2\n", 3, "'361.0': beyond the span; allowed: up to 360 degrees"),
-        ("0,0\n5,1\n359,2\n", 3, "'359.0': the last angle; allowed: the end of the span, 360"),
+        (
+            "0;0\n1;1,5\n360;0.5\n",
+            3,
+            "'0.5': the numbers above have the decimal mark ','; allowed: one mark",
+        ),
+        ("1,0\n360,0\n", 1, "'1.0': the first angle is not 0; allowed: 0"),
+        ("0,0\n\n5,1\n5,2\n360,0\n", 4, "'5.0': the angle does not exceed the one before, 5.0"),
+        ("0,0\n5,1\n4,2\n360,0\n", 3, "'4.0': the angle does not exceed the one before, 5.0"),
+        (
+            "0,0\n5,1\n361,2\n",
+            3,
+            "'361.0': the angle is beyond the span; allowed: up to 360 degrees",
+        ),
+        (
+            "0,0\n5,1\n359,2\n",
+            3,
+            "'359.0': the last angle is not the end of the span; allowed: 360",
+        ),
         ("phi,lift,s\n0,0,0\n360,0,0\n", 1, "2 columns of lift; allowed: one, called s or lift"),
         ("phi,v\n0,0\n360,0\n", 1, "'phi, v': 0 columns of lift"),
         ("a,s\n0,0\n360,0\n", 1, "0 columns of angle; allowed: one, called phi or angle or"),
-        ("phi [rad],s\n0,0\n360,0\n", 1, r"'phi [rad]': the unit of the angle; allowed: deg"),
+        (
+            "phi [rad],s\n0,0\n360,0\n",
+            1,
+            r"'phi [rad]': the unit of the angle is unknown; allowed: deg",
+        ),
     ],
 )
 def test_faults_are_reported_with_file_and_line(text: str, line: int, message: str) -> None:
@@ -129,7 +145,7 @@ def test_a_periodic_table_may_miss_its_closing_row() -> None:
     rows = "".join(f"{k},{math.sin(math.radians(k))!r}\n" for k in range(0, 360, 5))
     table = TwoColumns.of_lifts(rows, "lift.csv", periodic=True)
     assert table.first[-1] == 355.0
-    with pytest.raises(GeometryError, match="the end of the span, 360"):
+    with pytest.raises(GeometryError, match="the end of the span; allowed: 360"):
         TwoColumns.of_lifts(rows, "lift.csv")
     closing = TwoColumns.of_lifts(rows + "360,0\n", "lift.csv", periodic=True)
     spline, closed = (
@@ -169,11 +185,17 @@ def test_the_disc_is_where_the_rows_say() -> None:
 @pytest.mark.parametrize(
     ("rows", "message"),
     [
-        ([(0.1, 0.0), *ROWS[1:]], "line 1: '0.1': the first time; allowed: 0"),
-        ([(0.0, 1.0), *ROWS[1:]], "line 1: '1.0': the first angle; allowed: 0"),
-        ([*ROWS[:2], (0.05, 95.0), *ROWS[2:]], "line 3: '0.05': the time before is 0.1"),
-        ([*ROWS[:3], (0.3, 80.0), *ROWS[3:]], "line 4: '80.0': the angle before is 90.0"),
-        (ROWS[:-1], "line 5: '300.0': the last angle; allowed: 360 degrees"),
+        ([(0.1, 0.0), *ROWS[1:]], "line 1: '0.1': the first time is not 0; allowed: 0"),
+        ([(0.0, 1.0), *ROWS[1:]], "line 1: '1.0': the first angle is not 0; allowed: 0"),
+        (
+            [*ROWS[:2], (0.05, 95.0), *ROWS[2:]],
+            "line 3: '0.05': the time does not exceed the one before, 0.1",
+        ),
+        (
+            [*ROWS[:3], (0.3, 80.0), *ROWS[3:]],
+            "line 4: '80.0': the angle does not exceed the one before, 90.0",
+        ),
+        (ROWS[:-1], "line 5: '300.0': the last angle is not a full turn; allowed: 360 degrees"),
         ([(0.0, 0.0), (0.5, 1.0), (0.6, 359.0), (1.0, 360.0)], "stand still or run backwards"),
         ([(0.0, 0.0), (1.0, 360.0)], "allowed: 4 rows or more"),
     ],
@@ -184,7 +206,7 @@ def test_faults_are_reported(rows: list[tuple[float, float]], message: str) -> N
 
 
 def test_the_unit_of_the_time_is_seconds() -> None:
-    with pytest.raises(GeometryError, match="the unit of the time; allowed: s"):
+    with pytest.raises(GeometryError, match="the unit of the time is unknown; allowed: s"):
         SpeedCurve.read(text(ROWS, "t [ms],phi [deg]\n"), "speed.csv")
 
 

@@ -386,10 +386,16 @@ def test_columns_that_may_be_missing(text: str) -> None:
         ),
         ("x,y,nx\n1,2,3\n", "line 1.*0 columns of ny; allowed: one, called ny or j"),
         ("x,y,nx,i,ny\n1,2,3,4,5\n", "line 1.*2 columns of nx"),
-        ("x [cm],y\n1,2\n", "line 1: 'x \\[cm\\]': the unit of the x; allowed: mm or inch"),
+        (
+            "x [cm],y\n1,2\n",
+            "line 1: 'x \\[cm\\]': the unit of the x is unknown; allowed: mm or inch",
+        ),
         ("1,2\n" * 4, "line 4: 4 rows of numbers; allowed: 1 to 3"),
         ("x,y\n", "line 2: 0 rows of numbers"),
-        ("1;2\n1,5;2.5\n", "line 2: '2.5': the decimals above have ','; allowed: one kind"),
+        (
+            "1;2\n1,5;2.5\n",
+            "line 2: '2.5': the numbers above have the decimal mark ','; allowed: one mark",
+        ),
     ],
 )
 def test_other_tables_are_refused(text: str, message: str) -> None:
@@ -446,8 +452,8 @@ def table(rows: int) -> str:
 @pytest.mark.parametrize(
     ("data", "message", "value"),
     [
-        ("", "points.csv, line 1: no rows; allowed: 2 or more", ""),
-        ("\n# a\n\n", "points.csv, line 4: no rows; allowed: 2 or more", ""),
+        ("", "points.csv, line 1: there are no rows; allowed: 2 or more", ""),
+        ("\n# a\n\n", "points.csv, line 4: there are no rows; allowed: 2 or more", ""),
         ("1,2\n\n", "points.csv, line 1: 1 row of numbers; allowed: 2 to 5", ""),
         ("\n" + table(6), "points.csv, line 7: 6 rows of numbers; allowed: 2 to 5", ""),
         ("\n" + table(9), "points.csv, line 7: 9 rows of numbers; allowed: 2 to 5", ""),
@@ -471,8 +477,8 @@ def table(rows: int) -> str:
         (
             "1\n2\n",
             (
-                "points.csv, line 1: '1': one column; allowed separators are ; and tab and comma"
-                " and blanks"
+                "points.csv, line 1: '1': there is only one column; allowed separators: semicolon,"
+                " tab, comma, blanks"
             ),
             "1",
         ),
@@ -492,7 +498,7 @@ def table(rows: int) -> str:
         ),
         (
             "y,x [inches]\n",
-            "points.csv, line 1: 'x [inches]': the unit of the x; allowed: mm or inch",
+            "points.csv, line 1: 'x [inches]': the unit of the x is unknown; allowed: mm or inch",
             "x [inches]",
         ),
     ],
@@ -555,7 +561,9 @@ def test_files_that_are_too_long_are_not_read() -> None:
 def test_numbers_may_lack_a_digit_on_one_side_of_their_mark() -> None:
     for text in ("+1.;.5e1\n-1,;2\n", "+1.\t.5e1\n-1.\t2\n"):
         if "," in text:
-            with pytest.raises(GeometryError, match=r"the decimals above have '\.'"):
+            with pytest.raises(
+                GeometryError, match=r"the numbers above have the decimal mark '\.'"
+            ):
                 read_columns(text, "points.csv", ASKED)
         else:
             found = read_columns(text, "points.csv", ASKED)

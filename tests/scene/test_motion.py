@@ -194,7 +194,11 @@ def test_a_table_over_a_part_of_the_turn(tmp_path: Path) -> None:
     ("rows", "extra", "message"),
     [
         (ROWS.replace("[mm]", "[inch]"), "", "gives the lift in inch; the scene takes it in mm"),
-        (ROWS.replace("\n20,", "\n12,"), "", "lift.csv, line 6: '12.0': the angle before is 15.0"),
+        (
+            ROWS.replace("\n20,", "\n12,"),
+            "",
+            "lift.csv, line 6: '12.0': the angle does not exceed the one before, 15.0",
+        ),
         (ROWS, "smoothing = 0", "motion[1].smoothing = 0: must be a positive number"),
         (ROWS, "to = 3", "motion[1].to = 3: belongs to a move; this is a move by a lift table"),
         (ROWS + "360,1\n", "", "motion[1].file"),
@@ -287,7 +291,11 @@ def test_a_speed_curve(tmp_path: Path) -> None:
     ("rows", "keys", "message"),
     [
         (SPEED, "speed = 60\n", "contradicts speed; give one of them"),
-        (SPEED.replace("260", "160"), "", "line 6: '160.0': the angle before is 180"),
+        (
+            SPEED.replace("260", "160"),
+            "",
+            "line 6: '160.0': the angle does not exceed the one before, 180",
+        ),
         ("0,0\n0.1,180\n0.5,360\n", "", "speed.csv: 3 rows; allowed: 4 rows or more"),
         ("0,0\n0.2,100\n0.21,300\n0.8,310\n1,360\n", "",
          ".csv: the cam would stand still or run backwards between the rows: -2513.67 rev/min"),

@@ -37,8 +37,8 @@ def pulse_family(
 ) -> Family:
     """A family of two fixed pulses for each task, with the place of the inflection point.
 
-    It takes `inflection`, v0 and v1 where the task has constant velocity at that end, and, instead
-    of the inflection, a0 or a1 where the task turns there: the desired acceleration.
+    Its parameters are `inflection`; v0 and v1 for ends with constant velocity; and a0 or a1, the
+    desired acceleration at an end with a reversal, which then determines the inflection.
     """
 
     def parts(task: str, parameters: LawParameters) -> Parts:
@@ -69,8 +69,8 @@ PULSE_FAMILIES: Final[tuple[Family, ...]] = (
     # Quadratic parabola (Quadratische Parabel), VDI 2143-1 eqs. (24) to (29): constant
     # acceleration, the smallest of all laws from rest to rest, with three jerks.
     pulse_family("quadratic-parabola", {"R-R": (CONSTANT, CONSTANT)}),
-    # Simple sine (Einfache Sinuslinie), VDI 2143-1 eqs. (30) to (32) and section 6.3.2. From turn
-    # to turn it is free of jerks; from rest to rest f'' jumps at both ends.
+    # Simple sine (Einfache Sinuslinie), VDI 2143-1 eqs. (30) to (32) and section 6.3.2. From
+    # reversal to reversal it is free of jerks; from rest to rest f'' jumps at both ends.
     pulse_family("simple-sine", dict.fromkeys(("R-R", "U-U"), (COSINE, COSINE))),
     # 3-4-5 polynomial (Polynom 5. Grades), VDI 2143-1 eqs. (33) to (35).
     pulse_family("polynomial-345", {"R-R": (PARABOLA, PARABOLA)}),
@@ -81,8 +81,8 @@ PULSE_FAMILIES: Final[tuple[Family, ...]] = (
     # Inclined sine, cycloidal (Geneigte Sinuslinie, Helling-Bestehorn), VDI 2143-1 (36) to (38).
     pulse_family("inclined-sine", {"R-R": (WHOLE_SINE, WHOLE_SINE)}, aliases=("cycloidal",)),
     # Modified acceleration trapezoid (Modifiziertes Beschleunigungstrapez). From rest to rest VDI
-    # 2143-1 eqs. (39) to (56), from rest to turn (151) to (180), from turn to rest its mirror image
-    # (203) to (205).
+    # 2143-1 eqs. (39) to (56), from rest to reversal (151) to (180), from reversal to rest its
+    # mirror image (203) to (205).
     pulse_family(
         "modified-trapezoid",
         {
@@ -97,9 +97,9 @@ PULSE_FAMILIES: Final[tuple[Family, ...]] = (
     pulse_family(
         "modified-sine", dict.fromkeys(("R-R", "G-G", "R-G", "G-R"), (MODIFIED, MODIFIED))
     ),
-    # Harmonic combination (Harmonische Kombination): sines before, a quarter of a cosine to the
-    # turn. From rest to turn VDI 2143-1 eqs. (181) to (202), from constant velocity to turn (206)
-    # to (224); the mirror images for the way back (sections 6.6.3 and 6.8.2).
+    # Harmonic combination (Harmonische Kombination): sines first, then a quarter of a cosine to the
+    # reversal. From rest to reversal VDI 2143-1 eqs. (181) to (202), from constant velocity to
+    # reversal (206) to (224); the mirror images for the way back (sections 6.6.3 and 6.8.2).
     pulse_family(
         "harmonic-combination",
         {
@@ -154,8 +154,8 @@ BALANCES: Final = ("acceleration", "jerk", "moment")
 `camgeo.kinematics.planning.build`."""
 
 LARGEST: Final = 1e50
-"""Largest magnitude of a parameter: the velocity of the steepest scene, as a part of the smallest
-stroke, has 1e42. Values of a law with larger ones overflow."""
+"""Largest magnitude of a parameter. The velocity of the steepest scene, as a multiple of the
+smallest stroke, is 1e42; with parameters above this limit the values of a law overflow."""
 
 
 def find_family(name: str) -> Family:
@@ -174,7 +174,7 @@ def find_family(name: str) -> Family:
 
 
 def build_law(name: str, task: str, parameters: Mapping[str, float]) -> Law:
-    """The law of that name for a motion task, with the parameters `parameters`, see `make_law`."""
+    """The law of that name for a motion task; parameters and errors are those of `make_law`."""
     family = find_family(name)
     if not checked.among(task, family.parameters):
         tasks = ", ".join(family.tasks)
@@ -194,7 +194,9 @@ def build_law(name: str, task: str, parameters: Mapping[str, float]) -> Law:
 
 @lru_cache(maxsize=256)
 def _cached_law(name: str, task: str, values: tuple[tuple[str, float], ...]) -> Law:
-    """The law itself: the moves of a plan and of its variants share a few laws."""
+    """The law with these checked values, cached: the moves of a plan and of its variants share a
+    few laws.
+    """
     parameters = dict(values)
     return replace(
         FAMILIES[name].make(task, parameters), recipe=(build_law, (name, task, parameters))
@@ -215,7 +217,7 @@ def make_law(name: str, task: str = "R-R", /, **parameters: float) -> Law:
     Raises
     ------
     GeometryError
-        If there is no such law, it is not made for the task, does not take a parameter, or a value
-        is not possible; the message states which exist, and which values would do.
+        If there is no such law, if it is not made for the task or does not take a parameter, or if
+        a value is not possible; the message states what exists and which values are possible.
     """
     return build_law(name, task, parameters)

@@ -31,7 +31,7 @@ QUANTITIES: Final = (
 """The characteristic values that are compared: C_v, C_a, C_a*, C_j, C_j*, C_Mdyn, C_Mdyn*."""
 
 ZERO: Final = {"R": ("v", "a"), "G": ("a",), "U": ("v",), "B": ()}
-"""What is zero at an end of each class: velocity, acceleration."""
+"""The values that are zero at an end of each class: "v" velocity, "a" acceleration."""
 
 MM2_PER_M2: Final = 1e6
 
@@ -42,14 +42,14 @@ class Entry:
 
     Attributes
     ----------
-    name, task : what was asked for.
+    name, task : the family and the motion task that were compared.
     law, values : the law and its characteristic values; None if `reason` says why there is none.
     shocks, jerks : ascending z at which f' (f'') jumps: at an end of the task R or U (R or G) where
         the law does not start or end with zero, and inside for f''.
     unbounded : those of `QUANTITIES` that are infinite because of a shock or jerk.
-    ignored : parameters given that the family does not take for the task.
-    assumed : boundary values that the family takes, but that were not given and are therefore 0.
-    reason : empty, or why the law cannot be made.
+    ignored : stated parameters that the family does not take for the task.
+    assumed : boundary values that the family takes, but that were not stated and are therefore 0.
+    reason : why the law cannot be made; empty if it can.
     """
 
     name: str
@@ -100,7 +100,7 @@ class Running:
     Raises
     ------
     GeometryError
-        If one of them is not such a number.
+        If one of them is not a number in its range.
     """
 
     speed: checked.Positive
@@ -158,6 +158,8 @@ def _entry(name: str, task: str, parameters: Mapping[str, float]) -> Entry:
         law = build_law(name, task, accepted_values)
         entry = law_entry(law)
     except GeometryError as error:
+        # An error about the task names the law already; that of a parameter needs its key and
+        # value.
         prefix = f"{error.key} = {error.value}: " if error.value and error.key != "task" else ""
         return Entry(name, task, reason=f"{prefix}{error.message}")
     zero = (
@@ -183,10 +185,10 @@ def law_entry(law: Law) -> Entry:
 
 
 def _is_zero(name: str, law: Law, accepted: Mapping[str, float], key: str) -> bool:
-    """Whether the law has 0 for the boundary value `key` because it was not given.
+    """Whether the law has 0 for the boundary value `key` because it was not stated.
 
-    An acceleration that follows from the inflection point is not zero, and the free polynomial
-    leaves values that are not given open.
+    An acceleration that follows from the inflection point is not 0, and the polynomial of free
+    degree leaves values that are not stated open.
     """
     if key in accepted or name == "polynomial":
         return False
@@ -207,10 +209,12 @@ def _end_jumps(law: Law, order: str) -> tuple[float, ...]:
 def _unbounded(law: Law, shocks: tuple[float, ...], jerks: tuple[float, ...]) -> frozenset[str]:
     """The quantities that have no bound.
 
-    With a shock all but the velocity, with a jerk the jerk of the part next to the jump; a law
-    without parts has the extremes of the whole move.
+    A shock makes all but the velocity infinite, a jump of f'' the jerk, each in the part of the law
+    where it lies. In a law without parts they concern both, as its values are those of the whole
+    move.
     """
     quantities: set[str] = set()
+    # After the velocity, values of the accelerating and of the decelerating part alternate.
     by_shock = (QUANTITIES[1::2], QUANTITIES[2::2])
     by_jerk = (("jerk",), ("braking_jerk",))
     for places, (first, second) in ((shocks, by_shock), (jerks, by_jerk)):

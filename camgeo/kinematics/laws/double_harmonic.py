@@ -1,7 +1,7 @@
-"""Double harmonic: f = (1 - cos pi z)/2 - (1 - cos 2 pi z)/8, from rest to turn and back.
+"""Double harmonic: f = (1 - cos pi z)/2 - (1 - cos 2 pi z)/8, from rest to reversal and back.
 
-A gentle start into a turn, f''(1) = -pi^2, for moves that need no rest at the top (H. A. Rothbart,
-Cams, 1956). With s = sin(pi z/2), f = s^4, which keeps its digits at both ends.
+A gentle way into a reversal, f''(1) = -pi^2, for moves that need no rest at the top (H. A.
+Rothbart, Cams, 1956). With s = sin(pi z/2), f = s^4, which keeps its digits at both ends.
 """
 
 from __future__ import annotations
@@ -21,7 +21,8 @@ JERK = 4.0 * math.pi**3
 
 
 def _turns() -> tuple[float, ...]:
-    """Where f'', f''', (f' f'')' and f'''' vanish, by s^2: the last two are quadratics in it.
+    """The z at which f'', f''', (f' f'')' and f'''' vanish: the roots of equations in s^2, of which
+    the last two are quadratic.
 
     f' f'' is s^5 c (3 - 4 s^2), f''' is s c (3 - 8 s^2).
     """
@@ -32,7 +33,9 @@ def _turns() -> tuple[float, ...]:
 
 
 def _regions(*, back: bool) -> tuple[Region, ...]:
-    """From rest to turn, or `back`, the mirror image F(z) = 1 - f(1 - z) with F'' = -f''(1 - z)."""
+    """The regions from rest to reversal; with `back` those of the mirror image from reversal to
+    rest, F(z) = 1 - f(1 - z), F'' = -f''(1 - z).
+    """
 
     def way(z: FloatArray, w: FloatArray, *, from_turn: bool) -> FloatArray:
         return 0.5 * math.pi * (z if from_turn == back else w)
@@ -42,6 +45,8 @@ def _regions(*, back: bool) -> tuple[Region, ...]:
 
     def left(z: FloatArray, w: FloatArray) -> FloatArray:
         angle = way(z, w, from_turn=True)
+        # The angle is counted from the reversal, a quarter of a period away from where s is 0: sine
+        # and cosine change places.
         cosine, sine = np.sin(angle), np.cos(angle)
         return np.asarray(cosine * cosine * (1.0 + sine * sine))
 

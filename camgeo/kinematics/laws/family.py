@@ -1,4 +1,4 @@
-"""What a family of motion laws is: one shape, for one or more motion tasks, with parameters."""
+"""Families of motion laws: a family is one shape with parameters, for one or more motion tasks."""
 
 from __future__ import annotations
 
@@ -29,7 +29,8 @@ class Option:
     text : its description, without the families that have it.
     schema : node of the JSON Schema that its values meet.
     default : its value where nothing else decides it.
-    always : whether it has that value whenever it is omitted; else other values may decide it.
+    always : whether it has the default whenever it is omitted; otherwise other parameters may
+        determine it.
     """
 
     name: str
@@ -62,10 +63,11 @@ class Family:
     Attributes
     ----------
     name : as written in a scene.
-    parameters : for each task that it is made for, the names of the parameters it takes.
-    make : task, parameters given -> law. All names are ones that it takes and all values are
-        numbers; it checks whether they are possible.
-    parts : task, parameters given -> the two pulses and their end velocities; None for other laws.
+    parameters : by the tasks that the family is made for, the names of the parameters it takes.
+    make : task, parameters -> law. The caller passes only names that the family takes, and numbers;
+        `make` checks whether these are possible.
+    parts : task, parameters -> the two pulses and their end velocities; None if the laws of the
+        family do not consist of two pulses.
     options : its parameters that are neither the inflection point nor boundary values.
     aliases : its other names.
     """
@@ -84,7 +86,11 @@ class Family:
 
 
 def boundary_parameters(task: str, orders: str = "va") -> tuple[str, ...]:
-    """Names of the boundary values that an end of this class leaves open: "v0", "a0", ..."""
+    """Names of the boundary values that the classes of both ends of `task` leave open.
+
+    These are "v0", "a0", "v1", "a1" where velocity or acceleration need not be 0. A jerk is
+    always free, so `orders` with "j" give "j0" and "j1" too.
+    """
     names = []
     for end, number in ((task[0], "0"), (task[-1], "1")):
         free = {"R": "", "G": "v", "U": "a", "B": "va"}[end]
@@ -93,14 +99,14 @@ def boundary_parameters(task: str, orders: str = "va") -> tuple[str, ...]:
 
 
 def pulse_law(name: str, task: str, parts: Parts, parameters: LawParameters, **also: float) -> Law:
-    """The law of two pulses with the inflection that `parameters` states or that follows from it.
+    """The law of two pulses whose inflection point `parameters` state, or determine by a0 or a1.
 
-    `also` are the parameters that shaped the pulses, which the law lists with its own.
+    `also` are the parameters that shaped the pulses; the law lists them with its own.
     """
     wanted = [key for key in ("inflection", "a0", "a1") if key in parameters]
     if len(wanted) > 1:
         raise GeometryError(
-            f"{' and '.join(wanted)} each decide where the inflection point lies; give one of them",
+            f"{' and '.join(wanted)} each determine the inflection point; state only one of them",
             key=wanted[0],
             value=repr(parameters[wanted[0]]),
         )
@@ -118,11 +124,15 @@ def pulse_law(name: str, task: str, parts: Parts, parameters: LawParameters, **a
 
 
 def inflection_point(task: str, stated: float) -> Decimal:
-    """z of the inflection point, with 50 digits, from lambda as VDI 2143-1 counts it for `task`."""
+    """z of the inflection point, with 50 digits.
+
+    `stated` is lambda, which VDI 2143-1 counts from the start of the move, but from its end for the
+    tasks of `COUNTED_FROM_END`.
+    """
     if not SMALLEST <= stated < 1.0:
         raise GeometryError(
-            f"the inflection point must lie strictly between 0 and 1 (from {SMALLEST:g}): the"
-            " acceleration would be infinite",
+            f"the inflection point must lie strictly between 0 and 1 (from {SMALLEST:g}); at its"
+            " limits the acceleration would be infinite",
             key="inflection",
             value=repr(stated),
         )
@@ -131,7 +141,9 @@ def inflection_point(task: str, stated: float) -> Decimal:
 
 
 def share(parameters: LawParameters, option: Option) -> Decimal:
-    """A parameter that is a fraction of 1, and above 0 if its schema requires that."""
+    """The value of `option`, a fraction of 1, above 0 if its schema requires that; its default if
+    `parameters` do not state it.
+    """
     value = parameters.get(option.name, option.default)
     positive = option.schema["minimum"] > 0
     if not (SMALLEST <= value <= 1.0 or (value == 0.0 and not positive)):

@@ -21,7 +21,7 @@ from camgeo.numeric.extremes import Extreme
 from camgeo.record import Displayed
 
 Values = FloatArray
-"""(4, n)."""
+"""(4, n) near value (f or g = 1 - f), f', f'', f''' at n values of z."""
 Formula = Callable[[FloatArray, FloatArray, Any], Values]
 """z (n,), w = 1 - z (n,), k numbers, each one or (n,) -> (4, n) near value, f', f'', f'''."""
 Complement = Callable[[FloatArray, FloatArray], FloatArray]
@@ -40,10 +40,11 @@ class Region:
         that a plan evaluates all of them at once. The near value is f, or, if `from_end`,
         g = 1 - f; derivatives are with respect to z in both cases.
     numbers : (k,) the other arguments of the formula, after z and w.
-    far : z, w -> the other one of f and g.
+    far : z, w -> (n,) the far value, that of f and g which is not the near value.
     jerk_bound : at least |f'''| everywhere in the region.
-    from_end : which of the two the near value is.
-    harmonic : rate k where f''' = -k^2 f': f swings about a fixed middle; 0 elsewhere.
+    from_end : whether the near value is g, counted from the end of the law, else f.
+    harmonic : rate k of a region in which f''' = -k^2 f', so that f swings about a fixed
+        middle; 0 for other regions.
     turns : gives all z inside the region at which one of f, f', f'', f''' and f' f'' may have an
         extremum; other values may be among them, inside or outside the region.
     """
@@ -95,7 +96,7 @@ class Law(Displayed):
     inflection : z at which the accelerating part ends and the decelerating one begins; None for
         laws without parts.
     parameters : the parameters it was made with, by the names that `make_law` takes.
-    recipe : the function of a module that makes it, and its arguments; every law of a family has
+    recipe : a module's function that makes the law, and its arguments; every law of a family has
         one, see `camgeo.kinematics.laws.build_law`.
     """
 
@@ -126,6 +127,8 @@ class Law(Displayed):
         z = np.asarray(z, dtype=np.float64)
         values: Values = np.empty((4, *z.shape))
         starts = np.array([region.start for region in self.regions])
+        # side="right" gives a border to the region on its right; the clip puts rounding outside [0,
+        # 1] into the first and the last region.
         index = np.clip(np.searchsorted(starts, z, side="right") - 1, 0, len(starts) - 1)
         for number, region in enumerate(self.regions):
             here = index == number
@@ -143,7 +146,7 @@ ROUNDING = 1e-13
 """A jump below this fraction of the largest value is rounding."""
 
 BORDER = 4.0 * 2.0**-52
-"""Rounding of the place of a border, as a fraction of the move."""
+"""Rounding of the place of a border, as a fraction of the span of the move."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -153,16 +156,16 @@ class Characteristic:
     For a law with an accelerating part before the inflection point and a decelerating one after it,
     the starred values are those of the second part; for a law without parts (a polynomial, the
     double harmonic) the values without star are the largest over the whole move, the starred ones
-    the smallest. (For U-R and U-G the guideline calls it the other way round: there the part with
-    the star is the one at the turn, the first.)
+    the smallest. (For U-R and U-G the guideline exchanges the names: there the star marks the part
+    at the reversal, which is the first.)
 
     Attributes
     ----------
     velocity : C_v, largest f'. Also C_Mstat.
     least_velocity : smallest f'; negative where the law runs back.
     acceleration, deceleration : C_a, C_a*: the extreme of f'' in each part.
-    jerk, braking_jerk : C_j, C_j*: the extreme of f''' in each part, of equal ones the one nearer
-        to the border of the move.
+    jerk, braking_jerk : C_j, C_j*: the extreme of f''' in each part; of equal ones the one that is
+        nearer to the border of the move.
     moment, braking_moment : C_Mdyn, C_Mdyn*: the extreme of f' f'' in each part.
     largest_acceleration, least_acceleration, largest_jerk, least_jerk, largest_moment,
     least_moment : largest and smallest f'', f''', f' f'' over the whole move.
@@ -208,10 +211,13 @@ def _characteristic(regions: tuple[Region, ...], *, has_parts: bool) -> Characte
         first = second = everywhere
         pick: tuple[_Pick, _Pick, _Pick] = (_largest, _smallest, _smallest)
     else:
+        # A region counted from the end belongs to the decelerating part, as each part is counted
+        # from its own border.
         second = np.concatenate(
             [np.full(len(v[0]), region.from_end) for v, region in zip(values, regions, strict=True)]
         )
         first = ~second
+        # Of equal jerks of the second part the last one lies at its border, see `Characteristic`.
         pick = (_extreme, _extreme, _outermost)
     return Characteristic(
         velocity=_largest(z, f1, everywhere),
@@ -234,7 +240,7 @@ def _characteristic(regions: tuple[Region, ...], *, has_parts: bool) -> Characte
 
 
 def acceleration_jumps(law: Law) -> tuple[float, ...]:
-    """The z inside the law at which f'' jumps: jerks in the sense of the guideline."""
+    """The z inside the law at which f'' jumps, which VDI 2143-1 calls jerks."""
     return _acceleration_jumps(law.regions)
 
 
@@ -246,7 +252,7 @@ def _acceleration_jumps(regions: tuple[Region, ...]) -> tuple[float, ...]:
     scale = float(np.max(np.abs(ends)))
     jumps = []
     for (first, left), (second, right) in itertools.pairwise(zip(regions, ends, strict=True)):
-        # The rounding of a border times the jerk is an acceleration.
+        # The border is rounded, so both accelerations may be off by that rounding times the jerk.
         moved = BORDER * max(first.jerk_bound, second.jerk_bound)
         if abs(float(right[0] - left[1])) > ROUNDING * scale + moved:
             jumps.append(second.start)
@@ -290,6 +296,7 @@ def _values_of_largest_magnitude(values: FloatArray, among: BoolArray) -> list[f
 
 
 def _first(z: FloatArray, values: FloatArray, among: BoolArray, value: float) -> Extreme:
-    """The first place at which `value` is taken, to rounding."""
+    """The first place at which the quantity has `value`, except for rounding."""
     near = np.abs(values - value) <= ROUNDING * abs(value)
+    # argmax of booleans is the index of the first True.
     return Extreme(value, float(z[np.argmax(near & among)]))

@@ -79,7 +79,7 @@ def law_of_boundary_values(
     Raises
     ------
     GeometryError
-        If the given values do not determine a polynomial, as f''' alone.
+        If the values do not determine a polynomial, such as f''' without f' and f''.
     """
     start, end = (
         {ORDERS[key[0]]: value for key, value in values.items() if key[1] == side} for side in "01"
@@ -89,6 +89,7 @@ def law_of_boundary_values(
     for _ in range(3):
         slopes.append([k * c for k, c in enumerate(slopes[-1])][1:] or [powers[0] * 0])
     rest = [-c for c in powers]
+    # rest is g = rise - f, exactly, so that its digits near the end do not cancel.
     rest[0] += Fraction(rise)
     try:
         lift, left, *derivatives = (
@@ -124,17 +125,22 @@ def _coefficients(
 ) -> list[Fraction]:
     """Coefficients in ascending powers of z, exactly.
 
-    Those of the orders given at the start are known; the others follow from the values at the end.
+    The values at the start fix the coefficients of their orders; the others follow from the values
+    at the end, one linear equation each.
     """
+    # f(0) and f(1) are prescribed too, so there is one coefficient for each condition.
     count = 2 + len(start) + len(end)
     known = {0: Fraction(0)}
     known |= {order: Fraction(value) / math.factorial(order) for order, value in start.items()}
     free = [power for power in range(count) if power not in known]
     rows = []
     for order, value in {0: rise, **end}.items():
+        # The derivative of z^p of order k is p (p - 1) ... (p - k + 1) at z = 1, which is perm(p,
+        # k).
         row = [Fraction(math.perm(power, order)) for power in free]
         fixed = sum(math.perm(power, order) * c for power, c in known.items())
         rows.append([*row, Fraction(value) - fixed])
+    # A prescribed derivative beyond the degree cannot be met.
     if any(power >= count for power in known):
         raise _undetermined()
     solved = dict(zip(free, _solved(rows), strict=True))
@@ -197,17 +203,20 @@ def scaled_horner(
 
 @dataclass(frozen=True, slots=True)
 class _Half:
-    """A half of the range, counted from its own end.
+    """The formula of a half of the range, evaluated from the end to which it belongs.
 
     Attributes
     ----------
-    size : coefficients of the near value; each derivative has one less, but at least one.
+    size : number of coefficients of the near value; each derivative has one less than the one
+        before it, but at least one.
     """
 
     size: int
 
     def __call__(self, z: FloatArray, w: FloatArray, numbers: Any) -> Values:
         from_end, *coefficients = numbers
+        # In its half the near variable is the smaller one, so that small/large <= 1 and powers do
+        # not overflow.
         small, large = np.where(from_end, w, z), np.where(from_end, z, w)
         values = []
         for order in range(4):
@@ -223,7 +232,11 @@ def _regions(
     left: tuple[float, ...],
     derivatives: list[tuple[float, ...]],
 ) -> tuple[Region, Region]:
-    """Both halves, from the coefficients of f in powers of z; and all Bernstein coefficients."""
+    """The two regions [0, 1/2] and [1/2, 1].
+
+    `powers` are the coefficients of f in powers of z; `lift`, `left` and `derivatives` the
+    Bernstein coefficients of f, of 1 - f and of f', f'', f'''.
+    """
     third = derivative(derivative(derivative(powers)))
     formula = _Half(len(powers))
 
@@ -249,6 +262,7 @@ def _regions(
             far=lambda z, w: scaled_horner(lift[::-1], w, z),
             jerk_bound=largest_magnitude(third, 0.5, 1.0),
             from_end=True,
+            # In reverse order, Bernstein coefficients belong to the same polynomial in w = 1 - z.
             numbers=(1.0, *itertools.chain.from_iterable(c[::-1] for c in (left, *derivatives))),
             turns=turns,
         ),

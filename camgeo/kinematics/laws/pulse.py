@@ -1,8 +1,8 @@
 """Pulses of acceleration: the shape of one part of a law, from a border to the inflection point.
 
 x runs from 0 at the border of the move to 1 at the inflection point, where the acceleration ends at
-zero. Two pulses make a law, see below; all laws of VDI 2143-1 except
-the straight line and the polynomials of given boundary values consist of them.
+zero. Two pulses make a law, see below; all laws of VDI 2143-1 except the straight line and the
+polynomials through boundary values consist of them.
 
 With a(x) the acceleration, v and p its first and second integral from x = 0, and q(r) its second
 integral backwards from the inflection point, r = 1 - x.
@@ -46,8 +46,10 @@ class Stretch:
     jerk : largest |a'|.
     turns : b, s -> all x inside at which b + s v or one of its integral, a, a' and (b + s v) a may
         have an extremum; other values may be among them.
-    continues : whether the function of the preceding stretch continues in it.
-    harmonic : rate k where a' = -k^2 v: the position swings about a fixed middle; 0 elsewhere.
+    continues : whether it is the same function as the preceding stretch, so that no derivative
+        jumps between them.
+    harmonic : rate k of a stretch with a' = -k^2 v, in which the position swings about a fixed
+        middle; 0 for other stretches.
     """
 
     start: Decimal
@@ -126,7 +128,8 @@ class Pulse:
         def back(r: FloatArray) -> FloatArray:
             return horner(backwards, r)
 
-        middle = Decimal("0.7")  # both forms keep digits there
+        # Below it the form in x has more digits, above it the form in r; here both keep enough.
+        middle = Decimal("0.7")
         largest = largest_magnitude(j, 0.0, 1.0)
         return cls(
             stretches=(
@@ -144,7 +147,7 @@ class Pulse:
 
 @functools.lru_cache(maxsize=256)
 def sine_pulse(sine: Decimal, constant: Decimal, cosine: Decimal) -> Pulse:
-    """The SCCA pulse: a quarter of a sine, a constant, a quarter of a cosine, and then nothing.
+    """The SCCA pulse: a quarter of a sine, a constant, a quarter of a cosine, then no acceleration.
 
     Parameters
     ----------
@@ -203,9 +206,10 @@ class _Shares:
 
     @property
     def cosine_start_backwards(self) -> tuple[Decimal, Decimal]:
-        """Velocity and position still to come where the cosine starts, without its velocity.
+        """q' and q where the cosine starts: the integrals of a backwards from the inflection point.
 
-        These are the integrals backwards, q and its derivative.
+        They are what velocity and position still gain up to there, without the gain of the position
+        by the velocity that is already reached.
         """
         length = 2 * self.cosine / PI
         return length, length**2 * (PI / 2 - 1)
@@ -220,6 +224,8 @@ class _Shares:
 def _sine_stretch(shares: _Shares) -> Stretch:
     """a = sin(pi x/(2 b)) over [0, b]."""
     b = float(shares.sine)
+    # Derivative of the angle by x, and its reciprocal: each integration by x multiplies by
+    # `length`.
     rate, length = 0.5 * math.pi / b, 2.0 * b / math.pi
     tail = float(1 - shares.sine)
     w, q = (float(value) for value in shares.constant_start_backwards)
@@ -228,6 +234,7 @@ def _sine_stretch(shares: _Shares) -> Stretch:
         angle = rate * u
         half = 0.5 * angle
         sine, cosine = np.sin(half), np.cos(half)
+        # 1 - cos of the whole angle, without cancellation.
         twice = 2.0 * sine * sine
         return np.array((
             length * length * x_minus_sin(angle),
@@ -237,7 +244,8 @@ def _sine_stretch(shares: _Shares) -> Stretch:
         ))  # fmt: skip
 
     def back(r: FloatArray) -> FloatArray:
-        # Backwards a falls like a cosine from 1.
+        # Seen backwards, a starts at 1 and falls like a cosine; w and q are the integrals up to its
+        # start.
         y = r - tail
         half = np.sin(0.5 * rate * y)
         return q + w * y + 2.0 * length * length * half * half
@@ -300,6 +308,7 @@ def _cosine_stretches(shares: _Shares) -> tuple[Stretch, Stretch]:
         half = 0.5 * rate * u
         sine, cosine = np.sin(half), np.cos(half)
         double = 2.0 * sine * cosine
+        # 1 - cos of the whole angle; `double` is its sine.
         square = 2.0 * sine * sine
         return np.array((
             position + velocity * u + length * length * square,
@@ -368,6 +377,8 @@ def _quadratic(a: float, b: float, c: float) -> tuple[float, ...]:
     square = b * b - 4.0 * a * c
     if square < 0.0:
         return ()
+    # b and the root have the same sign here, so nothing cancels; the other root follows from the
+    # product of both, c/a.
     half = -0.5 * (b + math.copysign(math.sqrt(square), b))
     return (half / a,) if half == 0.0 else (half / a, c / half)
 
@@ -428,7 +439,8 @@ def x_minus_sin(x: FloatArray) -> FloatArray:
 HALF = Decimal("0.5")
 
 STILL = 8
-"""Numbers of a part whose border is at rest; those of a velocity at the border follow them."""
+"""How many numbers the formula of a part needs whose border is at rest; a part with a velocity at
+its border needs those after them, too."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -458,6 +470,7 @@ class Parts:
             v0, v1 = Decimal(self.v0), Decimal(self.v1)
             missing = 1 - l1 * v0 - l2 * v1
             first, second = self.first, self.second
+            # The determinant of the two linear equations for A l1 and B l2, see above.
             common = l2 * first.velocity * second.position + l1 * second.velocity * first.position
             a = second.velocity * missing + l2 * second.position * (v1 - v0)
             b = first.velocity * missing - l1 * first.position * (v1 - v0)
@@ -496,17 +509,18 @@ class Parts:
             return roots[0]
 
     def reach(self) -> tuple[float, bool]:
-        """The bound of f''(1), and whether f''(1) lies above it, for a second pulse that starts at
-        its peak.
+        """The bound of f''(1) over all lambda, and whether f''(1) lies above it, for a second pulse
+        that starts at its peak.
 
-        f''(1) runs from the bound, at lambda = 0, to infinity, at 1.
+        f''(1) runs from the bound, as lambda tends to 0, to infinity, as lambda tends to 1.
         """
         v0, v1 = Decimal(self.v0), Decimal(self.v1)
+        # The sign of B near lambda = 1, where its magnitude grows beyond all bounds.
         grows = self.first.velocity * (1 - v0) - self.first.position * (v1 - v0)
         return -float((1 - v1) / self.second.position), grows <= 0
 
     def _unreachable_error(self, acceleration: float) -> GeometryError:
-        """The error for an acceleration that no lambda gives."""
+        """The error for an `acceleration` that no lambda gives; it states the possible ones."""
         bound, above = self.reach()
         side = "above" if above else "below"
         return GeometryError(
@@ -529,17 +543,20 @@ class Parts:
             d = v1 - v0
             first, second = self.first, self.second
             # l2 (a0 + a1 l1) is A's numerator times l2, l1 (b0 + b1 l1) is B's times l1.
+            # The largest acceleration of a part is its amplitude times the peak of its pulse.
             weight = Decimal(first.peak) / Decimal(second.peak)
             a0 = weight * (second.velocity * (1 - v1) + second.position * d)
             a1 = weight * d * (second.velocity - second.position)
             b0 = first.velocity * (1 - v1)
             b1 = d * (first.velocity - first.position)
+            # Opposite signs first: one part accelerates and the other one decelerates.
             for sign in (1, -1):
                 roots = _inside(-a1 - sign * b1, a1 - a0 - sign * b0, a0)
                 if roots:
                     return roots[0]
         if v0 == v1 == 1:
-            return HALF  # a straight line: both are zero everywhere
+            # A straight line: both are zero for every lambda.
+            return HALF
         raise GeometryError(
             "no inflection point makes acceleration and deceleration equal for these end"
             f" velocities ({self.v0:g} and {self.v1:g}, normalised)",
@@ -566,8 +583,9 @@ def law_of_two_pulses(
         speed = float(Decimal(parts.v0) + a * l1 * parts.first.velocity)
         symmetric = parts.first is parts.second and l1 == l2 and a == b
     lengths = float(l1), float(l2)
-    # Distances from the inflection point are based on the length that is exactly a double,
-    # or on the shorter one if both or neither are, so that the mirror image uses the same.
+    # Distances from the inflection point are based on the length that is exactly a double, or on
+    # the shorter one if both or neither of them are, so that the mirror image is based on the same
+    # one.
     exact = l1 == Decimal(lengths[0]), l2 == Decimal(lengths[1])
     first_sets_middle = l1 <= l2 if exact[0] == exact[1] else exact[0]
     middle = lengths[0] if first_sets_middle else 1.0 - lengths[1]
@@ -585,7 +603,8 @@ def law_of_two_pulses(
         not first_sets_middle,
     )
     regions = (*first.regions(from_end=False), *reversed(second.regions(from_end=True)))
-    # One formula runs through the middle, or a straight line.
+    # At the inflection point no derivative jumps if one odd function runs through it, as a
+    # symmetric law has, or if both parts end with a straight line.
     smooth = symmetric and parts.first.end == 0.0
     smooth |= parts.first.ends_straight and parts.second.ends_straight
     continues = (
@@ -615,14 +634,15 @@ class _Part:
 
     Attributes
     ----------
-    lengths : of this part and of the other one, with 50 digits.
+    lengths : normalised spans of this part and of the other one, with 50 digits.
     amplitude : A or B.
     base : f' at the border.
     speed : f' at the inflection point.
-    reached : near value (f or g of the part) at the inflection point, and what remains after it.
+    reached : near value (f or g, whichever belongs to the part) at the inflection point, and what
+        remains to 1 after it.
     middle : z of the inflection point.
-    kept : whether the inflection point is placed exactly by the length of this part, else by that
-        of the other.
+    sets_middle : whether the inflection point is placed exactly by the length of this part, else by
+        that of the other one.
     """
 
     pulse: Pulse
@@ -638,7 +658,7 @@ class _Part:
         """f', f'', f''' at the border; `sign` is that of f''."""
         return Boundary(
             self.base,
-            sign * self.amplitude * self.pulse.border + 0.0,
+            sign * self.amplitude * self.pulse.border + 0.0,  # not -0
             self.amplitude / float(self.lengths[0]) * self.pulse.jerk,
         )
 
@@ -676,7 +696,10 @@ class _Part:
         return float(from_end), high, low, -length if stretch.from_end else length
 
     def _count_back(self, *, from_end: bool) -> tuple[float, float, float, float]:
-        """The same for r, which is counted from the inflection point."""
+        """The same numbers for r, which is counted back from the inflection point.
+
+        They use the length that places the inflection point exactly, see `sets_middle`.
+        """
         length, other = (float(value) for value in self.lengths)
         if self.sets_middle:
             return float(from_end), length, 0.0, -length
@@ -749,7 +772,7 @@ class _StretchFormula:
         return values
 
     def to_inflection(self, z: FloatArray, w: FloatArray, numbers: Any) -> FloatArray:
-        """The distance (n,) to the inflection point."""
+        """(n,) how much the near value still gains up to the inflection point."""
         length, speed = numbers[11:13]
         r = _pulse_place(z, w, *numbers[13:])
         return np.asarray(length * r * speed - numbers[4] * self.stretch.back(r))
@@ -758,14 +781,17 @@ class _StretchFormula:
 def _pulse_place(
     z: FloatArray, w: FloatArray, by_w: Any, high: Any, low: Any, length: Any
 ) -> FloatArray:
-    """(n,) the part of a pulse's length from `high` + `low` on, which are a z or, if `by_w`, a w.
+    """(n,) u or r: distance from `high` + `low`, a place in z or, if `by_w`, in w, in units of
+    `length`.
 
-    Not -0, which a negative length would make of 0.
+    `length` is negative if the distance is counted downwards. All four may be numbers, or arrays
+    (n,) with one value for each place.
     """
     chosen = np.where(by_w, w, z) if np.ndim(by_w) else w if by_w else z
     place: FloatArray = chosen - high
     place -= low
     place /= length
+    # A negative length makes -0 of 0, and adding 0 makes it 0 again.
     place += 0.0
     return place
 

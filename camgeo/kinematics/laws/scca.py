@@ -31,10 +31,10 @@ COSINE = Option(
     default=0.75,
 )
 OPTIONS = (SINE, COSINE, CURVED)
-"""The modified sine, if nothing is given."""
+"""Their defaults make the modified sine."""
 
 ROUNDING = Decimal("1e-15")
-"""Rounding of the sum of two shares that add up to 1 as decimals, such as 0.1 and 0.9."""
+"""Largest rounding of the sum of two shares that add up to 1 as decimals, such as 0.1 and 0.9."""
 
 
 def _shares(parameters: LawParameters) -> tuple[Decimal, Decimal, Decimal]:
@@ -47,6 +47,8 @@ def _shares(parameters: LawParameters) -> tuple[Decimal, Decimal, Decimal]:
             key="sine",
             value=f"{float(sine):g} + {float(cosine):g}",
         )
+    # Without a constant stretch the cosine takes all that the sine leaves, so that no sliver
+    # remains.
     if constant < ROUNDING:
         return sine, Decimal(0), 1 - sine
     return sine, constant, cosine

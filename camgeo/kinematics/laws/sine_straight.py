@@ -1,4 +1,4 @@
-"""Sine-straight combination (Sinus-Gerade-Kombination) from turn to turn, VDI 2143-1 section 6.3.
+"""Sine-straight combination (Sinus-Gerade-Kombination) for U-U, VDI 2143-1 section 6.3.
 
 Quarters of a cosine over c lambda and c (1 - lambda), eqs. (111) to (119), a straight line between
 them; c = 1 is the simple sine.
@@ -26,7 +26,8 @@ LEAST = math.pi**2 / 4.0
 """Least value of a0 |a1|/(a0 + |a1|), that of the simple sine."""
 
 SINE_STRAIGHT_CURVED = replace(CURVED, default=0.5, always=False)
-"""The value of c if neither it nor two accelerations are given, as in the guideline's Tafel 3."""
+"""The option c. Its default, that of the guideline's Tafel 3, counts if neither c nor two
+accelerations are stated."""
 
 
 def _make(task: str, parameters: LawParameters) -> Law:
@@ -48,20 +49,21 @@ def _parts(_task: str, parameters: LawParameters) -> Parts:
 
 
 def _from_accelerations(parameters: dict[str, float]) -> tuple[Decimal, float]:
-    """lambda = r/(1 + r), r = |a1/a0| (127), and c.
+    """lambda = r/(1 + r) with r = |a1/a0| (eq. 127), and c, from the accelerations at both ends.
 
-    lambda with 50 digits: 1 - lambda decides a1 and may be tiny.
+    lambda has 50 digits, because 1 - lambda determines a1 and may be tiny.
     """
     a0, a1 = parameters.pop("a0"), parameters.pop("a1")
     if not (a0 > 0.0 > a1):
         raise GeometryError(
-            "accelerates first, then decelerates: a0 must be positive, a1 negative",
+            "a sine-straight combination accelerates first and then decelerates: a0 must be"
+            " positive and a1 negative",
             key="acceleration",
             value=f"{a0:g}, {a1:g}",
         )
     if parameters:
         raise GeometryError(
-            f"a0 and a1 decide {' and '.join(parameters)} too; leave out one or the other",
+            f"a0 and a1 already determine {' and '.join(parameters)}; leave out one or the other",
             key=next(iter(parameters)),
         )
     with localcontext(DIGITS):
@@ -71,7 +73,7 @@ def _from_accelerations(parameters: dict[str, float]) -> tuple[Decimal, float]:
 
 
 def _from_inflection(parameters: dict[str, float]) -> dict[str, float]:
-    """c from lambda and the acceleration at one end (130)."""
+    """lambda, and c from lambda and the acceleration at one end (eq. 130)."""
     inflection = parameters["inflection"]
     product = (
         parameters["a0"] * inflection
@@ -80,7 +82,8 @@ def _from_inflection(parameters: dict[str, float]) -> dict[str, float]:
     )
     if "curved" in parameters:
         raise GeometryError(
-            "inflection and acceleration decide curved too; leave out one of them", key="curved"
+            "inflection and acceleration already determine curved; leave out one of them",
+            key="curved",
         )
     return {"inflection": inflection, "curved": curved_for(product)}
 
@@ -92,8 +95,8 @@ def curved_for(product: float) -> float:
     """
     if not product >= LEAST:
         raise GeometryError(
-            "no sine-straight combination turns as gently as this: inflection times the normalised"
-            f" acceleration is {product:.6g}, it must be at least pi^2/4 = {LEAST:.6g}",
+            "no sine-straight combination reverses as gently as this: inflection times the"
+            f" normalised acceleration is {product:.6g}, but must be at least pi^2/4 = {LEAST:.6g}",
             key="acceleration",
             value=f"{product:.6g}",
         )

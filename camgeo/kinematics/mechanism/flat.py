@@ -15,10 +15,10 @@ so that rho = p / tau is the signed radius of curvature of the outline. The cam 
 face can touch it everywhere, where tau > 0 and p > 0; p = 0 is a cusp, p < 0 undercut, and where
 tau <= 0 the face turns back in the cam.
 
-How Z''' is bounded though it does not exist. Z'' contains the third derivative of the lift, and a
-motion has no derivative of that. Let |Z''(x) - Z''(m)| <= A |x - m| + D over a cell of half-width
-H about its middle m: A from all that is smooth, D from the change of the third derivative. What is
-returned for |Z'''| is V = A + 3 D / H. Everything it is used for still holds:
+How Z''' can be bounded although it does not exist: Z'' contains the third derivative of the lift,
+and a motion has no derivative of that. Let |Z''(x) - Z''(m)| <= A |x - m| + D over a cell of
+half-width H about its middle m: A from all that is smooth, D from the change of the third
+derivative. The value returned for |Z'''| is V = A + 3 D / H. All uses of such a bound remain valid:
 
 - The remainder of the parabola that Z osculates in the middle is at most A H^3/6 + D H^2/2, which
   is V H^3/6.
@@ -53,7 +53,7 @@ HIGHEST = FULL_ORDER - 1
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Touch:
-    """A flat face and its contact at n cam angles.
+    """The contact of a flat face at n cam angles.
 
     Attributes
     ----------
@@ -75,9 +75,10 @@ class FlatFollower(Follower):
 
     Attributes
     ----------
-    origin : where the position of the contact is measured from, in words.
+    origin : the point from which the position of the contact is measured, in words.
     least_place : position of the contact [mm] at and below which the cam cannot move the follower.
-    raised_by : keys of the lengths that, increased by the same amount, move the face out by it.
+    raising_keys : keys of the lengths that, increased by the same amount, move the face outward by
+        this amount.
     facing : +1 if the position of the contact is positive to the right, looking along the normal
         away from the cam axis, -1 to the left.
     """
@@ -111,10 +112,10 @@ class FlatFollower(Follower):
 
     @abstractmethod
     def touch(self, jet: Jet, rotation: int) -> Touch:
-        """The contact for lifts `jet` (4, n); `rotation` as of `Follower.relative_jet`."""
+        """The contact for lifts `jet` (4, n); `rotation` as in `Follower.relative_jet`."""
 
     def curvature(self, relative: RelativeJet, speed: FloatArray, rotation: int) -> FloatArray:
-        """See `Follower.curvature`: of the envelope of the face, which is its tangent.
+        """See `Follower.curvature`: that of the outline, whose tangent is the face.
 
         Nothing cancels where the face nearly stands still in the cam and Z'' is large.
         """
@@ -134,12 +135,14 @@ class FlatFollower(Follower):
 
 
 def spread(change: FloatArray, half: FloatArray) -> FloatArray:
-    """(n,) 3 D / H, see the module; 0 for cells of zero width, in which nothing changes."""
+    """(n,) 3 D / H, see the module, from the `change` D and the `half` width H (n,); 0 for cells of
+    zero width, in which nothing changes.
+    """
     return np.divide(3.0 * change, half, out=np.zeros_like(change), where=half > 0.0)
 
 
 def face_ends(key: str, face: Any) -> tuple[float, float]:
-    """Where a face begins and ends [mm]; GeometryError unless it ends beyond its beginning."""
+    """The start and the end [mm] of a face; GeometryError unless the end lies beyond the start."""
     if not isinstance(face, tuple | list) or len(face) != 2:
         raise GeometryError("must be two lengths, (from, to)", key, value_text(face))
     start, end = (coordinate(key, bound) for bound in face)
@@ -154,7 +157,9 @@ FaceEnds = Annotated[tuple[float, float], face_ends]
 def face_line(
     start: ComplexArray, along: ComplexArray, ends: tuple[float, float]
 ) -> tuple[ComplexArray, ComplexArray]:
-    """The ends of a face [mm] that is measured from `start` in the direction `along`; all (n,)."""
+    """Both ends (n,) [mm] of a face, whose positions `ends` [mm] count from `start` (n,) in the
+    direction `along` (n,).
+    """
     return start + along * ends[0], start + along * ends[1]
 
 
@@ -216,7 +221,7 @@ class TranslatingFlat(Guided, FlatFollower, CheckedFields, path="follower."):
         return 1j * self.base_radius * cmath.rect(1.0, self.guide_angle - 0.5 * math.pi)
 
     def _distance(self, jet: Jet) -> Jet:
-        """h and as many of its derivatives as the lift has."""
+        """h [mm] and as many of its derivatives as `jet` has of the lift."""
         distance = self.direction * jet
         distance[0] += self.base_radius
         return distance
@@ -269,14 +274,14 @@ class TranslatingFlat(Guided, FlatFollower, CheckedFields, path="follower."):
         )
 
     def sliding(self, jet: Jet, rotation: int) -> FloatArray:
-        """See `Follower.sliding`: g = h; that the contact wanders is no sliding."""
+        """See `Follower.sliding`: h; the movement of the contact along the face is no sliding."""
         return self.touch(jet, rotation).distance
 
     def _face(self, lifts: FloatArray) -> tuple[ComplexArray, ComplexArray]:
         """The foot of the cam axis on the face (n,) [mm], and the direction in which places count,
         at lifts (n,).
         """
-        foot = self.traced(lifts)  # in a dwell the contact lies there
+        foot = self.traced(lifts)  # the contact in a dwell, h' = 0
         return foot, -1j * foot / np.abs(foot)
 
     def sketch(
@@ -298,7 +303,7 @@ class TranslatingFlat(Guided, FlatFollower, CheckedFields, path="follower."):
     def far_side(
         self, lifts: FloatArray, ends: tuple[float, float], breadth: float
     ) -> MechanismSketch[Places]:
-        """See `Follower.far_side`: the same face, half a turn on."""
+        """See `Follower.far_side`: the same face, rotated by half a turn."""
         _, along = self._face(lifts)
         there, joined = self.across(lifts, breadth)
         return joined + MechanismSketch(faces=(face_line(there, -along, ends),))
@@ -439,6 +444,7 @@ class OscillatingFlat(Rocking, FlatFollower):
                 bend = (2.0 - w) * chi1 + square * (chi3 + 2.0 * sense * w * chi2 * chi2)
                 sway = square * chi2 * (sense + chi1)
                 pace[1] = -sense * f * chi2 + l1 * (bend * cosine - sway * sine)
+        # tau = 0: the face stands still in the cam, and its envelope runs off to infinity.
         pace[:, turn == 0.0] = np.inf
         contact[:, turn == 0.0] = np.inf
         turns = np.stack((turn, -sense * chi2))
@@ -522,6 +528,7 @@ class OscillatingFlat(Rocking, FlatFollower):
             third = rate_of_a + rate_of_b * x3 + x2 * pace + turn * pace_rate + turn * second
             jumps = spread(l1 * square * (np.abs(jet[3]) + x3), half)
             limits = np.stack((pace, second, third + jumps))
+        # There tau may be 0 in the cell, and w is unbounded.
         limits[:, slowest <= 0.0] = np.inf
         return limits
 

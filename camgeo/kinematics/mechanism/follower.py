@@ -1,4 +1,4 @@
-"""What a follower is: from the lift to the roller centre, or to the contact of a flat face.
+"""The interface of followers: from the lift to the roller centre, or to the contact of a flat face.
 
 With W(phi) the roller centre minus the cam axis in the fixed frame and sigma = +1 for a cam that
 turns counter-clockwise, the pitch curve in cam coordinates is Z = W exp(-i sigma phi), and
@@ -62,10 +62,10 @@ class RelativeJet:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TangentJet:
-    """Z' in the axes of the follower's own direction, which turns with the rocker.
+    """Z' in axes along the follower's own direction, which turn with the rocker.
 
-    R_1 = sigma (u + i w) times the direction across the follower's path. Everything but u and w
-    themselves vanishes at rest, so that the effect of a small motion on curvature stays accurate.
+    R_1 = sigma (u + i w) times the direction across the follower's path. At rest all entries but u
+    and w themselves vanish, so that the effect of a small motion on the curvature stays accurate.
 
     Attributes
     ----------
@@ -89,15 +89,15 @@ Mover = Literal["follower", "rocker"]
 class Follower(ABC):
     """A follower; lengths in mm.
 
-    A kind is a frozen dataclass of its sizes. It inherits from the classes of
-    `camgeo.kinematics.mechanism.follower`, or of `camgeo.kinematics.mechanism.flat`, what its whole
-    family answers alike.
+    Each kind of follower is a frozen dataclass of its dimensions. What it has in common with its
+    family it inherits from the classes of `camgeo.kinematics.mechanism.follower` or
+    `camgeo.kinematics.mechanism.flat`.
 
     Attributes
     ----------
     base_radius : r_G, from the cam axis to the roller centre, or to a flat face, at cam angle 0.
     roller_radius : r_R; 0 for a flat face, whose contact is the curve itself.
-    pivot : what it swings about, seen from the cam axis, complex [mm]; None on a guide.
+    pivot : the point about which it swings, seen from the cam axis, complex [mm]; None on a guide.
     offset : e, signed distance of the roller's guide from the cam axis [mm]; 0 if there is none.
     face : where a flat face begins and ends [mm], None if it is as long as needed; zeros for a
         roller.
@@ -105,20 +105,20 @@ class Follower(ABC):
         positive lift turns the rocker counter-clockwise, or moves the roller outward along the
         guide. For a rocking flat face, whose contact wanders, the value at cam angle 0 in a dwell.
     farthest : base radius [mm] at which a rocker lies stretched out; infinite on a guide.
-    lift_scale : a large lift [mm or rad], against which others are small.
+    lift_scale : a large lift [mm or rad], to which others are compared.
     way : direction of a positive lift, complex; 0 for a rocker.
-    start_arm : at lift 0, from the pivot or on a guide from the cam axis, to the roller centre, or
-        to the foot of the perpendicular on a flat face, complex [mm].
+    start_arm : vector at lift 0, complex [mm], from the pivot, or from the cam axis on a guide, to
+        the roller centre, or to the foot of the perpendicular on a flat face.
     swing_sense : sense in which a positive lift turns it: +1 counter-clockwise, -1; 0 on a guide.
     has_edge : whether it is a knife edge, a roller without radius.
     kind : its name in scenes.
-    lift_unit : of its lift.
+    lift_unit : unit of its lift.
     touching : the part that touches the cam, "roller" or "face", as messages call it.
     mover : the part that moves, "follower" or "rocker", as messages call it.
     rolls : whether what touches the cam rolls on it; a flat face slides.
     has_pitch_curve : whether the flanks are parallels of the curve that it traces, and may cross
         themselves; a flat face touches the outline itself, which must be convex.
-    standstill : what it means where Z' = 0, in words.
+    standstill : the consequence of Z' = 0, as a sentence of messages.
     ahead : how many derivatives of the lift R_k needs beyond the k-th. A flat face needs one, so
         it has no R_3: a motion has three derivatives.
     harmonic_is_round : whether Z turns rigidly about a point of the cam where s''' = -s'.
@@ -182,8 +182,8 @@ class Follower(ABC):
     def relative_jet(self, jet: Jet, rotation: int, order: int = FULL_ORDER) -> RelativeJet:
         """R_0 to R_`order`, order at least 1, for lifts `jet` (order + 1 or more, n).
 
-        As many as exist: `ahead` more rows of the lift are needed, up to the third.
-        `rotation` is sigma, +1 for a cam that turns counter-clockwise, -1 clockwise.
+        A flat face has no R_3: R_k needs `ahead` more derivatives of the lift than k, and there are
+        three. `rotation` is sigma, +1 for a cam that turns counter-clockwise, -1 clockwise.
         """
 
     def traced(self, lifts: FloatArray) -> ComplexArray:
@@ -198,25 +198,27 @@ class Follower(ABC):
         )
 
     def traced_point(self, lift: float) -> complex:
-        """The same at one lift."""
+        """The point of `traced` [mm] at one lift."""
         return complex(self.traced(np.array([lift]))[0])
 
     @abstractmethod
     def tangent_jet(self, jet: Jet, rotation: int) -> TangentJet:
-        """Z' in the follower's own axes for lifts `jet` (4, n), `rotation` as above."""
+        """Z' in the follower's own axes for lifts `jet` (4, n); `rotation` as in `relative_jet`."""
 
     @abstractmethod
     def speed_bounds(self, jet: Jet, bounds: Jet, half: FloatArray, rotation: int) -> FloatArray:
         """(3, n) upper bounds of |Z'|, |Z''|, |Z'''| [mm/rad^k] over cells of cam angle.
 
-        `jet` is the lift in the middle of the cells, `bounds` as of `Motion.jet_and_bounds`, `half`
-        (n,) half their widths [rad]. Where there is no Z''' the third one says how far Z'' may be
-        from its value in the middle, see `camgeo.kinematics.mechanism.flat`.
+        `jet` is the lift in the middle of the cells, `bounds` those of `Motion.jet_and_bounds`,
+        `half` (n,) half their widths [rad]. Where there is no Z''' the third one says how far Z''
+        may be from its value in the middle, see `camgeo.kinematics.mechanism.flat`.
         """
 
     @abstractmethod
     def curvature(self, relative: RelativeJet, speed: FloatArray, rotation: int) -> FloatArray:
-        """(n,) [1/mm] of the pitch curve, from R_0 to R_k, k + `ahead` = 2, and `speed` |Z'|."""
+        """(n,) [1/mm] curvature of the pitch curve, from R_0 to R_k with k + `ahead` = 2, and from
+        `speed` (n,) |Z'|.
+        """
 
     @abstractmethod
     def contact_radius(self, kappa: FloatArray, half: float) -> FloatArray:
@@ -228,19 +230,19 @@ class Follower(ABC):
 
     @abstractmethod
     def sliding(self, jet: Jet, rotation: int) -> FloatArray:
-        """(n,) [mm/rad] how fast it slides on the cam for lifts `jet` (4, n), along t = Z'/|Z'|."""
+        """(n,) [mm/rad] sliding velocity on the cam for lifts `jet` (4, n), along t = Z'/|Z'|."""
 
     @abstractmethod
     def on_one_side(self, lifts: FloatArray) -> bool:
-        """Whether at these lifts the roller stays beyond the foot of its guide, or on its own side
-        of the line of centres; False for a flat face, whose contact does not.
+        """Whether, at all these lifts, the roller is beyond the foot of its guide, or on its own
+        side of the line of centres; False for a flat face, whose contact has no such side.
         """
 
     @abstractmethod
     def sketch(
         self, lifts: FloatArray, farthest: float, ends: tuple[float, float]
     ) -> MechanismSketch[Places]:
-        """The follower at `lifts` (n,) [mm or rad].
+        """A sketch of the follower at `lifts` (n,) [mm or rad].
 
         `farthest` is the lift farthest from the cam; `ends` are where a flat face begins and ends
         [mm], measured as its contact is, and without meaning for a roller.
@@ -250,13 +252,14 @@ class Follower(ABC):
     def held(
         self, ends: tuple[float, float]
     ) -> tuple[Literal["guide", "pivot"], complex, tuple[complex, complex] | None]:
-        """What holds it, a place there [mm], and the ends of a flat face, at cam angle 0."""
+        """Whether a guide or a pivot holds it, a point there [mm], and the ends of a flat face, at
+        cam angle 0.
+        """
 
     @abstractmethod
     def linkage_joint(self, farthest: float) -> tuple[complex, complex]:
-        """Where a linkage takes hold of it at lift 0 [mm], and the direction of a positive lift.
-
-        For a rocker, the pivot and 0.
+        """The point at which a linkage is connected to it at lift 0 [mm], and the direction of a
+        positive lift; for a rocker the pivot and 0.
         """
 
     @abstractmethod
@@ -289,19 +292,21 @@ def bend_of_path(relative: RelativeJet, speed: FloatArray, rotation: int) -> Flo
 
 
 # -- families -------------------------------------------------------------------------------------
-# What the followers of a family share: those on a guide, those on a pivot, those with a roller.
+# Base classes of followers on a guide, of followers on a pivot, and of followers with a roller.
 #
 # Flat faces are another family, see `camgeo.kinematics.mechanism.flat`.
 
 
 GUIDE = 0.8
-"""Distance from a carriage in its farthest position to its guide, in base radii."""
+"""Distance from a carriage in its farthest position to its guide, as a multiple of the base
+radius."""
 
 ROD = 0.3
-"""How far the rod of a carriage protrudes from its guide at lift 0, in base radii."""
+"""Length of the rod that protrudes from the guide at lift 0, as a multiple of the base radius."""
 
 BRACKET = 1.2
-"""How far the bracket between two rollers clears the discs, in their largest radii."""
+"""Distance of the bracket between two rollers from the cam axis, as a multiple of the largest
+radius of the discs."""
 
 
 class Guided(Follower):
@@ -350,7 +355,9 @@ class Guided(Follower):
         return self.rod(np.zeros(1), farthest).position(0).links[0][-1], self.way
 
     def rod(self, lifts: FloatArray, farthest: float) -> MechanismSketch[Places]:
-        """Its rod at `lifts` (n,) [mm], from where it touches the cam, in its guide."""
+        """A sketch of its rod at `lifts` (n,) [mm], from the contact with the cam to the end beyond
+        the guide.
+        """
         held, start, here = (
             self.traced_point(farthest), self.traced_point(0.0), self.traced(lifts),
         )  # fmt: skip
@@ -362,14 +369,18 @@ class Guided(Follower):
     def across(
         self, lifts: FloatArray, breadth: float
     ) -> tuple[ComplexArray, MechanismSketch[Places]]:
-        """The far side (n,) of its yoke at `lifts` (n,), and the bracket that joins both."""
+        """The far side (n,) [mm] of its yoke at `lifts` (n,), and a sketch of the bracket that
+        joins both sides.
+        """
         here = self.traced(lifts)
         there = here - breadth * here / np.abs(here)
         return there, MechanismSketch(links=(self.bracket(here, there, 0.6 * breadth),))
 
     @staticmethod
     def bracket(first: ComplexArray, second: ComplexArray, reach: float) -> tuple[Places, ...]:
-        """From one side of the cam to the other, clear of a disc of radius `reach`; all (n,)."""
+        """The corners (n,) of a bracket from one side of the cam to the other that clears a disc of
+        the radius `reach` [mm].
+        """
         aside = 1j * (first - second) / np.abs(first - second) * BRACKET * reach
         return first, first + aside, second + aside, second
 
@@ -441,7 +452,9 @@ class WithRoller(Follower):
     ahead = 0
 
     def roller_size(self, centre: Places, way: Places) -> tuple[Dimension[Places], ...]:
-        """The radius of the roller at `centre` [mm], shown along `way`; none of a knife edge."""
+        """The dimension of the radius of the roller at `centre` [mm], in the direction `way`; none
+        for a knife edge.
+        """
         radius = self.roller_radius
         return (Dimension("roller_radius", centre, centre + radius * way),) if radius else ()
 
@@ -457,10 +470,12 @@ class WithRoller(Follower):
     def contact_radius(self, kappa: FloatArray, half: float) -> FloatArray:
         """See `Follower.contact_radius`.
 
-        1/R = 1/r_R + kappa/(1 - d kappa), d the flank's distance: r_R except in a groove with play.
+        1/R = 1/r_R + kappa/(1 - d kappa), where d is the distance of the flank from the pitch
+        curve: r_R, except in a groove with play.
         """
         radius = self.roller_radius * (1.0 - half * kappa)
         share = 1.0 - (half - self.roller_radius) * kappa
+        # Where the flank undercuts, the value is left as it is, not above 0.
         return np.divide(radius, share, out=radius, where=radius > 0.0)
 
     def sliding(self, jet: Jet, _: int) -> FloatArray:

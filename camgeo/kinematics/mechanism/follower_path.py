@@ -1,7 +1,7 @@
 """The path along which a follower guides its roller, seen from the cam, and where it meets a curve.
 
-At a cam angle phi the follower leaves the roller centre one path only: a straight guide, or a
-circle about the rocker's pivot. A coordinate q along it grows outward: the height h above the cam
+At a cam angle phi the roller centre can move along one path only: a straight guide, or a circle
+about the rocker's pivot. A coordinate q along it grows outward: the height h above the cam
 axis on a guide, or the angle psi_t from the line pivot -> cam axis to the arm. It is linear in the
 lift. As long as the follower stays on its own side (h > 0; psi_t in (0, pi)), the distance from the
 cam axis gives q and the polar angle gives phi: (phi, q) are coordinates of the plane, and a curve
@@ -27,16 +27,16 @@ from camgeo.numeric.arrays import BoolArray, ComplexArray, FloatArray, IntArray,
 from camgeo.units import TURN
 
 ROUNDING = 1e-9
-"""How negative the square of a cosine may come out: curves that miss each other by this fraction of
-their size touch."""
+"""Amount by which the square of a cosine may be negative: curves that miss each other by this
+fraction of their size count as touching."""
 
 PLACE = 2.0**-46
-"""Relative accuracy of a point, 64 ulps: what the sums here lose."""
+"""Relative accuracy of a point, 64 ulps, which the sums of this module lose."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Bows:
-    """Lines and circles, each given by one of its points: well conditioned however flat it is.
+    """Lines and circles, each given by one of its points, so that flat arcs are well conditioned.
 
     A point Z lies on it if Re(conj(n) d) + kappa |d|^2 / 2 = 0, d = Z - A; its normal there is
     n + kappa d.
@@ -57,7 +57,7 @@ class Bows:
         return len(self.points)
 
     def take(self, index: IntArray) -> Bows:
-        """Those with the indices `index` (k,)."""
+        """The bows with the indices `index` (k,)."""
         return Bows(self.points[index], self.normals[index], self.curvatures[index])
 
     def evaluate(self, t: FloatArray) -> ComplexArray:
@@ -72,22 +72,26 @@ class Bows:
         return self.normals + self.curvatures * (points - self.points)
 
     def crossings(self, others: Bows) -> FloatArray:
-        """(2, n) parameters at which each meets its partner of `others`; infinite if not."""
+        """(2, n) parameters at which each bow meets its partner in `others`; infinite if it does
+        not.
+        """
         return _roots(*self._meeting_quadratic(others))
 
     def crossing(self, others: Bows, rising: FloatArray) -> FloatArray:
-        """(n,) the one of the two parameters at which each passes to (`rising` = 1), or leaves
-        (-1), the side of its partner to which the partner's normal points.
+        """(n,) that of the two parameters at which each bow enters (`rising` = 1) or leaves (-1)
+        the side of its partner to which the partner's normal points.
 
         Raises GeometryError where they do not meet.
         """
         square, linear, value = self._meeting_quadratic(others)
         radicand = linear * linear - 4.0 * square * value
-        # A small circle is known to the rounding of its position.
+        # A small circle is known only to the rounding of its position, which grows with its
+        # curvature.
         lost = ROUNDING + PLACE * np.abs(others.curvatures * others.points)
         _require_meeting(radicand >= -lost)
         root = rising * np.sqrt(np.maximum(radicand, 0.0))
-        # Of the two forms of one root, the one in which nothing cancels.
+        # (root - linear) / (2 square) and -2 value / (linear + root) are the same root; the form is
+        # taken in which nothing cancels.
         alike = rising * linear >= 0.0
         top = np.where(alike, -2.0 * value, root - linear)
         bottom = np.where(alike, linear + root, 2.0 * square)
@@ -95,7 +99,9 @@ class Bows:
         return np.divide(top, bottom, out=np.zeros_like(top), where=bottom != 0.0)
 
     def _meeting_quadratic(self, others: Bows) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Coefficients of the quadratic for the parameter of a point on a partner."""
+        """Square, linear and constant coefficient (n,) of the quadratic equation for the parameters
+        at which each bow meets its partner in `others`.
+        """
         offset = others.points - self.points
         turned = others.normals - others.curvatures * offset
         value = 0.5 * others.curvatures * dot(offset, offset) - dot(others.normals, offset)
@@ -149,9 +155,12 @@ class Bows:
             )
         first = -dot(normal, turn * point) / steep
         speed = turn * point + along * first
+        # What Z'' has besides the term of q'': turn is the factor -i sigma of a derivative by phi
+        # in the cam.
         rest = -point + 2.0 * turn * along * first + bend * first * first
         second = -(self.curvatures * dot(speed, speed) + dot(normal, rest)) / steep
         pace = rest + along * second
+        # turn^2 = -1 and turn^3 = -turn; the same for Z''', without the term of q'''.
         jolt = -turn * point - 3.0 * along * first
         jolt += 3.0 * turn * (bend * first * first + along * second)
         jolt += first * bend * (bend / along * first * first + 3.0 * second)
@@ -166,7 +175,7 @@ class FollowerPath(ABC):
 
     Attributes
     ----------
-    follower : that has the path.
+    follower : the follower that has the path.
     rotation : sigma, +1 if the cam turns counter-clockwise, -1 clockwise.
     """
 
@@ -192,7 +201,7 @@ class FollowerPath(ABC):
     def coordinate(self, distance: FloatArray) -> FloatArray:
         """(n,) q where the roller centre is `distance` (n,) [mm] from the cam axis.
 
-        Beyond the reach, q at its end.
+        For a distance beyond the `reach`, q at the end of it.
         """
 
     @property
@@ -241,7 +250,7 @@ class FollowerPath(ABC):
         """(4, n) parameters of `bows` at which a path is tangent to them; infinite where there is
         none.
 
-        Including tangency with the rest of a path, on the side where the follower never is.
+        They include tangency with the part of a path on the side where the follower never is.
         """
 
 
@@ -249,9 +258,9 @@ class FollowerPath(ABC):
 def path_of(follower: Follower, rotation: int) -> FollowerPath:
     """The path of `follower` on a cam that turns in the sense `rotation`, +1 counter-clockwise.
 
-    Raises GeometryError if none is registered for its class.
+    Raises GeometryError if no path is registered for the class of the follower.
     """
-    del rotation  # used by the registered ones
+    del rotation  # only the registered functions use it
     raise GeometryError(
         f'this needs a roller follower, and this one is "{follower.kind}"',
         key="follower.kind",
@@ -366,7 +375,8 @@ class SwingPath(FollowerPath):
 
     def meet(self, phi: FloatArray, bows: Bows, facing: FloatArray) -> FloatArray:
         arm, side, frame = self.follower.arm, self.follower.arm_side, self.frame(phi)
-        # The point of the circle as far from the cam axis as the bow's: near it if that is near.
+        # The circle is given by its point at the same distance from the cam axis as that of the
+        # bow, so that both points are close together if the bow is near the path.
         near = self.coordinate(np.abs(bows.points))
         towards = frame * np.exp(1j * side * near)
         circle = Bows(self.point(phi, near), towards, np.full(len(phi), 1.0 / arm))
@@ -383,7 +393,9 @@ path_of.register(OscillatingRoller, SwingPath)
 
 
 def _reduce_to_turn(angle: FloatArray) -> FloatArray:
-    """(n,) in [0, 2 pi): the remainder of a tiny negative angle would round to a full turn."""
+    """(n,) `angle` reduced to [0, 2 pi); 0 for a tiny negative one, whose remainder would round to
+    a full turn.
+    """
     turned = np.remainder(angle, TURN)
     return np.where(turned < TURN, turned, 0.0)
 
@@ -392,6 +404,8 @@ def _roots(square: FloatArray, linear: FloatArray, constant: FloatArray) -> Floa
     """(2, n) real roots of square t^2 + linear t + constant; infinite where there is none."""
     radicand = linear * linear - 4.0 * square * constant
     root = np.sqrt(np.maximum(radicand, 0.0))
+    # Both terms have the same sign, so nothing cancels; the other root follows from the product of
+    # both.
     half = -0.5 * (linear + np.where(linear < 0.0, -root, root))
     roots = np.full((2, len(square)), np.inf)
     real = radicand >= 0.0

@@ -1,4 +1,4 @@
-"""What a linkage is: a motion from a motion, as long as it closes.
+"""The interface of linkages: each transforms a motion into another one, as long as it closes.
 
 At one end of a linkage a member makes the motion that the scene demands: a slider, a lever or a
 crank. At the other end is the follower, on a pivot or on a guide, whose motion the linkage computes
@@ -52,7 +52,7 @@ ROUNDING = 8.0 * 2.0**-52
 
 
 def periodic_angles(angles: Iterable[float], low: float, high: float) -> tuple[float, ...]:
-    """Those in [low, high] [rad] of `angles`, and of all whole turns away from them, ascending."""
+    """The angles in [low, high] [rad] equal to one of `angles` up to whole turns, ascending."""
     periodic = {
         angle + TURN * turns
         for angle in angles
@@ -62,7 +62,8 @@ def periodic_angles(angles: Iterable[float], low: float, high: float) -> tuple[f
 
 
 TO_FAR_END, TO_FOLLOWER = 0, 1
-"""Ways of the force through a linkage: from the follower to the far end, and from there back."""
+"""Directions of the force through a linkage: from the follower to the far end, and back from there.
+They number the rows of `Linkage.transmission_sines`."""
 
 
 class Linkage(Protocol):
@@ -78,11 +79,11 @@ class Linkage(Protocol):
 
     @property
     def member(self) -> Member:
-        """Whose motion is demanded."""
+        """The member at the far end, whose motion is demanded."""
 
     @property
     def unit(self) -> LiftUnit:
-        """Of the demanded positions."""
+        """Unit of the demanded positions."""
 
     @property
     def coupler_tilt(self) -> float:
@@ -98,13 +99,15 @@ class Linkage(Protocol):
         """
 
     def transform_bounds(self, jet: Jet, bounds: Jet) -> Jet:
-        """(4, n) bounds for the follower of what `Motion.jet_and_bounds` bounds for `jet`, the
-        demanded motion in the middle of each cell; infinite where a cell may touch a dead centre.
+        """(4, n) bounds of the follower's motion over cells, as those of `Motion.jet_and_bounds`.
+
+        `jet` and `bounds` (4, n) are those of the demanded motion: its values in the middle of each
+        cell, and its bounds over the cell. Infinite where a cell may touch a dead centre.
         """
 
     def missing_length(self, position: FloatArray) -> FloatArray:
-        """(n,) [mm] by how much the linkage fails to close; <= 0 where it closes, 0 at a dead
-        centre.
+        """(n,) [mm] the length that is missing to close the linkage; <= 0 where it closes, 0 at a
+        dead centre.
         """
 
     def turning_positions(self, low: float, high: float) -> tuple[float, ...]:
@@ -137,7 +140,7 @@ class Linkage(Protocol):
     ) -> MechanismSketch[Places]:
         """The linkage with its far end at `position` (n,) [mm or rad], in the frame of the cam.
 
-        `place` and `outward` are as of `Follower.linkage_joint`.
+        `place` and `outward` are the results of `Follower.linkage_joint`.
         """
 
     def joint_rates(
@@ -177,20 +180,22 @@ class Linkage(Protocol):
 
 
 # -- far end --------------------------------------------------------------------------------------
-# The far end of a linkage whose follower is anywhere, whether or not it touches the cam.
+# The far end of a linkage for any position of the follower, whether or not it touches the cam.
 
 
 STEPS: Final = 40
-"""Most Newton steps; the follower is near where the demanded motion has it."""
+"""Most Newton steps; they start where the demanded motion has the far end, which is close."""
 
 SETTLED: Final = 2.0**-48
-"""A step below this share of the position and of what one radian moves it is the last one."""
+"""A step below this fraction of the position, plus its change per unit of q, is the last one."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FarEnd:
-    """Where the far end of a linkage is, given the follower's coordinate q; at `phi` it is near the
-    demanded position, from which it is sought.
+    """The position of a linkage's far end as a function of the follower's coordinate q.
+
+    At a cam angle `phi` the demanded position is the first approximation, which also selects the
+    solution if there are several.
 
     Attributes
     ----------
@@ -209,7 +214,7 @@ class FarEnd:
     def jet(self, phi: FloatArray, q: FloatArray) -> Jet:
         """(4, n) s, ds/dq, d^2s/dq^2 [mm or rad per that of q^k] and 0, read-only.
 
-        By Newton's method; the derivatives from those of the linkage, q' = 1 and q'' = 0.
+        By Newton's method; the derivatives follow from those of the linkage with q' = 1, q'' = 0.
 
         Raises
         ------
@@ -221,6 +226,8 @@ class FarEnd:
             place = self._solve_place(phi, q)
             way = self.linkage.per_follower(place)
             still = np.zeros_like(place)
+            # With s' = ds/dq and s'' = 0 the follower's q'' is q_ss s'^2; as q'' must be 0, s'' =
+            # -q_ss s'^2 / q_s.
             bend = self.linkage.transform(np.stack((place, way, still, still)), 2)[2]
             return read_only(np.stack((place, way, -bend * way, still)))
 
@@ -237,11 +244,13 @@ class FarEnd:
             place = place + step
             if np.all(np.abs(step) <= SETTLED * (np.abs(place) + np.abs(way))):
                 return np.asarray(place)
-        raise GeometryError("the follower is where the linkage does not close", key="linkage")
+        raise GeometryError(
+            "the linkage does not close for this position of the follower", key="linkage"
+        )
 
 
 # -- positions ------------------------------------------------------------------------------------
-# Positions of a demanded motion: where it passes them, and how messages write them.
+# Positions of a demanded motion: the cam angles at which it has them, and their texts in messages.
 
 
 POSITIONS: Final[dict[Member, str]] = {
@@ -249,7 +258,7 @@ POSITIONS: Final[dict[Member, str]] = {
     "lever": "lever angle",
     "crank": "crank angle",
 }
-"""What the demanded position is called."""
+"""Name of the demanded position, by the member that has it."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -273,7 +282,9 @@ class MonotoneRuns:
         return float(np.min(self.at_ends)), float(np.max(self.at_ends))
 
     def cuts(self, marks: tuple[float, ...]) -> FloatArray:
-        """(n,) the ends, and the cam angles at which the motion is at one of `marks`; ascending."""
+        """(n,) the ends of the runs and the cam angles at which the motion is at one of `marks`,
+        ascending.
+        """
         angles = [self.ends]
         for mark in marks:
             passes = np.flatnonzero(self._passes(mark))
@@ -281,7 +292,9 @@ class MonotoneRuns:
         return merged(np.concatenate(angles))
 
     def first_angle(self, position: float) -> float:
-        """The first cam angle [rad] at which the motion is at `position`, or nearest to it."""
+        """The first cam angle [rad] at which the motion is at `position`; the end of the run that
+        is nearest to it if the motion never is.
+        """
         nearest = int(np.argmin(np.abs(self.at_ends - position)))
         passes = np.flatnonzero(self._passes(position))[:1]
         there = self.ends[self.at_ends == position][:1]
@@ -290,6 +303,7 @@ class MonotoneRuns:
 
     def _passes(self, mark: float) -> BoolArray:
         beyond = np.sign(self.at_ends - mark)
+        # On a run the motion is monotone, so it passes the mark once, or not at all.
         return np.asarray(beyond[:-1] * beyond[1:] < 0.0)
 
     def _passing_angles(self, mark: float, places: IntArray) -> FloatArray:
@@ -300,7 +314,7 @@ class MonotoneRuns:
 
 
 def monotone_runs(motion: Motion) -> MonotoneRuns:
-    """`motion` cut where its formula changes and where it turns back."""
+    """`motion`, cut where its formula changes and where it turns back."""
     ends = merged(np.array([0.0, *(end for _, end in pieces(motion)), *turning_angles(motion)]))
     return MonotoneRuns(motion, ends, np.asarray(motion.jet(ends)[0]))
 
@@ -335,16 +349,15 @@ class LinkedMotion(Pickled):
     Attributes
     ----------
     demanded : the motion of the linkage's far end [mm or rad, see `Linkage.unit`].
-    linkage : turns it into the follower's own motion: a rocker's angle [rad], counter-clockwise
-        positive, or a stroke [mm].
+    linkage : transforms it into the follower's own motion: a rocker's angle [rad],
+        counter-clockwise positive, or a stroke [mm].
     kept : the last result of each function of the motion, see `kept_with_owner`.
 
     Raises
     ------
-    GeometryError
-        With key "motion" or "linkage", if the value is no such thing; with "linkage" also if the
-        linkage fails to close somewhere in the turn, with each range of cam angles, the missing
-        length, and what would close it.
+    GeometryError With key "motion" or "linkage", if the value is not a motion or a linkage; with
+    "linkage" also if the linkage fails to close somewhere in the turn. The message then states the
+    ranges of cam angles, the missing length, and what would close it.
     """
 
     demanded: Motion
@@ -365,10 +378,10 @@ class LinkedMotion(Pickled):
         raise GeometryError(why_open(self.linkage, self.demanded), key="linkage")
 
     def tightest(self, within: tuple[float, float] | None = None) -> tuple[float, float]:
-        """The position [mm or rad] nearest to a dead centre, or farthest beyond it, and the missing
-        length there [mm], negative if there is some to spare.
+        """The position [mm or rad] that is nearest to a dead centre, or farthest beyond one, and
+        the missing length there [mm], negative if the linkage closes with a margin.
 
-        `within` is the range of the demanded motion, if it is already known.
+        `within` is the range of the demanded motion; None if it is to be computed.
         """
         low, high = lift_range(self.demanded) if within is None else within
         positions = np.array([low, high, *self.linkage.turning_positions(low, high)])
@@ -378,7 +391,7 @@ class LinkedMotion(Pickled):
 
     @property
     def runs(self) -> MonotoneRuns:
-        """The runs of the motion that is demanded."""
+        """The monotone runs of the demanded motion."""
         return monotone_runs(self.demanded)
 
     @property
@@ -421,8 +434,8 @@ class LinkedMotion(Pickled):
 
 @kept_with_owner
 def linked(plan: MotionPlan, linkage: Linkage) -> LinkedMotion:
-    """The follower's motion for a `plan` of the far end of `linkage`; GeometryError if it does not
-    close.
+    """The follower's motion for a `plan` of the far end of `linkage`; GeometryError if the linkage
+    does not close.
     """
     return LinkedMotion(plan, linkage)
 
@@ -434,17 +447,19 @@ def linked(plan: MotionPlan, linkage: Linkage) -> LinkedMotion:
 SIZES: Final[tuple[Size, ...]] = ("coupler", "crank")
 
 DIGITS: Final = 6
-"""Significant digits of the numbers in a cure, rounded to the side on which the linkage closes."""
+"""Significant digits of the numbers in a remedy, rounded to the side on which the linkage
+closes."""
 
 FARTHEST: Final = 1e6
-"""A length this many times that of crank and coupler counts as infinite, its reciprocal as 0."""
+"""A length above this multiple of crank and coupler counts as infinite, one below the reciprocal of
+this multiple as 0."""
 
 MOST_LISTED: Final = 4
 """Most ranges of cam angles that a message lists."""
 
 AT_START: Final = 1e-7
-"""A dead centre this close to position 0, as a fraction of a turn or of crank and coupler, is at 0:
-where it is also a turning position, only half its digits are known."""
+"""A dead centre this close to position 0, as a fraction of half a turn or of crank and coupler,
+counts as at 0: where it is also a turning position, only half of its digits are known."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -475,14 +490,17 @@ def openings(linkage: Linkage, motion: Motion) -> tuple[Opening, ...]:
     marks = (*linkage.dead_positions(low, high), *linkage.turning_positions(low, high))
     cuts = runs.cuts(marks)
     places = np.empty(2 * len(cuts) - 1)
+    # Even places are the cuts, odd ones the middles between them.
     places[::2], places[1::2] = cuts, 0.5 * (cuts[:-1] + cuts[1:])
     missing = linkage.missing_length(motion.jet(places)[0])
     is_open = missing > ROUNDING * (linkage.crank + linkage.coupler)
+    # Closed on both sides, so that every open range has a first place and a place after its last
+    # one.
     edges = np.flatnonzero(np.diff(np.concatenate(([False], is_open, [False]))))
     ranges = []
     for first, stop in edges.reshape(-1, 2):
         worst = int(first + np.argmax(missing[first:stop]))
-        # Cuts have even indices: a range open in a middle reaches to the cuts on either side.
+        # A range that is open at a middle reaches to the cuts on either side of it.
         start, end = places[first - first % 2], places[stop - 1 + (stop - 1) % 2]
         ranges.append(
             Opening(float(start), float(end), float(missing[worst]), float(places[worst]))
@@ -496,9 +514,9 @@ def openings(linkage: Linkage, motion: Motion) -> tuple[Opening, ...]:
 
 
 def clear_range(linkage: Linkage, way: int = TO_FOLLOWER) -> tuple[float, float]:
-    """The range of positions [mm or rad] about 0 without a dead centre; infinite if there is none.
+    """The range of positions [mm or rad] around 0 without a dead centre; infinite if there is none.
 
-    Where position 0 is a dead centre itself, the range on the side on which the linkage closes.
+    If position 0 is a dead centre itself, the range lies on the side on which the linkage closes.
     With `way` `TO_FAR_END` it also excludes positions in which the far end cannot be driven.
     """
     scale = linkage.crank + linkage.coupler
@@ -510,6 +528,8 @@ def clear_range(linkage: Linkage, way: int = TO_FOLLOWER) -> tuple[float, float]
     low = max((mark for mark in marks if mark < -near), default=-math.inf)
     high = min((mark for mark in marks if mark > near), default=math.inf)
     if any(abs(mark) <= near for mark in marks):
+        # Halfway to the next dead centre on either side the linkage closes, or does not, as in the
+        # whole range.
         halfway = np.array([max(low, -extent), min(high, extent)]) / 2.0
         closes = linkage.missing_length(halfway) <= 0.0
         low, high = (low if closes[0] else 0.0), (high if closes[1] else 0.0)
@@ -519,11 +539,11 @@ def clear_range(linkage: Linkage, way: int = TO_FOLLOWER) -> tuple[float, float]
 def closing_sizes(
     linkage: Linkage, size: Size, low: float, high: float
 ) -> tuple[float, float] | None:
-    """Smallest and largest length [mm] of that member with which the linkage closes.
+    """Smallest and largest length [mm] of a member with which the linkage closes at all positions
+    from `low` to `high`, everything else unchanged.
 
-    At all positions from `low` to `high`, everything else unchanged; of several ranges of lengths
-    the one nearest to the present length. 0 and infinity where nothing bounds it; None if there is
-    no such length, or none is known.
+    Of several ranges of lengths the one nearest to the present length. 0 and infinity where nothing
+    bounds it; None if there is no such length, or none is known.
     """
     all_limits = linkage.size_limits(size, low, high)
     if not all_limits:
@@ -533,9 +553,11 @@ def closing_sizes(
     limits = sorted(limit for limit in all_limits if least < limit < most)
     ranges: list[tuple[float, float]] = []
     for start, end in pairwise((0.0, *limits, math.inf)):
+        # Between two limits the linkage closes for all lengths or for none, so one length decides.
         middle = 0.5 * (start + end) if math.isfinite(end) else 2.0 * max(start, scale)
         if start == end or not _closes(linkage, size, middle, low, high):
             continue
+        # Neighbouring ranges that both close are one.
         if ranges and ranges[-1][1] == start:
             start = ranges.pop()[0]
         ranges.append((start, end))
@@ -546,7 +568,9 @@ def closing_sizes(
 
 
 def why_open(linkage: Linkage, motion: Motion) -> str:
-    """Where `linkage`, which does not close throughout `motion`, is open; what would close it."""
+    """The message for a `linkage` that does not close throughout `motion`: where it is open, and
+    what would close it.
+    """
     ranges = openings(linkage, motion)
     gaps = [
         f"{math.degrees(opening.start):.10g} and {math.degrees(opening.end):.10g}"
@@ -556,18 +580,18 @@ def why_open(linkage: Linkage, motion: Motion) -> str:
     more = f" and in {counted(left, 'more range')}" if left > 0 else ""
     missing = max(opening.missing for opening in ranges)
     low, high = lift_range(motion)
-    cures = [*_size_texts(linkage, low, high), *clear_range_texts(linkage)]
-    cured = f"; it closes {_listed(cures)}" if cures else ""
+    remedies = [*_size_texts(linkage, low, high), *clear_range_texts(linkage)]
+    remedy = f"; it closes {_listed(remedies)}" if remedies else ""
     return (
         f"the linkage does not close between cam angles {' and between '.join(gaps)} degrees{more}:"
-        f" it misses by up to {missing:.6g} mm{cured}"
+        f" it misses by up to {missing:.6g} mm{remedy}"
     )
 
 
 def clear_range_texts(linkage: Linkage, way: int = TO_FOLLOWER) -> list[str]:
-    """In words, the `clear_range` of positions of `linkage`.
+    """The `clear_range` of positions of `linkage` as a text of one item.
 
-    Empty if all positions do, or if the range is too narrow to be printed.
+    Empty if no dead centre bounds it, or if it is too narrow to be printed.
     """
     low, high = clear_range(linkage, way)
     scale, unit = (1.0, "mm") if linkage.unit == "mm" else (math.degrees(1.0), "degrees")

@@ -27,24 +27,24 @@ from camgeo.units import TURN
 
 
 SLACK = 64.0 * 2.0**-52
-"""An angle [rad] beyond the end of a range by no more than this lies at its end."""
+"""An angle [rad] that exceeds the end of a range by no more than this counts as at its end."""
 
 IN_LINE = 1e-6
-"""Largest sine of the angle between two members that are in line on this branch of the linkage;
-on the other branch they are far from it."""
+"""Largest sine of the angle between two members that counts as in line; on the other branch of the
+linkage the members are far from being in line."""
 
 
 AREA = 2.0**-40
-"""Fraction of the area of a triangle that far exceeds its rounding."""
+"""Fraction of the area of a triangle by which bounds are widened; it far exceeds the rounding."""
 
 ROUNDS = 2
-"""How often angles and slopes are enclosed in turn: for small cells two rounds settle all but the
-last digits."""
+"""How often angles and slopes are enclosed alternately: for small cells two rounds determine all
+but the last digits."""
 
 
 @dataclass(frozen=True)
 class RockerCrank(ABC):
-    """What linkages share whose crank turns the rocker: the triangle of shaft, pin and tip.
+    """Base of linkages whose crank turns the rocker: the triangle of shaft, pin and tip.
 
     Attributes
     ----------
@@ -60,7 +60,7 @@ class RockerCrank(ABC):
         @property
         @abstractmethod
         def branch(self) -> int:
-            """Side of the tip."""
+            """Side of the pin on which the crank's tip lies, seen from the shaft: +1 clockwise."""
 
     @abstractmethod
     def _distance(self, position: FloatArray) -> FloatArray:
@@ -84,15 +84,15 @@ class RockerCrank(ABC):
 
     @abstractmethod
     def _pin_heading(self, position: FloatArray, reach: FloatArray) -> Angles:
-        """Directions in which the pin moves over the same positions; the opposite ones if its pace
-        is negative.
+        """Directions in which the pin moves for the positions within `reach` (n,) of `position`
+        (n,); the opposite directions if the pace of the pin is negative.
         """
 
     @property
     @abstractmethod
     def _pin_pace(self) -> tuple[float, float]:
-        """Pace of the pin [mm per mm or rad], signed, and by how much its direction turns with the
-        position, -1, 0 or 1.
+        """Pace of the pin [mm per mm or rad], signed, and the rate at which its direction turns
+        with the position: -1, 0 or 1.
         """
 
     @property
@@ -105,16 +105,16 @@ class RockerCrank(ABC):
         """(crank + coupler)^2 - d^2 and d^2 - (crank - coupler)^2 [mm^2] at position 0."""
 
     def missing_length(self, position: FloatArray) -> FloatArray:
-        """(n,) [mm] by how much crank and coupler miss the pin; <= 0 where they reach it."""
+        """(n,) [mm] distance by which crank and coupler miss the pin; <= 0 where they reach it."""
         d = self._distance(position)
         return np.maximum(d - (self.crank + self.coupler), abs(self.crank - self.coupler) - d)
 
     def half_angle(self, growth: FloatArray, d: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Sine and cosine, times a common factor, of half the angle pin - shaft - tip, in (0, pi).
 
-        `d` (n,) is the distance shaft - pin [mm], `growth` (n,) its square minus that at
-        the start [mm^2]: with `_start_gaps` a dead centre at the start keeps the digits of the
-        motion, which d has lost.
+        `d` (n,) is the distance shaft - pin [mm], `growth` (n,) its square minus that at the start
+        [mm^2]. Together with `_start_gaps` it keeps the digits of a motion that starts at a dead
+        centre, which would be lost in d.
 
         The squares add up to 4 l_sk d; the product is D/2, twice the area of the triangle shaft,
         pin, tip, zero at a dead centre (D as in the robust form of Wirsig eq. 3.10).
@@ -130,11 +130,11 @@ class RockerCrank(ABC):
         total = d + (self.crank + self.coupler)
         first = (outer - growth) / total * short
         second = long * total
-        # At a dead centre the radicand may round to a tiny negative number.
+        # At a dead centre rounding may make the radicands slightly negative.
         return np.sqrt(np.maximum(first, 0.0)), np.sqrt(np.maximum(second, 0.0))
 
     def position_half_angle(self, position: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """`half_angle` at `position` (n,)."""
+        """(n,), (n,) the results of `half_angle` at `position` (n,)."""
         return self.half_angle(self._growth(position), self._distance(position))
 
     @abstractmethod
@@ -149,7 +149,7 @@ class RockerCrank(ABC):
         return np.stack((self._far_sine(position), self.branch * area))
 
     def crank_angle(self, position: FloatArray) -> FloatArray:
-        """theta (n,) [rad] at `position` (n,): Wirsig eq. 3.10, no poles."""
+        """theta (n,) [rad] at `position` (n,), by Wirsig eq. 3.10 in a form without poles."""
         sine, cosine = self.position_half_angle(position)
         return self._pin_angle(position) - self.branch * 2.0 * np.arctan2(sine, cosine)
 
@@ -160,8 +160,8 @@ class RockerCrank(ABC):
     def _swing_slopes(
         self, position: FloatArray, reach: FloatArray
     ) -> tuple[Interval, Interval, Interval]:
-        """dpsi/dx and two more derivatives over the positions within `reach` (n,) of `position`
-        (n,), up to their sign; infinite where these may touch a dead centre.
+        """Ranges of dpsi/dx and of two more derivatives, up to their sign, over the positions
+        within `reach` (n,) of `position` (n,); infinite where these may touch a dead centre.
 
         With the direction v of the coupler, unit vectors along coupler and crank, and the
         derivatives of the pin P:
@@ -181,6 +181,7 @@ class RockerCrank(ABC):
         tip = np.exp(1j * self.crank_angle(position))
         d = self._distance(position)
         rod = d * np.exp(1j * self._pin_angle(position)) - crank * tip
+        # Unit vector along the coupler: exp(i v).
         rod /= np.abs(rod)
         rounding = WIDENED * (1.0 + (d + crank) / coupler)
         heading = self._pin_heading(position, reach)
@@ -191,15 +192,19 @@ class RockerCrank(ABC):
             heading - on_crank,
         )
         ends = self._farthest_and_nearest(position, reach)
-        # Twice the area of the triangle is concave in d^2.
+        # sin(v - theta) is twice the area of the triangle over crank and coupler. The area is
+        # concave in d^2, so over a range of d it is smallest at one of the ends.
         least = np.minimum(*(np.multiply(*self.half_angle(*end)) for end in ends))
         least *= (1.0 - AREA) / (2.0 * crank * coupler)
         whole = np.ones_like(least)
         area = Interval(least, whole) if self.branch > 0 else Interval(-whole, -least)
+        # Nothing is known of the slopes at first; the area alone bounds them in the first round.
         theta1 = v1 = Interval(-np.inf * whole, np.inf * whole)
         for _ in range(ROUNDS):
+            # How far crank and coupler turn within the cell.
             far, farther = times(reach, theta1), times(reach, v1)
             across = crank_to_coupler.reaching(crank_to_coupler.reach + far + farther)
+            # Both enclose sin(v - theta): one follows from the area, one from the directions.
             area = area.intersection(across.sine)
             inverse = area.inverse
             in_line = to_coupler.reaching(to_coupler.reach + farther)
@@ -231,22 +236,25 @@ class RockerCrank(ABC):
         return replace(self, **changes)
 
 
-def passed_at_rest(divisor: FloatArray, jet: Jet, what: str) -> FloatArray:
-    """`divisor` (n,), replaced by 1 where it is 0, at a dead centre, and the motion `jet` rests.
+def passed_at_rest(divisor: FloatArray, jet: Jet, message: str) -> FloatArray:
+    """`divisor` (n,), with 1 in place of 0 at dead centres at which the motion `jet` (4, n) rests.
 
-    GeometryError with key "linkage", which says that `what` is infinite, if it does not rest there.
+    GeometryError with key "linkage" and `message`, which says what is infinite, if it moves there.
     """
     if np.all(divisor):
         return divisor
     dead = divisor == 0.0
     if np.any(jet[1:, dead]):
-        raise GeometryError(f"dead centre: {what} infinite", key="linkage")
+        raise GeometryError(message, key="linkage")
     return np.where(dead, 1.0, divisor)
 
 
 def chained(slopes: tuple[Interval, Interval, Interval], bounds: Jet) -> Jet:
-    """(4, n) bounds of a motion q(x) from those of x, `bounds`, and the `slopes` dq/dx and two more
-    over each cell, by the chain rule; 0 at rest, infinite where unknown.
+    """(4, n) bounds of a motion q(x) over cells, by the chain rule; 0 at rest, infinite where
+    unknown.
+
+    `slopes` are the ranges of dq/dx and of two more derivatives over each cell, `bounds` (4, n) the
+    bounds of x and its derivatives.
     """
     q1, q2, q3 = (slope.magnitude for slope in slopes)
     x0, x1, x2, x3 = bounds
@@ -255,6 +263,7 @@ def chained(slopes: tuple[Interval, Interval, Interval], bounds: Jet) -> Jet:
         chained_bounds = np.stack(
             (q1 * x0, q1 * x1, second, q3 * x1**3 + 3.0 * q2 * x1 * x2 + q1 * x3)
         )
+    # A cell at rest has no motion even where the slopes are infinite, 0 times infinity.
     resting = np.all(bounds == 0.0, axis=0)
     return np.where(resting, 0.0, np.where(np.isnan(chained_bounds), np.inf, chained_bounds))
 
@@ -267,15 +276,18 @@ def times(reach: FloatArray, slope: Interval) -> FloatArray:
 
 
 def level(height: float, length: float) -> tuple[float, ...]:
-    """Horizontal offsets [mm] of the end of a `length` that rises by `height`, if it can."""
+    """Both horizontal offsets [mm] of the end of a `length` that rises by `height`; none if it is
+    too short.
+    """
     square = (length - height) * (length + height)
     return (math.sqrt(square), -math.sqrt(square)) if square >= 0.0 else ()
 
 
 def in_line(places: tuple[float, ...], sines: FloatArray) -> tuple[float, ...]:
-    """Those of `places` at which two members are in line, by the `sines` (n,) of their angle there.
+    """Those of `places` at which two members are in line on this branch of the linkage.
 
-    The remaining places are on the other branch.
+    `sines` (n,) are the sines of the angle between the members at these places; places with a large
+    one belong to the other branch.
     """
     return tuple(
         place for place, sine in zip(places, np.abs(sines), strict=True) if sine <= IN_LINE
@@ -474,7 +486,8 @@ class SliderCrank(RockerCrank):
         half_sine, half_cosine = self.half_angle(self._growth(jet[0]), d)
         theta = np.arctan2(self.guide_height, -x)
         theta -= self.branch * 2.0 * np.arctan2(half_sine, half_cosine)
-        # exp(i theta) without another sine: the pin's direction turned by the triangle's angle.
+        # exp(i theta) without another sine: the direction of the pin, turned by the angle of the
+        # triangle, whose cosine and sine follow from those of its half.
         product = half_sine * half_cosine
         scale = 1.0 / (4.0 * crank * d * d)
         versor = half_cosine * half_cosine
@@ -491,8 +504,8 @@ class SliderCrank(RockerCrank):
         leverage = passed_at_rest(
             (self.branch / (2.0 * crank * coupler)) * product,
             jet,
-            "crank and coupler are in line while the slider starts to move, the rocker's"
-            " acceleration is",
+            "dead centre: crank and coupler are in line while the slider starts to move, so the"
+            " rocker's acceleration is infinite",
         )
         p1 = jet[1]
         of_crank = 1.0 / (crank * leverage)
@@ -524,6 +537,7 @@ class SliderCrank(RockerCrank):
             theta3 += mixed * of_crank
         swing = np.subtract(theta, self.start_angle, out=swing_jet[0])
         if len(swing) and not (np.max(swing) <= math.pi and np.min(swing) > -math.pi):
+            # Only swings beyond half a turn, if there are any, lose whole turns.
             beyond = (swing > math.pi) | (swing <= -math.pi)
             swing[beyond] -= TURN * np.ceil((swing[beyond] - math.pi) / TURN)
         return np.negative(swing_jet, out=swing_jet) if self.mirrored else swing_jet
@@ -643,7 +657,7 @@ class SliderCrank(RockerCrank):
 def _coupler_limits(
     linkage: SliderCrank, strokes: tuple[float, float]
 ) -> Iterator[tuple[float, float]]:
-    """Numerators and denominators for l_4."""
+    """Numerators and denominators of the limits of l_4 [mm], see `SliderCrank.size_limits`."""
     crank, height, side = linkage.crank, linkage.guide_height, linkage.slider_side
     lean = crank * math.sin(linkage.deflection)
     lean = lean if linkage.leans_away else -lean
@@ -651,7 +665,7 @@ def _coupler_limits(
     yield crank - height, 1.0
     for stroke in strokes:
         rest = linkage.stroke_direction * stroke - side * lean  # X = a l_4 + rest
-        # l_sk^2 - e_sk^2 is the square of the lean
+        # l_sk^2 - e_sk^2 is lean^2, so this is lean^2 - rest^2.
         top = (lean - rest) * (lean + rest)
         yield top, 2.0 * (side * rest - crank)
         yield top, 2.0 * (side * rest + crank)
@@ -661,7 +675,7 @@ def _coupler_limits(
 def _crank_limits(
     linkage: SliderCrank, strokes: tuple[float, float]
 ) -> Iterator[tuple[float, float]]:
-    """Numerators and denominators for l_sk."""
+    """Numerators and denominators of the limits of l_sk [mm], see `SliderCrank.size_limits`."""
     coupler, side = linkage.coupler, linkage.slider_side
     sine, cosine = math.sin(linkage.deflection), math.cos(linkage.deflection)
     sine = sine if linkage.leans_away else -sine
@@ -736,7 +750,7 @@ class SliderDrivenCrank:
 
     @property
     def _sense(self) -> float:
-        """Sense of theta for a positive psi."""
+        """Sense in which theta changes for a positive psi: +1, or -1 for a mirrored linkage."""
         return -1.0 if self.inner.mirrored else 1.0
 
     def _theta(self, angle: FloatArray) -> FloatArray:
@@ -747,7 +761,7 @@ class SliderDrivenCrank:
         return np.asarray(self.inner.guide_height - self.crank * np.sin(self._theta(angle)))
 
     def missing_length(self, angle: FloatArray) -> FloatArray:
-        """(n,) [mm] by how much the coupler misses the guide; <= 0 where it reaches it."""
+        """(n,) [mm] distance by which the coupler misses the guide; <= 0 where it reaches it."""
         return np.abs(self._drop(angle)) - self.coupler
 
     def _along(self, drop: FloatArray) -> FloatArray:
@@ -838,7 +852,8 @@ class SliderDrivenCrank:
         height, crank, coupler = self.inner.guide_height, self.crank, self.coupler
         if not height:
             return ()
-        # From above the shaft, the law of cosines; the sine of the tip's direction.
+        # The pin is right above the shaft, so the law of cosines gives the cosine of the angle
+        # between crank and vertical, the sine of the tip's direction.
         sine = ((crank - coupler) * (crank + coupler) + height * height) / (2.0 * height * crank)
         thetas = [math.atan2(sine, x) for x in level(sine, 1.0) if x * self.side <= 0.0]
         return self._angles(thetas, low, high)
@@ -878,7 +893,8 @@ class SliderDrivenCrank:
         below = passed_at_rest(
             along,
             jet,
-            "the coupler is square to the guide while the crank moves, the slider's velocity is",
+            "dead centre: the coupler is square to the guide while the crank moves, so the slider's"
+            " velocity is infinite",
         )
         stroke_jet = np.empty((order + 1, jet.shape[1]))
         stroke_jet[0] = self._way(angle, drop, along)
@@ -917,9 +933,10 @@ class SliderDrivenCrank:
             for size in (drop.magnitude, drop.mignitude)
         )
         along = Interval((1.0 - AREA) * least, np.minimum((1.0 + AREA) * most, coupler))
+        # cos v keeps its sign throughout the motion, see `side`.
         along = along if self.side > 0 else -along
         lift, way = sine_theta.scaled(crank), cosine_theta.scaled(crank)
-        # l_4 sin v and l_4 cos v differentiated: v' l_4 cos v, ...
+        # By differentiating l_4 sin v = e_sk - l_sk sin theta three times with respect to theta.
         v1 = -way / along
         v2 = (lift + v1.squared() * drop) / along
         v3 = (way + (v1 * v2 * drop).scaled(3.0)) / along + v1.squared() * v1
@@ -942,7 +959,7 @@ class SliderDrivenCrank:
     def _angles(
         self, thetas: tuple[float, ...] | list[float], low: float, high: float
     ) -> tuple[float, ...]:
-        """The angles in [low, high] [rad] at which theta is one of `thetas`, up to whole turns."""
+        """The crank's angles in [low, high] [rad] at which theta is one of `thetas`."""
         return periodic_angles(
             [self._sense * (theta - self.inner.start_angle) for theta in thetas], low, high
         )
@@ -1047,6 +1064,8 @@ class FourBar(RockerCrank):
 
     def _distance(self, motion: FloatArray) -> FloatArray:
         """d = |P| (n,) [mm] at `motion` (n,) [rad], without cancellation."""
+        # d^2 = (l_c - |D_0|)^2 + 4 l_c |D_0| cos^2(beta/2): a sum of squares, in which nothing
+        # cancels.
         near = self._widest * np.cos(0.5 * self._bend(motion))
         return np.hypot(self.lever - self._shaft_distance, near)
 
@@ -1068,7 +1087,7 @@ class FourBar(RockerCrank):
     def _start_gaps(self) -> tuple[float, float]:
         """(l_a + l_b)^2 - d^2 and d^2 - (l_a - l_b)^2 [mm^2] at motion 0, without rounding.
 
-        A gap that is only rounding is 0: a dead centre at the start remains one.
+        A gap that is only rounding becomes 0, so that a dead centre at the start remains one.
         """
         d = float(self._distance(np.zeros(1))[0])
         total, difference = self.crank + self.coupler, abs(self.crank - self.coupler)
@@ -1135,7 +1154,7 @@ class FourBar(RockerCrank):
 
     @property
     def coupler_tilt(self) -> float:
-        """See `Linkage`: its dimensions say nothing of it."""
+        """See `Linkage`; the dimensions of a four-bar imply no direction of the coupler."""
         return 0.0
 
     def joint_rates(
@@ -1175,7 +1194,7 @@ class FourBar(RockerCrank):
         """
         bends: list[float] = []
         for signed in (self.lever + self.coupler, self.lever - self.coupler):
-            # In line with the tip as seen from D_0, or opposite to it.
+            # The pin lies in the direction of the tip as seen from D_0, or opposite to it.
             ahead = 0.0 if signed > 0.0 else math.pi
             bends += [bend + ahead for bend in _bends(abs(self.shaft), abs(signed), self.crank)]
         positions = self._motions(bends, low - SLACK, high + SLACK)
@@ -1219,8 +1238,8 @@ class FourBar(RockerCrank):
         leverage = passed_at_rest(
             0.5 * self.branch * (sine * cosine),
             jet,
-            "crank and coupler are in line while the lever starts to move, the rocker's"
-            " acceleration is",
+            "dead centre: crank and coupler are in line while the lever starts to move, so the"
+            " rocker's acceleration is infinite",
         )
         arm = self.lever * np.exp(1j * (self.lever_angle + self.lever_sense * motion))
         tip = self.crank * np.exp(1j * theta)
@@ -1274,10 +1293,13 @@ class FourBar(RockerCrank):
 
 
 def _bends(distance: float, arm: float, reach: float) -> tuple[float, ...]:
-    """Angles [rad] of an `arm` [mm] whose end is `reach` [mm] from a point: from the direction that
-    leads away from the point, which is `distance` [mm] off; none if that is 0.
+    """Both angles [rad] of an `arm` [mm] whose end is `reach` [mm] away from a point.
+
+    They are measured from the direction that leads away from the point, whose `distance` [mm] from
+    the start of the arm must not be 0. Empty if there are none.
     """
-    # distance, arm and reach make a triangle; half its outer angle, no cancellation
+    # Distance, arm and reach form a triangle; the tangent of half its outer angle has no
+    # differences of nearly equal numbers.
     near = (reach - (arm - distance)) * (reach + (arm - distance))
     far = (arm + distance - reach) * (arm + distance + reach)
     if not distance or near < 0.0 or far < 0.0:

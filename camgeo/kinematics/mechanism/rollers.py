@@ -95,6 +95,7 @@ class TranslatingRoller(Guided, WithRoller):
         """See `Follower.relative_jet`."""
         e, sense = self.offset, float(rotation * self.direction)
         along, across = np.empty((2, order + 1, jet.shape[1]))
+        # Views of the rows of the result: what is written to them is written there.
         height, v = across[0], across[1]  # R_1 = sigma (u + i v), u the height
         np.multiply(jet[0], float(self.direction), out=height)
         height += self.start_height
@@ -171,7 +172,7 @@ class TranslatingRoller(Guided, WithRoller):
     def return_sketch(
         self, first: ComplexArray, lifts: FloatArray, reach: float
     ) -> MechanismSketch[Places]:
-        """See `Follower.return_sketch`: joined by a bracket."""
+        """See `Follower.return_sketch`: both rollers are joined by a bracket."""
         here = self.traced(lifts)
         along = self.outward * ((here - first) * self.outward.conjugate()).real
         sizes = [Dimension("spacing", first, first + along)]
@@ -236,7 +237,7 @@ class OscillatingRoller(Rocking, WithRoller):
 
     @cached_property
     def excess(self) -> float:
-        """l_3 - l_1 [mm], by which the arm is longer than the distance of its pivot."""
+        """l_3 - l_1 [mm], arm minus distance of the pivot from the cam axis."""
         return arm_excess(self.pivot, self.arm)
 
     @cached_property
@@ -284,6 +285,7 @@ class OscillatingRoller(Rocking, WithRoller):
         tip_along *= l3
         tip_across *= l3
         turning = sense * jet[1]
+        # Angular velocity of the rocker as seen from the turning cam.
         omega = turning - rotation
         v += excess
         v -= (rotation * l3) * turning
@@ -319,6 +321,8 @@ class OscillatingRoller(Rocking, WithRoller):
         chi = chi + self.arm_side * self.start_angle
         along, across = l1 * np.cos(chi), l1 * np.sin(chi)
         relative = 1.0 - rotation * chi1
+        # l_1 cos chi - l_3 (1 - sigma chi'), with cos chi as 1 - 2 sin^2(chi/2) so that l_1 and l_3
+        # do not cancel.
         behind = rotation * l3 * chi1 - self.excess - 2.0 * l1 * np.sin(0.5 * chi) ** 2
         u = np.stack((across, along * chi1))
         w = np.stack((behind, rotation * l3 * chi2 - across * chi1))
@@ -384,13 +388,13 @@ class OscillatingRoller(Rocking, WithRoller):
 
 
 def arm_excess(pivot: complex, arm: float) -> float:
-    """`arm` - |pivot| [mm] without cancellation of their digits."""
+    """`arm` - |pivot| [mm], without the rounding error of |pivot|."""
     distance = abs(pivot)
     return (arm - distance) - hypot_rest(pivot, distance)
 
 
 # -- doubled --------------------------------------------------------------------------------------
-# The rounding error of a number, computed in doubles.
+# The rounding error of an absolute value, computed with pairs of doubles.
 
 
 SPLITTER: Final = 2.0**27 + 1.0
@@ -404,7 +408,8 @@ def hypot_rest(vector: complex, size: float) -> float:
     squares = [_square(component) for component in (vector.real, vector.imag, size)]
     (x, x_low), (y, y_low), (h, h_low) = squares
     larger, smaller = max(x, y), min(x, y)
-    # x + y as an exact sum of two doubles; it is the square of the size but for rounding.
+    # total + lost is x + y exactly (Dekker); total equals h up to rounding, so their difference is
+    # exact, and |v| - s = (|v|^2 - s^2) / (2 s) but for a relative error of the rounding.
     total = larger + smaller
     lost = smaller - (total - larger)
     if not size:
@@ -436,18 +441,20 @@ def _square(number: float) -> tuple[float, float]:
 
 
 FLAT: Final = 1e-6
-"""Angle [rad], and fraction of the spacing, by which the return roller must stay clear of where its
-disc cannot drive it; closer than that, the geometry has lost six of its sixteen digits."""
+"""Angle [rad], and fraction of the spacing, by which the return roller must stay clear of positions
+in which its disc cannot drive it; closer to them, the geometry has lost six of its sixteen
+digits."""
 
 
 @dataclass(frozen=True, slots=True)
 class Mount:
-    """How the return roller is fixed to the main one; what is not given follows the main roller.
+    """How the return roller is fixed to the main one; dimensions that are not stated are those of
+    the main roller.
 
     Attributes
     ----------
     make : `return_on_carriage` or `return_on_lever`.
-    given : its arguments after the main roller, by their names.
+    arguments : its arguments after the main roller, by their names.
     """
 
     make: Callable[..., Follower]
@@ -458,7 +465,7 @@ class Mount:
         return self.make(main, **dict(self.arguments))
 
     def sized(self, **sizes: float) -> Mount:
-        """The same with other arguments."""
+        """The same mount with other values of some arguments."""
         return Mount(self.make, tuple({**dict(self.arguments), **sizes}.items()))
 
 
@@ -502,7 +509,7 @@ def return_on_carriage(
     return TranslatingRoller(
         base_radius=math.hypot(across, height),
         roller_radius=size,
-        offset=-across,  # seen along the opposite direction
+        offset=-across,  # the guide points the other way, which exchanges left and right
         guide_angle=main.guide_angle + (math.pi if main.guide_angle <= math.pi else -math.pi),
         direction=-main.direction,
     )
@@ -538,6 +545,7 @@ def return_on_lever(
     # |A_0 B_2| by the law of cosines, in the form that stays accurate for small angles.
     chord_square = 4.0 * main.centre_distance * return_arm * math.sin(0.5 * chi) ** 2
     base_radius = math.sqrt(arm_excess(main.pivot, return_arm) ** 2 + chord_square)
+    # At 0 and pi the arm lies on the line of centres and has no lever.
     flat = not FLAT < abs(chi) < math.pi - FLAT
     try:
         if not flat:
@@ -550,7 +558,7 @@ def return_on_lever(
                 direction=None if main.direction is None else main.swing_sense * side,
             )
     except GeometryError:
-        pass  # a triangle that is flat up to rounding
+        pass  # the triangle is flat up to rounding: the same error as below
     raise GeometryError(
         "the return arm lies on the line from the pivot to the cam axis at cam angle 0, where its"
         f" disc cannot move it: the main arm is at {math.degrees(main.start_angle):.6g} degrees"

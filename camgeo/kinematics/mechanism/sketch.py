@@ -1,7 +1,7 @@
-"""What a picture shows of a mechanism: links, joints, guides, rollers and faces.
+"""Sketches of mechanisms for pictures: links, joints, guides, rollers and faces.
 
-A sketch shows one position, in which each place is a complex number, or n of them, in which what
-moves is an array (n,), and what does not a complex number still.
+A sketch shows one position, in which each point is a complex number, or n positions, in which
+points that move are arrays (n,) and points that rest remain complex numbers.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import numpy as np
 from camgeo.numeric.arrays import ComplexArray
 
 Places = complex | ComplexArray
-"""Of a point in n positions [mm]: (n,), or one for all."""
+"""A point in n positions [mm]: (n,), or one complex number for all of them."""
 
 Place = TypeVar("Place", covariant=True)
 
@@ -26,9 +26,9 @@ class Guide(Generic[Place]):
     Attributes
     ----------
     middle : a point on it [mm]; that of the slider, if there is one.
-    direction : unit vector.
-    block : whether a slider runs on it, rather than a rod through it.
-    travel : places [mm] of that point between which it moves; the guide itself stays.
+    direction : unit vector along it.
+    block : whether a slider runs on it; otherwise a rod runs through it.
+    travel : ends [mm] of the way of that point; the guide itself does not move.
     """
 
     middle: Place
@@ -43,10 +43,10 @@ class Dimension(Generic[Place]):
 
     Attributes
     ----------
-    key : of the scene, from the table of what has it.
-    start, end : where it is measured [mm].
-    vector : whether the scene states both coordinates of `end` seen from `start`.
-    negative : whether the scene states the length with a minus, for the side on which it lies.
+    key : key of the scene, without the table of the follower or linkage to which it belongs.
+    start, end : points between which it is measured [mm].
+    vector : whether the scene states both coordinates of `end` relative to `start`.
+    negative : whether the scene states the length with a minus sign, for the side on which it lies.
     """
 
     key: str
@@ -57,7 +57,7 @@ class Dimension(Generic[Place]):
 
     @property
     def value(self: Dimension[complex]) -> tuple[float, ...]:
-        """The length, or both coordinates [mm]."""
+        """The length, or both coordinates [mm], as the scene states them."""
         way = self.end - self.start
         return (way.real, way.imag) if self.vector else (-abs(way) if self.negative else abs(way),)
 
@@ -86,7 +86,9 @@ class MechanismSketch(Generic[Place]):
     dimensions: tuple[Dimension[Place], ...] = ()
 
     def of_table(self, name: str) -> MechanismSketch[Place]:
-        """The same with the `name` of the scene's table before the keys of its dimensions."""
+        """The same sketch with the `name` of a table of the scene before the keys of its
+        dimensions.
+        """
         dimensions = (
             replace(dimension, key=f"{name}.{dimension.key}") for dimension in self.dimensions
         )
@@ -95,20 +97,20 @@ class MechanismSketch(Generic[Place]):
     def __add__(
         self: MechanismSketch[Places], other: MechanismSketch[Places]
     ) -> MechanismSketch[Places]:
-        """Both together."""
+        """A sketch with the parts of both."""
         return MechanismSketch(
             *(getattr(self, field.name) + getattr(other, field.name) for field in fields(self))
         )
 
     def position(self: MechanismSketch[Places], number: int) -> MechanismSketch[complex]:
-        """The position of that `number`, from 0."""
+        """The sketch of the position with that `number`, from 0."""
         return MechanismSketch(
             *(_pick_position(getattr(self, field.name), number) for field in fields(self))
         )
 
     @property
     def points(self) -> ComplexArray:
-        """(m,) [mm] all that must fit into a picture, of all positions."""
+        """(m,) [mm] points that a picture must enclose, in all positions."""
         ends: list[Any] = [point for line in (*self.links, *self.faces) for point in line]
         sides = np.array([[1.0], [1j], [-1.0], [-1j]])
         rims: list[Any] = [np.asarray(centre) + radius * sides for centre, radius in self.rollers]
@@ -118,7 +120,7 @@ class MechanismSketch(Generic[Place]):
 
 
 def _pick_position(value: Any, number: int) -> Any:
-    """The same with the place of that number instead of each array of places."""
+    """`value` with the entry of that `number` in place of each array of points."""
     if isinstance(value, np.ndarray):
         return complex(value[number])
     if isinstance(value, tuple):

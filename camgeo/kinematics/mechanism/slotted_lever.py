@@ -94,9 +94,13 @@ class SlottedLever(CheckedFields):
         """
         theta, half = self._angles(theta)
         p, q, d = self._shares()
-        sine, cosine = np.sin(theta) + 0.0, np.cos(theta)  # no -0, which would be on the other side
+        sine, cosine = (
+            np.sin(theta) + 0.0,
+            np.cos(theta),
+        )  # no -0: arctan2 would take the other side
         if d == 0.0:
-            # Between 0 and 2 pi the arc cotangent is the angle; beyond, that of the same line.
+            # Between 0 and 2 pi the arc cotangent is the angle; beyond, it is the angle of the same
+            # line up to half turns, of which the nearest is added.
             line = np.arctan(np.cos(0.5 * theta) / half)
             line += math.pi * np.rint((0.5 * (math.pi - theta) - line) / math.pi)
             return np.asarray(line)
@@ -297,7 +301,7 @@ class LeverExtreme:
 
     Attributes
     ----------
-    quantity : which one.
+    quantity : the quantity that is extreme.
     largest : True for the largest value with its sign, False for the smallest.
     value : of the quantity, by its closed form.
     crank : crank angle theta in [0, 2 pi) [rad].
@@ -314,7 +318,7 @@ class LeverExtreme:
 
     @property
     def unit(self) -> str:
-        """Of the value."""
+        """Unit of the value."""
         return UNITS[self.quantity]
 
 
@@ -397,7 +401,7 @@ class DrivenLever:
             angle = lever.largest_angle
             collected += self._pair("phi", -angle.value, angle.place)
         velocities = lever.velocity_extremes
-        # The smallest phi' is the largest omega_2, for the sense of the angles is opposite.
+        # The smallest phi' is the largest omega_2, because phi and omega_2 have opposite senses.
         at_ends = [
             self._extreme("omega2", largest, -speed * end.value, end.place)
             for largest, end in ((True, velocities.lowest), (False, velocities.highest))
@@ -426,7 +430,7 @@ class DrivenLever:
     def _extreme(
         self, quantity: Quantity, largest: bool, value: float, theta: float
     ) -> LeverExtreme:
-        # sin(pi) is not zero in floating point, but the lever's angle there is.
+        # The lever's angle at pi is exactly 0, but sin(pi) is not in floating point.
         angle = 0.0 if theta == math.pi else float(self.output(np.array([theta]))[0, 0])
         if quantity == "phi":
             angle = value

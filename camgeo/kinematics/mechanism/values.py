@@ -1,4 +1,4 @@
-"""The values of followers, linkages and parts: checked on the way in, and converted from a scene.
+"""The dimensions of followers, linkages and parts: how they are checked and converted from a scene.
 
 Lengths in mm and angles in rad. Each check returns the value as it is stored, or raises
 `GeometryError` with the key, the value and what is allowed.
@@ -71,9 +71,13 @@ def branch(key: str, value: Any) -> int:
 
 
 def of_table(check: Check, value: Any, mm: float) -> Any:
-    """A value of a scene's table, converted for the field that `check` guards; `mm` per unit."""
-    check = getattr(check, "func", check)  # of a range of angles
+    """`value` of a scene's table, converted to mm or rad for a field with this `check`; `mm` is the
+    length of the scene's unit.
+    """
+    # The check of an angle with a range of its own is a `partial` of `angle`.
+    check = getattr(check, "func", check)
     if isinstance(value, str):
+        # A branch is positive clockwise, while the words count as positive counter-clockwise.
         return -SIGNS[value] if check is branch else SIGNS.get(value)
     if check is place:
         return mm * complex(*value)
@@ -118,8 +122,8 @@ class Values:
     def build(self, make: Callable[..., Built], *first: Any, **others: Any) -> Built:
         """Call `make`, a class or a function, with the values that its annotations name.
 
-        Converted to mm and rad by the annotations of `camgeo.kinematics.mechanism.values`. `first`
-        are passed before them, `others` in place of them.
+        They are converted to mm and rad by the checks in these annotations. The arguments `first`
+        precede them, `others` replace those with the same names.
         """
         return make(*first, **(self.arguments(make) | others))
 
@@ -137,10 +141,11 @@ class Values:
 
 
 # -- kind -----------------------------------------------------------------------------------------
-# What a kind of follower or linkage declares: its name, the keys of its table, how it is built.
+# The declaration of a kind of follower or linkage: its name, the keys of its table, how it is
+# built.
 #
-# A declaration imports nothing that computes; what it builds is imported when it is built. What
-# reads scenes knows kinds by their declarations alone.
+# A declaration imports no module that computes; the class of the follower or linkage is imported
+# when one is built. Readers of scenes know the kinds by their declarations alone.
 
 
 Touching = Literal["roller", "face"]
@@ -162,13 +167,14 @@ class FollowerKind:
 
     Attributes
     ----------
-    name : as scenes write it.
-    description : what it is, in a sentence.
-    unit : of its lift.
+    name : its name in scenes.
+    description : a sentence that describes it.
+    unit : unit of its lift.
     touching : the part that touches the cam.
     schema : JSON Schema of its table, without its kind.
-    made : its class, as "module:name" beside this module.
-    return_maker : of a kind with conjugate pairs, what makes the second roller; else empty.
+    class_path : its class, as "module:name" beside this module.
+    return_maker : function that makes the second roller of a conjugate pair, in the same form;
+        empty for a kind without conjugate pairs.
     sizes : keys of the lengths that a tolerance is compared with; nested ones with a dot.
     rules : conditions that relate its keys.
     """
@@ -184,20 +190,21 @@ class FollowerKind:
     rules: tuple[Rule, ...] = ()
 
     def build(self, values: Values) -> Any:
-        """The follower of a table; behind a linkage, which gives its own angle, the direction of a
-        rocker is None.
+        """The follower that a table describes.
+
+        Behind a linkage the lift of a rocker is its own angle, so its direction is None.
         """
         overrides = {"direction": None} if values.linked and self.unit == "rad" else {}
         return values.build(_imported(self.class_path), **overrides)
 
     def mount(self, values: Values) -> Any:
-        """The `rollers.Mount` of the second roller, of the table [follower.return]."""
+        """The `rollers.Mount` of the second roller that the table [follower.return] describes."""
         make = _imported(self.return_maker)
         return _imported("rollers:Mount")(make, tuple(values.arguments(make).items()))
 
 
 def _imported(place: str) -> Any:
-    """What is named as "module:name"."""
+    """The object with the name "module:name", of a module beside this one."""
     module, name = place.split(":")
     return getattr(import_module(f"camgeo.kinematics.mechanism.{module}"), name)
 
@@ -208,9 +215,9 @@ class LinkageKind:
 
     Attributes
     ----------
-    name : as scenes write it.
-    description : what it is, in a sentence or two.
-    members : whose motion is demanded, by the unit of lift of the follower that it drives.
+    name : its name in scenes.
+    description : one or two sentences that describe it.
+    members : member whose motion is demanded, by the unit of lift of the follower that it drives.
     schema : JSON Schema of its table, without its kind.
     build : makes the linkage of a table, for a follower whose lift has that unit.
     templates : names of the scenes with it that `camgeo new` writes.

@@ -1,4 +1,7 @@
-"""The laws of moves: which turns they decide, which one "auto" takes, and how each is built."""
+"""The laws of moves: which reversals they determine, which law "auto" chooses, how each is built.
+
+A reversal is a joint of the class U of VDI 2143-1: momentary rest with an acceleration.
+"""
 
 from __future__ import annotations
 
@@ -36,15 +39,17 @@ MISSED = 1e-9
 """Relative error of a stated value that counts as rounding."""
 
 GENTLEST = 1.0 - 1e-9
-"""c of a sine-straight combination, which may turn slightly more gently still, by rounding."""
+"""c of the gentlest sine-straight combination, a little below 1, so that rounding still permits a
+reversal that is slightly gentler."""
 
 
 RESOLVED: Final = 4.0 * SNAP
-"""Shortest part of a law [rad]; two cam angles closer than `SNAP` are the same."""
+"""Length [rad] of the shortest part that a law may have; two cam angles closer than `SNAP` are the
+same."""
 
 
 def build_move(link: Link) -> Move:
-    """The move by the law that is asked for, of joints that are settled."""
+    """The move by the requested law; the values of both its joints must be settled."""
     request = link.move
     if link.law == STRAIGHT:
         return Move(request.span, request.to, make_law(STRAIGHT, "G-G"))
@@ -62,10 +67,7 @@ def build_move(link: Link) -> Move:
 
 
 def _check_resolved(link: Link, law: Law) -> None:
-    """GeometryError if a part of a law is too short for cam angles to distinguish its ends.
-
-    The least allowed is a millionth of the shortest span.
-    """
+    """Raise GeometryError if cam angles cannot distinguish the ends of a part of the law."""
     if law.inflection is None:
         return
     curved = law.parameters.get("curved", 1.0)
@@ -74,24 +76,27 @@ def _check_resolved(link: Link, law: Law) -> None:
         raise GeometryError(
             f"would speed up or slow down within {math.degrees(shorter):.2g} degrees of its"
             f" {math.degrees(link.length):.6g}, too few for cam angles to distinguish from a jump;"
-            f" allowed: {math.degrees(RESOLVED):.2g} or more. A longer span beside a sharp turn, a"
-            " dwell there, even dwell = 0, or a larger inflection or curved part makes it possible",
+            f" allowed: {math.degrees(RESOLVED):.2g} or more. A longer span beside a sharp"
+            " reversal, a dwell there, even dwell = 0, or a larger inflection or curved part makes"
+            " it possible",
             key=f"{link.key}.law",
             value=law.name,
         )
 
 
 def named_law(link: Link) -> Law:
-    """The law that a move names, for its task, with what is known of its joints.
+    """The law that a move names, for its task, with the known values of its joints.
 
     Raises
     ------
     GeometryError
-        With the key of the segment, if there is no such law; it states which value would do.
+        With the key of the segment, if there is no such law; the message states which values are
+        possible.
     """
     request, family, task = link.move, find_family(link.law), link.task
     if task not in family.parameters:
-        task = family.tasks[0]  # the polynomial of what is given has but one
+        # The free polynomial has one task, B-B, which covers all classes of joints.
+        task = family.tasks[0]
     with keyed(link):
         parameters = dict(request.parameters)
         known = normalised(link)
@@ -112,10 +117,10 @@ def named_law(link: Link) -> Law:
 
 
 def preferred_law(link: Link) -> Law:
-    """The law that a move names, with the parameters that are not stated chosen for it alone.
+    """The law that a move names, with its free parameters chosen regardless of the neighbours.
 
     The inflection point lies where the accelerations of both parts are equally large, or in the
-    middle if there is no such place; a sine-straight combination turns as gently as it can.
+    middle if there is no such place; a sine-straight combination reverses as gently as it can.
     """
     family, task = find_family(link.law), link.task
     accepted = family.parameters[task]
@@ -133,8 +138,9 @@ def preferred_law(link: Link) -> Law:
 
 
 def normalised(link: Link, unit: float | None = None) -> dict[str, float]:
-    """Known values at both ends, "v0" to "j1", normalised (VDI 2143-1, eqs. (136) to (141)): as
-    multiples of the stroke, or of another `unit` [mm or rad].
+    """Known boundary values of a move by name, "v0" to "j1", normalised.
+
+    As multiples of the stroke, or of another `unit` [mm or rad] (VDI 2143-1, eqs. (136) to (141)).
     """
     unit, values = unit or link.stroke, {}
     for end, joint in (("0", link.start), ("1", link.end)):
@@ -145,14 +151,16 @@ def normalised(link: Link, unit: float | None = None) -> dict[str, float]:
 
 
 def _needed(link: Link, taken: tuple[str, ...], known: dict[str, float]) -> list[str]:
-    """The boundary values that a law is given, of those it takes."""
+    """Names of the boundary values that are passed to the law of a move, of those it takes."""
     ends = {"0": link.start, "1": link.end}
     keys = [key for key in taken if key in known]
     accelerations = [key for key in keys if key[0] == "a"]
     accelerations.sort(key=lambda key: "acceleration" not in ends[key[1]].stated)
     if "inflection" not in taken:
         return keys
-    # A turn is met by the place of the inflection point (and by c, where there is one).
+    # An acceleration at a reversal is met by placing the inflection point (and by c, if there is
+    # one), so a law can meet only as many accelerations as it has such parameters free. Stated
+    # accelerations come first.
     free = 2 if "curved" in taken else 1
     free -= len({"inflection", "curved"} & link.move.stated_parameters)
     dropped = accelerations[max(free, 0) :]
@@ -160,8 +168,9 @@ def _needed(link: Link, taken: tuple[str, ...], known: dict[str, float]) -> list
 
 
 def _check_stated(link: Link, law: Law) -> None:
-    """What a designer states is met, or refused: a law that has no freedom left may have another
-    value, as the simple sine from rest to rest has.
+    """Raise GeometryError if the law does not meet a value that the designer states.
+
+    A law without a free parameter may have another value, as the simple sine from rest to rest has.
     """
     text = link.unit.text
     for joint, end in ((link.start, law.start), (link.end, law.end)):
@@ -173,16 +182,17 @@ def _check_stated(link: Link, law: Law) -> None:
             if abs(actual - wanted) > MISSED * max(abs(actual), abs(wanted), abs(unit)):
                 raise GeometryError(
                     f"cannot be met by {law.name} for {law.task} of {link.key}, whose {name} there"
-                    f" is {text(actual, order)}; polynomial-5 and auto meet any",
+                    f" is {text(actual, order)}; polynomial-5 and auto meet any value",
                     key=f"{joint.key}.{name}",
                     value=text(wanted, order),
                 )
 
 
 def law_without_stroke(link: Link) -> Law | None:
-    """The law of a move that ends where it starts, a polynomial whose scale is its own [mm or rad].
+    """The law of a move that ends where it starts: a polynomial in mm or rad, as there is no stroke
+    to normalise it by.
 
-    None if velocity, acceleration and the stated jerk are 0 at both ends: the move rests.
+    None if velocity, acceleration and the stated jerk are 0 at both ends: the move is a rest.
     """
     name = "polynomial-5" if link.law == AUTO else find_family(link.law).name
     values = normalised(link, 1.0)
@@ -198,7 +208,10 @@ def law_without_stroke(link: Link) -> Law | None:
 
 @contextmanager
 def keyed(link: Link) -> Iterator[None]:
-    """Errors get the key of the segment that requests the law; "law" where they have none."""
+    """A context in which a GeometryError gets the key of the segment that requests the law.
+
+    Errors without a key of their own, or about boundary values, get its key "law".
+    """
     try:
         yield
     except GeometryError as error:
@@ -215,8 +228,8 @@ def _unreachable_error(
     """The error that says why a law cannot have the acceleration a0 or a1 of `parameters`; None if
     it can, or takes neither.
 
-    The acceleration at a turn runs from a bound, which it has where the other part of the law takes
-    no time, to infinity, where its own part takes none (see `camgeo.kinematics.laws.pulse`).
+    The acceleration at a reversal ranges from a bound, reached if the other part of the law has no
+    length, to infinity, if its own part has none (see `camgeo.kinematics.laws.pulse`).
     """
     ends: dict[str, float] = {key: parameters[key] for key in ("a0", "a1") if key in parameters}
     if family.parts is None or not ends:
@@ -228,24 +241,27 @@ def _unreachable_error(
         rest = {name: value for name, value in parameters.items() if name not in ends}
         parts = family.parts(task, rest)
         bound, above = parts.reach()
-        if key == "a0":  # of the mirror image, whose acceleration has the other sign
+        if key == "a0":  # the end of the mirror image, where the acceleration has the opposite sign
             bound, above = parts.mirrored.reach()
             bound, above = -bound, not above
         if family.name == "sine-straight" and "inflection" in parameters:
             inflection = parameters["inflection"]
+            # With lambda stated, c alone is free: lambda C_a >= pi^2/4, see
+            # `sine_straight.curved_for`.
             bound = LEAST / inflection if key == "a0" else -LEAST / (1.0 - inflection)
     if not key or (ends[key] > bound if above else ends[key] < bound):
         return None
     joint = link.start if key == "a0" else link.end
     physical = link.unit_acceleration
     text = link.unit.text
+    # A negative stroke reverses the sign of physical accelerations.
     side = "above" if above == (link.stroke > 0.0) else "below"
     place = "starts" if key == "a0" else "ends"
     message = (
         f"over {math.degrees(link.length):.6g} degrees and {text(link.stroke)},"
         f" {family.name} for {task} {place} with an acceleration {side}"
         f" {text(bound * physical, 2)}, but {text(ends[key] * physical, 2)} is needed here;"
-        " polynomial-5 and auto meet any"
+        " polynomial-5 and auto meet any value"
     )
     stated = "acceleration" in joint.stated
     return GeometryError(
@@ -256,75 +272,80 @@ def _unreachable_error(
 
 
 def _unreachable_end(a0: float, a1: float) -> tuple[str, float, bool]:
-    """Which of the two a sine-straight combination cannot have, its bound, and if it lies above."""
+    """The name of the acceleration that a sine-straight combination cannot have, its bound, and
+    whether it must lie above the bound.
+    """
     if not a0 > LEAST:
         return "a0", LEAST, True
     if not -a1 > LEAST:
         return "a1", -LEAST, False
+    # From a0 |a1|/(a0 + |a1|) >= pi^2/4, solved for |a1|.
     least = LEAST * a0 / (a0 - LEAST)
     return "a1", -least, False
 
 
-# -- turns ----------------------------------------------------------------------------------------
-# The acceleration of turns, where the laws beside them decide it.
+# -- reversals ------------------------------------------------------------------------------------
+# The acceleration at reversals, where the neighbouring laws determine it.
 
 
 SHAPES: Final = frozenset({"inflection", "curved"})
-"""Parameters with which a law meets turns."""
+"""Parameters by which a law meets the accelerations at its reversals."""
 
 POWERS: Final = {"velocity": (1, 1), "acceleration": (2, 1), "jerk": (3, 1), "moment": (3, 2)}
-"""Powers of 1/span and stroke in each quantity that "auto" can keep small."""
+"""Exponents of 1/span and of the stroke in each quantity that "auto" can keep small."""
 
 TRIED: Final = 3
-"""Turns that are compared between the best ones of two moves, these included; with spans of 40 and
-150 degrees the jerk is then 12 % above the least."""
+"""Number of accelerations compared from the best one of a move to that of the other move, both
+included; with spans of 40 and 150 degrees the jerk is then 12 % above the smallest one possible."""
 
 SAME: Final = 1e-12
 """Relative difference of accelerations that counts as rounding."""
 
 
-def settle_turns(links: Sequence[Link]) -> tuple[set[RingJoint], dict[RingJoint, float]]:
-    """Give turns the acceleration that the laws beside them decide.
+def settle_reversals(links: Sequence[Link]) -> tuple[set[RingJoint], dict[RingJoint, float]]:
+    """Give reversals the acceleration that the neighbouring laws determine.
 
-    A law without a choice decides its turns. Each law with a choice has a turn that suits it best:
-    for a law whose inflection point is not stated, the one with equally large accelerations in both
-    its parts; for "auto", that of its best law. A law meets any turn that is sharper than its own,
-    so between two such laws the sharper one decides. Between two "auto" moves that keep the jerk
-    small, which grows with the sharpness of a turn, the turn lies between their own.
+    A law without a free parameter determines its reversals. Each other law prefers one
+    acceleration: a law whose inflection point is not stated that with equally large accelerations
+    in both its parts; "auto" that of its best law. A law meets any reversal that is sharper than
+    the preferred one, so between two such laws the sharper one counts. Between two "auto" moves
+    that keep the jerk small, which grows with the sharpness, the acceleration lies between the
+    preferred ones.
 
     Returns
     -------
-    The joints of the turns that no law decides; and of those that remain open because something on
-    one side joins to any, the gentlest acceleration [mm or rad, per rad^2] that a law on the other
-    side can have.
+    The joints of the reversals that no law without a free parameter determines; and for those that
+    remain open because one side meets any acceleration, the gentlest acceleration [mm or rad, per
+    rad^2] that the law on the other side can have.
 
     Raises
     ------
     GeometryError
-        If a law cannot have the values at one end that it needs at the other, or the motion
-        continues at a joint where the laws on both sides turn back.
+        If a law that meets the values at one end cannot meet those at the other, or the motion
+        continues in the same direction at a joint where both laws have a reversal.
     """
-    turns = [link.start for link in links if link.start.kind == "U"]
-    gentlest = {joint: _gentlest(joint) for joint in turns}
+    reversals = [link.start for link in links if link.start.kind == "U"]
+    gentlest = {joint: _gentlest(joint) for joint in reversals}
     _decide(links, gentlest)
-    undecided = [joint for joint in turns if joint.acceleration is None]
+    undecided = [joint for joint in reversals if joint.acceleration is None]
     suited = {joint: _suited(joint) for joint in undecided}
-    for joint, turn in suited.items():
-        joint.acceleration = turn
+    for joint, acceleration in suited.items():
+        joint.acceleration = acceleration
     return set(undecided), {
-        joint: turn
+        joint: acceleration
         for joint in undecided
-        if suited[joint] is None and (turn := gentlest[joint]) is not None
+        if suited[joint] is None and (acceleration := gentlest[joint]) is not None
     }
 
 
-def tied_turns(links: Sequence[Link], undecided: Set[RingJoint]) -> dict[RingJoint, float]:
-    """The accelerations of both turns of a move, by joint, if its law does not meet both as they
-    are: with one parameter left to choose, one turn determines the other.
+def tied_reversals(links: Sequence[Link], undecided: Set[RingJoint]) -> dict[RingJoint, float]:
+    """The accelerations at both ends of a move between two reversals, by joint, if its law cannot
+    meet them as they are: with one free parameter, one acceleration determines the other.
 
-    A turn whose joint is not `undecided` decides; else the gentler one, as a multiple of the
-    gentlest that the law can have, or the other one if the neighbour there cannot turn so gently.
-    Empty if there is no such move, or neither of its turns is open.
+    A reversal that is not `undecided` determines the other one; if both are undecided, the gentler
+    one does, as a multiple of the gentlest that the law can have, or the sharper one if the
+    neighbour could not meet what follows. Empty if there is no such move, or neither of its
+    reversals is open.
     """
     for link in links:
         ends = link.start, link.end
@@ -333,74 +354,87 @@ def tied_turns(links: Sequence[Link], undecided: Set[RingJoint]) -> dict[RingJoi
         ties = link.task == "U-U" and adjustable == SHAPES and len(stated) == 1
         if not ties or not any(is_open):
             continue
-        turns = [end.acceleration or 0.0 for end in ends]
+        accelerations = [end.acceleration or 0.0 for end in ends]
         size = [
-            abs(turn / preferred)
-            for turn, preferred in zip(turns, _preferred_turns(link), strict=True)
+            abs(acceleration / preferred)
+            for acceleration, preferred in zip(
+                accelerations, _preferred_reversals(link), strict=True
+            )
         ]
         follows = int(size[0] <= size[1]) if all(is_open) else is_open.index(True)
         wanted = _following(link, follows)
-        if all(is_open) and abs(wanted) < abs(_neighbour_turn(ends[follows], link)):
+        if all(is_open) and abs(wanted) < abs(_neighbour_reversal(ends[follows], link)):
             follows = 1 - follows
             wanted = _following(link, follows)
-        if abs(wanted - turns[follows]) > SAME * abs(wanted):
-            return {ends[follows]: wanted, ends[1 - follows]: turns[1 - follows]}
+        if abs(wanted - accelerations[follows]) > SAME * abs(wanted):
+            return {ends[follows]: wanted, ends[1 - follows]: accelerations[1 - follows]}
     return {}
 
 
 def _following(link: Link, at_end: int) -> float:
-    """The acceleration that the law of a move has at one end, from the one at its other end."""
+    """The acceleration at one end of a move that its law determines from that at the other."""
     joint = link.end if at_end else link.start
+    # Without a value here, the law follows from the other end alone.
     saved, joint.acceleration = joint.acceleration, None
     law = named_law(link)
     joint.acceleration = saved
     return (law.end if at_end else law.start).acceleration * link.stroke / link.length**2
 
 
-def _neighbour_turn(joint: RingJoint, link: Link) -> float:
-    """The gentlest acceleration at a joint of the law on the other side than `link`."""
-    return next((turn for side, turn in _turns_of_sides(joint) if side is not link), 0.0)
+def _neighbour_reversal(joint: RingJoint, link: Link) -> float:
+    """The gentlest acceleration at a joint that the law on the side opposite to `link` can have; 0
+    if that side has no named law.
+    """
+    return next(
+        (acceleration for side, acceleration in _reversals_of_sides(joint) if side is not link), 0.0
+    )
 
 
-def _turns_of_sides(joint: RingJoint) -> Iterator[tuple[Link, float]]:
-    """The named laws before and after a joint, each with its own acceleration there."""
+def _reversals_of_sides(joint: RingJoint) -> Iterator[tuple[Link, float]]:
+    """The named laws before and after a joint, each with the acceleration that it prefers there."""
     for link, at_end in _sides(joint):
         if link.is_named and link.stroke:
-            yield link, _preferred_turns(link)[at_end]
+            yield link, _preferred_reversals(link)[at_end]
 
 
 def _sides(joint: RingJoint) -> tuple[tuple[Link, int], tuple[Link, int]]:
-    """The links before and after a joint, each with which of its ends the joint is."""
+    """The links before and after a joint, each with the number of its end that the joint is: 0 for
+    its start, 1 for its end.
+    """
     return (joint.previous, 1), (joint.following, 0)
 
 
 def _choices(link: Link) -> tuple[frozenset[str], frozenset[str]]:
-    """The parameters of a named law with which it can meet turns, and which of them are stated."""
+    """The parameters by which a named law can meet reversals, and those of them that are stated."""
     if not link.is_named:
         return frozenset(), frozenset()
     adjustable = SHAPES & {*find_family(link.law).parameters.get(link.task, ())}
     return adjustable, adjustable & link.move.stated_parameters
 
 
-def _decides_turn(link: Link) -> bool:
-    """Whether the parameters of a law fix the acceleration with which it turns."""
+def _decides_reversal(link: Link) -> bool:
+    """Whether the parameters of a law determine the acceleration at its reversals."""
     if not link.is_named or "U" not in link.task:
         return False
     adjustable, stated = _choices(link)
-    # A law with one parameter can meet one of two turns.
+    # A law with one parameter can meet the acceleration of one of two reversals only.
     return stated == adjustable or (link.task == "U-U" and len(adjustable) == 1)
 
 
 def _decide(links: Sequence[Link], gentlest: Mapping[RingJoint, float | None]) -> None:
-    """Turns whose acceleration a neighbouring law fixes; fully stated laws come first.
+    """Give the reversals of laws without a free parameter their acceleration; fully stated laws
+    come first.
 
-    A law that chooses one of its two turns chooses the one for which a neighbour needs a sharper
-    turn than its own, according to `gentlest`, by joint.
+    A law that can meet one of its two reversals meets the one at which the neighbour needs a
+    sharper reversal than this law prefers; `gentlest` gives the needed accelerations by joint.
     """
-    deciding = [link for link in links if link.stroke and _decides_turn(link)]
-    # A law meets any turn that is sharper than its own, so the sharper one decides.
+    deciding = [link for link in links if link.stroke and _decides_reversal(link)]
+    # A law meets any reversal that is sharper than the preferred one, so the sharpest come first.
     deciding.sort(
-        key=lambda link: (not link.move.stated_parameters, -max(map(abs, _preferred_turns(link))))
+        key=lambda link: (
+            not link.move.stated_parameters,
+            -max(map(abs, _preferred_reversals(link))),
+        )
     )
     for link in deciding:
         start, end = link.start, link.end
@@ -415,14 +449,17 @@ def _decide(links: Sequence[Link], gentlest: Mapping[RingJoint, float | None]) -
 
 
 def _choose_sharper(link: Link, gentlest: Mapping[RingJoint, float | None]) -> None:
-    """Give one turn of a law what the neighbour there needs, if that is sharper than its own."""
+    """Give one reversal of a law the acceleration that the neighbour there needs, if that is
+    sharper than the preferred one.
+    """
     adjustable, stated = _choices(link)
     if adjustable == stated:
         return
     ends = link.start, link.end
     needed = [gentlest[end] or 0.0 for end in ends]
     sizes = [
-        turn / preferred for turn, preferred in zip(needed, _preferred_turns(link), strict=True)
+        acceleration / preferred
+        for acceleration, preferred in zip(needed, _preferred_reversals(link), strict=True)
     ]
     sharper = sizes.index(max(sizes))
     if sizes[sharper] > 1.0:
@@ -430,83 +467,87 @@ def _choose_sharper(link: Link, gentlest: Mapping[RingJoint, float | None]) -> N
 
 
 def _gentlest(joint: RingJoint) -> float | None:
-    """The gentlest acceleration of a turn that suits the named laws beside it; None without any."""
-    turns = [turn for _, turn in _turns_of_sides(joint)]
-    if len(turns) == 2 and turns[0] * turns[1] < 0.0:
+    """The gentlest acceleration at a reversal that the named laws beside it can meet; None if there
+    are no such laws.
+    """
+    accelerations = [acceleration for _, acceleration in _reversals_of_sides(joint)]
+    if len(accelerations) == 2 and accelerations[0] * accelerations[1] < 0.0:
         raise GeometryError(
-            "would stop for a moment at its end and then go on in the same direction: this law"
-            " slows down to there, the next one speeds up from there, and their accelerations have"
-            " opposite signs; polynomial-5 and auto pass with a velocity",
+            "would stop for a moment at its end and then continue in the same direction: this law"
+            " decelerates up to there, the next one accelerates from there, and their accelerations"
+            " have opposite signs; polynomial-5 and auto pass with a velocity",
             key=f"{joint.previous.key}.law",
         )
-    return max(turns, key=abs, default=None)
+    return max(accelerations, key=abs, default=None)
 
 
 def _suited(joint: RingJoint) -> float | None:
-    """The acceleration of a turn that suits the laws on both sides; None if one side joins to any,
-    or neither law prefers a turn to a sharper one.
+    """The acceleration at a reversal that suits the laws on both sides; None if one side meets any
+    acceleration, or if neither law prefers its own acceleration to a sharper one.
     """
     candidates, prefers = [], False
     for link, at_end in _sides(joint):
-        turns = _preferred_turns(link) if link.is_named else _best_turns(link)
-        if not link.stroke or turns is None:
+        accelerations = _preferred_reversals(link) if link.is_named else _best_reversals(link)
+        if not link.stroke or accelerations is None:
             return None
-        candidates.append(turns[at_end])
+        candidates.append(accelerations[at_end])
         prefers |= _choices(link)[0] != SHAPES
     if not prefers or candidates[0] * candidates[1] <= 0.0:
         return None
     links = joint.previous, joint.following
     if not any("jerk" in link.move.optimise for link in links):
         return max(candidates, key=abs)
-    # A turn sharper than its own costs a law more jerk.
+    # A reversal sharper than the preferred one costs a law more jerk.
     return _compromise(joint, candidates) if all(link.law == AUTO for link in links) else None
 
 
 def _compromise(joint: RingJoint, candidates: list[float]) -> float:
-    """The acceleration of a turn between two "auto" moves that keeps small what both optimise.
+    """The acceleration at a reversal between two "auto" moves that keeps small what both optimise.
 
     `candidates` are the accelerations that each of them prefers.
     """
     gentler, sharper = sorted(candidates, key=abs)
-    turns = gentler * np.geomspace(1.0, sharper / gentler, TRIED)
+    accelerations = gentler * np.geomspace(1.0, sharper / gentler, TRIED)
     weights: Counter[str] = Counter()
     sizes = {name: np.zeros(TRIED) for name in POWERS}
     for link, at_end in _sides(joint):
-        request, both = link.move, _best_turns(link)
+        request, both = link.move, _best_reversals(link)
         assert both is not None
         weights.update(request.optimise or DEFAULT)
         unit = link.unit_acceleration
-        known = {f"a{end}": turn / unit for end, turn in enumerate(both) if turn}
+        known = {
+            f"a{end}": acceleration / unit for end, acceleration in enumerate(both) if acceleration
+        }
         known |= normalised(link)
-        for place, turn in enumerate(turns):
+        for place, acceleration in enumerate(accelerations):
             criteria = criterion_sizes(
-                link.task, known | {f"a{at_end}": turn / unit}, request.optimise
+                link.task, known | {f"a{at_end}": acceleration / unit}, request.optimise
             )
             for name, (spans, strokes) in POWERS.items():
                 size = criteria[name] * abs(link.stroke) ** strokes / link.length**spans
                 sizes[name][place] = max(sizes[name][place], size)
     costs = [weight * sizes[name] / np.min(sizes[name]) for name, weight in weights.items()]
-    return float(turns[int(np.argmin(np.sum(costs, axis=0)))])
+    return float(accelerations[int(np.argmin(np.sum(costs, axis=0)))])
 
 
-def _preferred_turns(link: Link) -> tuple[float, float]:
-    """The accelerations at both ends of a named law with equally large ones in both its parts, and
-    as gentle as it can be; a law must not turn more gently.
+def _preferred_reversals(link: Link) -> tuple[float, float]:
+    """The accelerations at both ends of the `preferred_law` of a link; the law cannot reverse more
+    gently than with these.
     """
     law = preferred_law(link)
     unit = link.unit_acceleration
     return law.start.acceleration * unit, law.end.acceleration * unit
 
 
-def _best_turns(link: Link) -> tuple[float, float] | None:
-    """The accelerations at both ends of the best law for "auto"; None without a best one."""
+def _best_reversals(link: Link) -> tuple[float, float] | None:
+    """The accelerations at both ends of the best law for "auto"; None if there is no best one."""
     if link.law != AUTO or not link.stroke or "B" in link.task or link.move.parameters:
         return None
     known = normalised(link)
     optimise = tuple(sorted(link.move.optimise.items()))
-    turns = best_turn(link.task, known["v0"], known["v1"], optimise)
+    accelerations = best_reversal(link.task, known["v0"], known["v1"], optimise)
     unit = link.unit_acceleration
-    return turns and (turns[0] * unit, turns[1] * unit)
+    return accelerations and (accelerations[0] * unit, accelerations[1] * unit)
 
 
 # -- auto -----------------------------------------------------------------------------------------
@@ -518,13 +559,15 @@ DEFAULT: Mapping[str, float] = {"acceleration": 1.0}
 SUBSTITUTES = {"velocity": "moment"}
 
 GENTLEST_SHIFT, SHARPEST = 0.5, 4.0
-"""Turns that are tried, as multiples of the gentlest one with equally large accelerations."""
+"""Range of accelerations that are tried, as multiples of the gentlest one of a law with equally
+large accelerations in both its parts."""
 
 STEPS = 12
-"""Steps of the search between these; they leave 1 % of the turn."""
+"""Steps of the search in this range; they leave 1 % of the acceleration."""
 
 GAIN = 1e-3
-"""What a turn between those tried must gain, as a fraction of the cost, to be taken."""
+"""Fraction of the cost that an acceleration from this search must save to replace one of the
+preferred accelerations."""
 
 Rated = tuple[Law, Characteristic]
 
@@ -532,8 +575,8 @@ SLACK = 1e-9
 """A boundary value is met if its error is at most this fraction of the largest one."""
 
 TIE = 1e-9
-"""Costs that differ by less than this fraction are equal: where a turn decides the acceleration,
-many laws share it."""
+"""Costs that differ by less than this fraction are equal: where a reversal determines the largest
+acceleration, many laws share it."""
 
 RUNS_BACK = 1e-9
 """A law overshoots if it leaves [0, 1] by more than this."""
@@ -562,9 +605,9 @@ def best_law(
     if not rated:
         stated = ", ".join(f"{key} = {value:g}" for key, value in parameters.items())
         raise GeometryError(
-            f"no law for {task} with {stated or 'none stated'} meets velocity and acceleration at"
-            " both its ends; leave those out, or name a law, which then decides how sharply the"
-            " motion turns",
+            f"no law for {task} with {stated or 'no stated parameter'} meets velocity and"
+            " acceleration at both its ends; leave those parameters out, or name a law, which then"
+            " determines how sharply the motion reverses",
             key=next(iter(parameters), "law"),
             value="auto",
         )
@@ -575,28 +618,32 @@ def best_law(
 
 
 @lru_cache(maxsize=64)
-def best_turn(
+def best_reversal(
     task: str, v0: float = 0.0, v1: float = 0.0, optimise: tuple[tuple[str, float], ...] = ()
 ) -> tuple[float, float] | None:
-    """f'' at both ends of the law that is best by `optimise` with turns of any sharpness.
+    """f'' at both ends of the law that is best by `optimise` with a reversal of any sharpness.
 
     Parameters
     ----------
-    task : one with a turn, and none with general motion.
+    task : a task with a reversal and without a general motion.
     v0, v1 : f' at the ends.
-    optimise : as for `best_law`, in pairs. The moment stands in for the velocity, which is least
-        with a turn as gentle or as sharp as it can be.
+    optimise : as for `best_law`, in pairs. The moment replaces the velocity, which is smallest at a
+        limit of the range, with a reversal as gentle or as sharp as it can be.
 
     Returns
     -------
-    None if no law for the task has equally large accelerations, from which the search starts. From
-    turn to turn both values are equal except for the sign.
+    None if no law for the task has equally large accelerations in both its parts, from which the
+    search starts. For U-U both values are equal except for the sign.
     """
     if task[0] == "U" and task != "U-U":  # the mirror image
-        mirrored = best_turn(f"{task[-1]}-U", v1, v0, optimise)
+        mirrored = best_reversal(f"{task[-1]}-U", v1, v0, optimise)
         return mirrored and (-mirrored[1], -mirrored[0])
     known = {"v0": v0, "v1": v1}
-    preferred = [turn for name in FAMILIES if (turn := _preferred_turn(name, task, known))]
+    preferred = [
+        acceleration
+        for name in FAMILIES
+        if (acceleration := _preferred_reversal(name, task, known))
+    ]
     if not preferred:
         return None
     middle = min(preferred, key=abs)
@@ -606,29 +653,33 @@ def best_turn(
             weights.get(SUBSTITUTES.get(name, name), 0.0) + weight
         )
 
-    def rated(name: str, turn: float) -> Sequence[Rated]:
-        ends = {"a1": turn, **({"a0": -turn} if task == "U-U" else {})}
+    def rated(name: str, acceleration: float) -> Sequence[Rated]:
+        ends = {"a1": acceleration, **({"a0": -acceleration} if task == "U-U" else {})}
         return [(law, characteristic(law)) for law in _candidates(name, task, known | ends, {})]
 
     scale = _least([pair for name in FAMILIES for pair in rated(name, middle)], weights)
 
-    def cost(name: str, turn: float) -> float:
-        tame = [pair for pair in rated(name, turn) if not _overshoots(pair[1])]
+    def cost(name: str, acceleration: float) -> float:
+        tame = [pair for pair in rated(name, acceleration) if not _overshoots(pair[1])]
         return min(_costs(tame, weights, scale), default=math.inf)
 
-    best = min((cost(name, turn), turn) for name in FAMILIES for turn in preferred)
+    best = min(
+        (cost(name, acceleration), acceleration) for name in FAMILIES for acceleration in preferred
+    )
     for name in FAMILIES:
         if task in FAMILIES[name].tasks:
-            turn = _lowest(partial(cost, name), GENTLEST_SHIFT * middle, SHARPEST * middle)
-            lowest = cost(name, turn)
+            acceleration = _lowest(partial(cost, name), GENTLEST_SHIFT * middle, SHARPEST * middle)
+            lowest = cost(name, acceleration)
             if lowest < best[0] * (1.0 - GAIN):
-                best = lowest, turn
-    turn = best[1]
-    return (-turn if task == "U-U" else 0.0), turn
+                best = lowest, acceleration
+    acceleration = best[1]
+    return (-acceleration if task == "U-U" else 0.0), acceleration
 
 
-def _preferred_turn(name: str, task: str, known: Mapping[str, float]) -> float | None:
-    """f'' at the end of the law with equally large accelerations; None if there is none."""
+def _preferred_reversal(name: str, task: str, known: Mapping[str, float]) -> float | None:
+    """f'' at the end of the law with equally large accelerations in both its parts; None if there
+    is no such law.
+    """
     family = FAMILIES[name]
     if family.parts is None or task not in family.tasks:
         return None
@@ -641,7 +692,7 @@ def _preferred_turn(name: str, task: str, known: Mapping[str, float]) -> float |
 
 
 def _lowest(cost: Callable[[float], float], low: float, high: float) -> float:
-    """Where `cost` is lowest between `low` and `high`, by golden-section search."""
+    """The argument with the lowest `cost` between `low` and `high`, by golden-section search."""
     ratio = 0.5 * (math.sqrt(5.0) - 1.0)
     inner = [high - ratio * (high - low), low + ratio * (high - low)]
     costs = [cost(place) for place in inner]
@@ -649,6 +700,8 @@ def _lowest(cost: Callable[[float], float], low: float, high: float) -> float:
         if costs[0] <= costs[1]:
             high = inner[1]
             inner, costs = [high - ratio * (high - low), inner[0]], [0.0, costs[0]]
+            # Golden section: one of the two inner places and its cost carry over, so that each step
+            # needs one new cost.
             costs[0] = cost(inner[0])
         else:
             low = inner[0]
@@ -658,7 +711,7 @@ def _lowest(cost: Callable[[float], float], low: float, high: float) -> float:
 
 
 def _least(rated: Sequence[Rated], weights: Mapping[str, float]) -> dict[str, float]:
-    """The smallest value of each quantity that any law has."""
+    """The smallest value of each quantity of `weights` among the `rated` laws."""
     return {name: min(criterion_size(values, name) for _, values in rated) for name in weights}
 
 
@@ -667,7 +720,9 @@ def _costs(
     weights: Mapping[str, float],
     least: Mapping[str, float] | None = None,
 ) -> list[float]:
-    """Weighted sum of the values of each law, as multiples of the `least` ones."""
+    """Weighted sum, for each law, of its values as multiples of the `least` ones; by default the
+    smallest values among the `rated` laws.
+    """
     least = least or _least(rated, weights)
     return [
         sum(
@@ -681,7 +736,7 @@ def _costs(
 def criterion_sizes(
     task: str, known: Mapping[str, float], optimise: Mapping[str, float]
 ) -> dict[str, float]:
-    """Each criterion of the best law for `task` with these boundary values, see `best_law`."""
+    """The value of each of `CRITERIA` for the `best_law` with these boundary values."""
     values = characteristic(best_law(task, known, {}, optimise))
     return {name: criterion_size(values, name) for name in CRITERIA}
 
@@ -748,10 +803,10 @@ def _overshoots(values: Characteristic) -> bool:
 
 
 NEAREST: Final = 1e-6
-"""How near to 0 and 1 an inflection point is sought."""
+"""Distance from 0 and from 1 up to which an inflection point is searched."""
 
 TINY: Final = 1e-300
-"""Stands in for a part without acceleration when a logarithm is taken."""
+"""Replaces 0, the extreme of a part without acceleration, when a logarithm is taken."""
 
 
 def equal_accelerations(name: str, task: str, parameters: LawParameters) -> float:
@@ -798,8 +853,8 @@ def balanced(name: str, task: str, quantity: str, parameters: LawParameters) -> 
         laws = (build_law(name, task, {**parameters, "inflection": float(lam)}) for lam in places)
         return np.array([_log_ratio(characteristic(law), quantity) for law in laws])
 
-    # Of either part what is compared grows beyond all bounds where it is short: the range is a
-    # bracket, and any place where they are equal is an answer.
+    # The extreme of a part grows beyond all bounds as the part becomes short, so the range is a
+    # bracket, and any place in it with equal extremes is a solution.
     ends = np.array([NEAREST, 1.0 - NEAREST])
     low, high = difference(ends)
     if low * high >= 0.0:  # without jerk both parts are alike everywhere

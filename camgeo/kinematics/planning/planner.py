@@ -14,7 +14,7 @@ from camgeo.errors import GeometryError
 from camgeo.kinematics.laws import FAMILIES, find_family
 from camgeo.kinematics.motion import FREE, NAMES, TASKS, Boundary, End, end_class
 from camgeo.kinematics.plan import Dwell, MotionPlan, Segment, SplineMove, sum_spans
-from camgeo.kinematics.planning.build import build_move, settle_turns, tied_turns
+from camgeo.kinematics.planning.build import build_move, settle_reversals, tied_reversals
 from camgeo.kinematics.planning.requests import (
     AUTO,
     STRAIGHT,
@@ -41,20 +41,19 @@ MOMENT: Final = Dwell(Decimal(0))
 def plan_motion(requests: Sequence[Request], unit: Unit = PLAIN) -> MotionPlan:
     """The motion plan of `requests`, in the order of the cam angle, over one turn.
 
-    Joints get the values that are stated; a rest or a straight line on one side decides the rest.
-    A turn has the acceleration that a neighbouring law requires, where there is no choice, or that
-    suits the laws on both sides. What is still open is chosen as smooth as possible. The sections
-    below do this, one after the other.
+    Joints get the stated values; beside a rest or a straight line, these determine the others. At a
+    reversal the acceleration is that which a neighbouring law without a free parameter requires, or
+    that suits the laws on both sides. What is still open is chosen as smooth as possible. The
+    sections below do this, one after the other.
 
-    Segment k of the plan is that of request k, also where a rest has no length.
-
-    `unit` is the unit of positions in messages.
+    Segment k of the plan belongs to request k, even where a rest has no length. `unit` is the unit
+    of positions in messages.
 
     Raises
     ------
     GeometryError
-        With the key of the segment: if the laws cannot join, no law exists with the required
-        values, or the segments do not make a turn (see `MotionPlan`).
+        With the key of the segment, if laws cannot join, if no law exists with the required values,
+        or if the segments do not fill a turn (see `MotionPlan`).
     """
     _check_spans(requests)
     links = build_ring(requests, unit)
@@ -114,7 +113,7 @@ def _spline_move(link: Link, request: PointsRequest) -> SplineMove:
 
 
 def _normalised_boundary(values: Boundary, length: float) -> Boundary:
-    """Values per rad as derivatives over the normalised span, which is `length` [rad] long."""
+    """`values` per rad, restated as derivatives over the normalised span of `length` [rad]."""
     velocity, acceleration = values
     return (
         None if velocity is None else velocity * length,
@@ -131,14 +130,15 @@ ROUNDING: Final = 1e-12
 
 
 def build_ring(requests: Sequence[Request], unit: Unit) -> tuple[Link, ...]:
-    """The segments of `requests` that have a length, in the order of the cam angle; a rest of zero
-    length keeps its joint at rest.
+    """The segments of `requests` that have a length, in the order of the cam angle.
+
+    A rest of zero length is no segment of the ring, but sets its joint to rest.
 
     Raises
     ------
     GeometryError
-        If a joint is given impossible values, a velocity at a rest or a jerk that the law does not
-        meet; if the last position is not the first one.
+        If impossible values are stated for a joint, such as a velocity at a rest or a jerk that the
+        law does not meet; if the last position is not the first one.
     """
     moving: list[int] = []
     joints: list[RingJoint] = []
@@ -154,11 +154,12 @@ def build_ring(requests: Sequence[Request], unit: Unit) -> tuple[Link, ...]:
             moving.append(number)
             joints.append(RingJoint(previous))
         elif isinstance(request, Dwell):
+            # The rest lies at the start of the next segment that has a length.
             resting.add(len(moving))
     if position != 0.0:
         raise GeometryError(
-            f"the motion starts at 0 and ends at {unit.text(position)}, it does not close after one"
-            " turn; the last move must return to 0",
+            f"the motion starts at 0 and ends at {unit.text(position)}, so it does not close after"
+            " one turn; the last move must return to 0",
             key="motion",
         )
     links = []
@@ -175,13 +176,14 @@ def build_ring(requests: Sequence[Request], unit: Unit) -> tuple[Link, ...]:
     for place, joint in enumerate(joints):
         if place in resting or joint.previous.rests or joint.following.rests:
             _rest(joint, unit)
+    # A rest of zero length after the last segment lies at cam angle 0, where the ring closes.
     if len(links) in resting and joints:
         _rest(joints[0], unit)
     return tuple(links)
 
 
 def _table_end(start: float, request: TableRequest) -> float:
-    """The position at the end of a table; 0 where it is mere rounding."""
+    """The position [mm or rad] at the end of a table; 0 where it is only rounding."""
     end = start + request.rise
     size = float(np.max(np.abs(request.lifts)))
     return 0.0 if abs(end) <= ROUNDING * size else end
@@ -193,7 +195,7 @@ def _state(joint: RingJoint, link: Link, request: MoveRequest | PointsRequest) -
     joint.jerk = request.jerk if isinstance(request, MoveRequest) else None
     if joint.jerk is not None and link.law not in TAKE_JERK:
         raise GeometryError(
-            f"is met by {' and '.join(TAKE_JERK)} only; leave it out or name one of them",
+            f"is met only by {' and '.join(TAKE_JERK)}; leave it out or name one of them",
             key=f"{link.key}.jerk",
             value=f"{joint.jerk:g}",
         )
@@ -202,7 +204,9 @@ def _state(joint: RingJoint, link: Link, request: MoveRequest | PointsRequest) -
 
 
 def _rest(joint: RingJoint, unit: Unit) -> None:
-    """A rest on one side: the motion stands still there."""
+    """Give a joint beside a rest the velocity and acceleration 0; GeometryError if other ones are
+    stated.
+    """
     for order, name in enumerate(("velocity", "acceleration"), start=1):
         if getattr(joint, name):
             raise GeometryError(
@@ -216,12 +220,12 @@ def _rest(joint: RingJoint, unit: Unit) -> None:
 
 
 def settle_straight_lines(links: Sequence[Link]) -> None:
-    """Give the joints of a straight line its velocity; a rest next to one stays a rest.
+    """Give the joints of each straight line its velocity, unless they are at rest.
 
     Raises
     ------
     GeometryError
-        If a value stated there contradicts it.
+        If a value stated there contradicts the straight line.
     """
     for joint in (link.start for link in links):
         straight = [link for link in (joint.previous, joint.following) if link.law == STRAIGHT]
@@ -251,16 +255,20 @@ def _contradiction(joint: RingJoint, name: str, has: str) -> GeometryError:
 
 
 # -- tables ---------------------------------------------------------------------------------------
-# Lift tables in a plan: the spline of each, and the values it gives to its joints.
+# Lift tables in a plan: the spline of each, and the values that it determines at its joints.
 
 
 CLOSED: Final = 1e-9
-"""Fraction of the largest lift by which the last row of a turn may miss the first one."""
+"""Fraction of the largest lift by which the last row of a table of a whole turn may differ from the
+first one."""
 
 
 def settle_tables(links: Sequence[Link]) -> None:
-    """Give the joints of every table its own velocity and acceleration where none is stated."""
+    """Give the joints of every table the velocity and acceleration of its spline where none are
+    stated.
+    """
     for link in links:
+        # A table of a whole turn has one joint, at which its periodic spline closes with itself.
         if not isinstance(link.request, TableRequest) or link.start is link.end:
             continue
         spline, _ = _fitted(link, link.request)
@@ -298,13 +306,13 @@ def _fitted(link: Link, request: TableRequest) -> tuple[Spline, FitReport]:
 
 
 def _closed(shares: FloatArray, lifts: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """The rows of a turn, with the closing one added if missing."""
+    """The rows of a table of a whole turn, with the closing row added if it is missing."""
     if shares[-1] < 1.0:
         return np.append(shares, 1.0), np.append(lifts, 0.0)
     gap = CLOSED * float(np.max(np.abs(lifts)))
     if abs(lifts[-1]) > gap:
         raise GeometryError(
-            f"the last row lies {lifts[-1]:g} off the first one; allowed: up to {gap:g}",
+            f"the last row differs from the first one by {lifts[-1]:g}; allowed: up to {gap:g}",
             value=f"{lifts[-1]:g}",
         )
     return shares, np.append(lifts[:-1], 0.0)
@@ -313,13 +321,13 @@ def _closed(shares: FloatArray, lifts: FloatArray) -> tuple[FloatArray, FloatArr
 # -- tasks ----------------------------------------------------------------------------------------
 # The motion task of each move: the class of every joint, from stated values and allowed laws.
 #
-# A law family is made for some pairs of classes; a joint's class must suit both sides. Classes that
-# do not fit are eliminated until nothing changes. Where several remain, the one that demands least
-# of the designer is chosen. Between segments that join to anything it is a turn where the motion
-# turns back, and a general motion where it continues. Beside a named law it is a rest, except
-# between two laws, one of which may be "auto", that turn back: without the drop of the acceleration
-# to 0 that a rest has, both need less (VDI 2143-1, sections 6.3 and 6.6). The sharpest turns choose
-# first.
+# A law family is made for some pairs of classes; the class of a joint must suit both sides. Classes
+# that do not fit are eliminated until nothing changes. If several remain, one of them is chosen.
+# Between segments that meet any values it is a reversal where the motion turns back, and a general
+# motion where it continues. Beside a named law it is a rest, except where the motion turns back
+# between two laws, one of which may be "auto": without the drop of the acceleration to 0 that a
+# rest requires, both laws need less of it (VDI 2143-1, sections 6.3 and 6.6). The joints at which
+# the motion turns back most sharply choose first.
 
 
 ORDER: Final[tuple[End, ...]] = ("R", "U", "G", "B")
@@ -350,14 +358,14 @@ def settle_tasks(links: Sequence[Link]) -> None:
 
 
 def _from_values(joint: RingJoint) -> None:
-    """Eliminate the classes that known values exclude."""
+    """Eliminate the classes of a joint that its known values exclude."""
     if joint.classes == {"R"}:
         return
     velocity, acceleration = joint.values
     if velocity is not None:
         joint.classes &= {"R", "U"} if velocity == 0.0 else {"G", "B"}
     else:
-        joint.classes -= {"G"}  # a constant velocity that is stated nowhere
+        joint.classes -= {"G"}  # nothing determines the constant velocity
     if acceleration is not None:
         joint.classes &= {"R", "G"} if acceleration == 0.0 else {"U", "B"}
     if velocity is not None and acceleration is not None:
@@ -375,28 +383,32 @@ def _tasks(link: Link) -> set[str] | None:
         return tasks
     if "R-R" not in tasks:
         raise GeometryError(
-            "has no shape for a move that ends where it starts; polynomial-5 and auto have, and a"
-            " dwell stands still",
+            "cannot make a move that ends where it starts; polynomial-5 and auto can, and a dwell"
+            " stands still",
             key=f"{link.key}.law",
             value=link.law,
         )
+    # A law scales with its stroke, so without one it rests at both ends.
     return {"R-R"}
 
 
 class _Possible:
-    """The tasks that each link can still have, by number; None where it can have any."""
+    """The tasks that each link can still have, by its number; None for a link that can have any."""
 
     def __init__(self, links: Sequence[Link]) -> None:
         self.links = {link.number: link for link in links}
         self.tasks = {link.number: _tasks(link) for link in links}
 
     def eliminate(self, links: Iterable[Link]) -> None:
-        """Keep the tasks and classes that fit together, from `links` on, until nothing changes. If
-        a link is left without a task, everything is as it was, and its error is raised.
+        """Eliminate tasks and classes that do not fit together, starting at `links`, until nothing
+        changes.
+
+        If a link is left without a task, everything is restored and the error of that link raised.
         """
         struck: list[tuple[RingJoint, set[End]]] = []
         lost: list[tuple[int, set[str]]] = []
-        due, later = sorted({link.number for link in links}), set[int]()  # of this round, the next
+        # Numbers of the links to look at in this round and in the next one.
+        due, later = sorted({link.number for link in links}), set[int]()
         while due or later:
             if not due:
                 due, later = sorted(later), set()
@@ -425,17 +437,18 @@ class _Possible:
                 if len(fitting) < len(joint.classes):
                     struck.append((joint, joint.classes))
                     joint.classes = fitting
+                    # Each round runs through the links in ascending order; those behind wait.
+                    # next.
                     if other.number > number:
                         heapq.heappush(due, other.number)
                     else:
                         later.add(other.number)
 
     def choose(self, joint: RingJoint) -> None:
-        """Give a joint the first of its classes, by preference, with which the others still have
-        one.
+        """Give a joint the first of its classes, by preference, that leaves every other joint one.
 
-        A ring in which one class is settled is none any more, so what fits together pair by pair
-        fits together as a whole.
+        Once the class of one joint is fixed, the ring is open at that joint, and in an open chain
+        classes that fit together pair by pair fit together as a whole.
         """
         order = [kind for kind in dict.fromkeys(_preferences(joint)) if kind in joint.classes]
         for attempt, wanted in enumerate(order, start=1):
@@ -452,14 +465,15 @@ def _preferences(joint: RingJoint) -> tuple[End, ...]:
     links = joint.previous, joint.following
     if all(link.is_free for link in links):
         return ("U", "B", "R", "G") if joint.turns else ("B", "U", "R", "G")
-    # A simple sine is free of jerk steps from turn to turn, but not from rest to rest.
+    # A simple sine has no jump of the acceleration from reversal to reversal, but from rest to
+    # rest.
     turns = _turning(joint) or any(link.law == "simple-sine" for link in links)
     return ("U", *ORDER) if turns else ORDER
 
 
 def _turning(joint: RingJoint) -> float:
-    """How sharply a motion turns back at a joint between two laws: the change of its mean velocity
-    over the spans [mm or rad, per rad^2]; 0 at other joints.
+    """How sharply the motion turns back at a joint between two laws [mm or rad, per rad^2]: the sum
+    of the mean velocities, each divided by its span; 0 at other joints.
     """
     previous, following = joint.previous, joint.following
     laws = (link.is_named or link.law in (AUTO, STRAIGHT) for link in (previous, following))
@@ -469,7 +483,7 @@ def _turning(joint: RingJoint) -> float:
 
 
 def _no_task(link: Link) -> GeometryError:
-    """The error for a law that does not fit between its joints, with those that would."""
+    """The error for a law that does not suit the classes of its joints; it names some that do."""
     starts, ends = link.start.classes, link.end.classes
     here = [task for task in TASKS if task[0] in starts and task[-1] in ends]
     names = [
@@ -492,10 +506,11 @@ def _no_task(link: Link) -> GeometryError:
 # -- values ---------------------------------------------------------------------------------------
 # Velocity and acceleration of every joint: stated, fixed by a neighbour, or the smoothest.
 #
-# Turns between laws are settled first, see `build`. What nothing fixes is chosen to minimise the
-# integral of s''' squared over the surrounding moves: the motion then has four continuous
-# derivatives wherever its laws can follow. A turn is made at least as sharp as a neighbouring law
-# requires, and such that a law with one choice meets both its turns; the rest is then chosen anew.
+# Reversals between laws are settled first, see `build`. What nothing determines is chosen to
+# minimise the integral of s''' squared over the surrounding moves: the motion then has four
+# continuous derivatives wherever its laws can follow. A reversal is made at least as sharp as a
+# neighbouring law requires, and such that a law with one free parameter meets both its reversals;
+# the remaining values are then chosen again.
 
 
 def settle_values(links: Sequence[Link]) -> None:
@@ -504,38 +519,41 @@ def settle_values(links: Sequence[Link]) -> None:
     Raises
     ------
     GeometryError
-        If a law cannot have the values at one end that it needs at the other, or the motion
-        continues at a joint where the laws on both sides turn back.
+        If a law that meets the values at one end cannot meet those at the other, or the motion
+        continues in the same direction at a joint where both laws have a reversal.
     """
-    undecided, gentlest = settle_turns(links)
+    undecided, gentlest = settle_reversals(links)
     known = {link.start: link.start.values for link in links}
     while True:
         _settle_smoothest(links)
         decided = {
-            joint: turn
-            for joint, turn in gentlest.items()
-            if (joint.acceleration or 0.0) * turn < turn * turn
+            joint: acceleration
+            for joint, acceleration in gentlest.items()
+            # The smoothest acceleration is gentler than the law permits, or has the wrong sign.
+            if (joint.acceleration or 0.0) * acceleration < acceleration * acceleration
         }
         if not decided:
-            decided = tied_turns(links, undecided)
+            decided = tied_reversals(links, undecided)
+            # Each pass settles at least one joint for good, so the loop ends.
             undecided -= decided.keys()
         if not decided:
             return
-        for joint, turn in decided.items():
-            known[joint] = known[joint][0], turn
+        for joint, acceleration in decided.items():
+            known[joint] = known[joint][0], acceleration
             gentlest.pop(joint, None)
         for joint, values in known.items():
             joint.velocity, joint.acceleration = values
 
 
 def _settle_smoothest(links: Sequence[Link]) -> None:
-    """Fill in the remaining values, run by run between fully known joints."""
+    """Determine the remaining values as smooth as possible, run by run between settled joints."""
     known = [link.start.settled and link.end.settled for link in links]
     if not any(known):
         _fill(links, ring=True)
         return
     first = known.index(True)
     run: list[Link] = []
+    # Once around, starting and ending at a settled link, so that no run is cut at cam angle 0.
     for place in (*range(first, len(links)), *range(first + 1)):
         if not known[place]:
             run.append(links[place])
@@ -545,8 +563,10 @@ def _settle_smoothest(links: Sequence[Link]) -> None:
 
 
 def _fill(links: Sequence[Link], *, ring: bool) -> None:
-    """The smoothest values for the joints of a run of moves between two fully known joints, or of a
-    turn without any such joint; the motion passes the inner points of moves through points, too.
+    """Give the joints of a run of moves the smoothest values that the known ones permit.
+
+    A run lies between two settled joints; with `ring` it is a whole turn without a settled joint.
+    The motion also passes through the inner points of moves through points.
     """
     nodes: list[tuple[float, float, Boundary, RingJoint | None]] = []
     end = 0.0
@@ -573,7 +593,7 @@ def _fill(links: Sequence[Link], *, ring: bool) -> None:
 
 
 def _check_distances(places: FloatArray, links: Sequence[Link]) -> None:
-    """GeometryError if the distances are so unequal that values would lose their digits."""
+    """Raise GeometryError if the distances are so unequal that values would lose their digits."""
     steps = np.diff(places)
     ratio = float(np.max(steps)) / float(np.min(steps))
     if ratio <= MOST_UNEQUAL:
@@ -583,9 +603,9 @@ def _check_distances(places: FloatArray, links: Sequence[Link]) -> None:
     link = links[min(int(np.searchsorted(ends, place)), len(ends) - 1)]
     inside = isinstance(link.request, PointsRequest)
     raise GeometryError(
-        f"{'has points too near to each other' if inside else 'is too short'} beside the moves"
-        f" that it joins without a rest: the longest way from one joint or point to the next is"
-        f" {ratio:.3g} times the shortest; allowed: up to {MOST_UNEQUAL:g}",
+        f"{'has points that are too close together' if inside else 'is too short'} beside the moves"
+        f" that it joins without a rest: the longest distance from one joint or point to the next"
+        f" is {ratio:.3g} times the shortest; allowed: up to {MOST_UNEQUAL:g}",
         key=f"{link.key}.{'points' if inside else 'span'}",
         value="" if inside else f"{link.request.span}",
     )

@@ -113,11 +113,11 @@ class PointsRequest(Pickled):
 
     Attributes
     ----------
-    span, to : as of a move.
+    span, to : as for a move.
     shares : (n,) places of the inner points as parts of the span, ascending inside (0, 1).
-    positions : (n,) there [mm or rad], absolute.
-    given : s' and s'' [per rad^k] at inner points, by index, None where free.
-    velocity, acceleration : at the end of the segment, as of a move.
+    positions : (n,) positions at these places [mm or rad], absolute.
+    boundaries : s' and s'' [per rad^k] at inner points, by index, None where free.
+    velocity, acceleration : at the end of the segment, as for a move.
     """
 
     span: MovingSpan
@@ -166,7 +166,9 @@ class TableRequest(Pickled):
 
     @property
     def rise(self) -> float:
-        """Lift from the start of the segment to its end [mm or rad]; a whole turn closes."""
+        """Lift from the start of the segment to its end [mm or rad]; 0 over a whole turn, which
+        closes whatever the last row says.
+        """
         if self.span == FULL_TURN:
             return 0.0
         return float(self.lifts[-1] - self.lifts[0])
@@ -176,8 +178,8 @@ Request = Dwell | MoveRequest | PointsRequest | TableRequest
 
 
 # -- ring -----------------------------------------------------------------------------------------
-# The segments of a turn in a ring, with the joints between them, which planning works on. What is
-# known of a joint is filled in step by step, by the modules of this package in turn.
+# The segments of a turn in a ring, with the joints between them, on which planning works. The
+# values of the joints are filled in step by step by the modules of this package.
 
 
 STRAIGHT: Final = "straight-line"
@@ -187,25 +189,26 @@ TAKE_JERK: Final = tuple(
     for name, family in FAMILIES.items()
     if any({"j0", "j1"} & {*accepted} for accepted in family.parameters.values())
 )
-"""Laws that meet a stated jerk."""
+"""Names of the laws that meet a stated jerk."""
 
 FREE_LAWS: Final = (AUTO, "polynomial-5", "polynomial-7", "polynomial")
-"""Laws that can join to anything; between two of them the joint is as smooth as possible."""
+"""Names of the laws that meet any velocity and acceleration; between two of them the joint is as
+smooth as possible."""
 
 
 @dataclass(slots=True, eq=False)
 class RingJoint:
-    """What is known of a joint so far.
+    """A joint of the ring, with the values that are known so far.
 
     Attributes
     ----------
     position : [mm or rad].
     classes : the classes of motion task that it can still have.
     velocity, acceleration, jerk : s', s'', s''' [per rad^k]; None while unknown.
-    stated : which of them the designer states.
-    key : of the segment that states them, for messages.
+    stated : names of those that the designer states.
+    key : key of the segment that states them, for messages.
     rests : whether the motion rests on one side, or for a moment.
-    before, after : the segments that meet here.
+    previous, following : the segments that meet here.
     """
 
     position: float
@@ -221,7 +224,7 @@ class RingJoint:
 
     @property
     def kind(self) -> End:
-        """Its class, once there is but one."""
+        """The class of the joint, once only one remains."""
         (only,) = self.classes
         return only
 
@@ -237,7 +240,7 @@ class RingJoint:
 
     @property
     def turns(self) -> bool:
-        """Whether the motion turns back here, or stands on one side."""
+        """Whether the motion turns back here, or does not move on one side."""
         return self.previous.stroke * self.following.stroke <= 0.0
 
 
@@ -247,12 +250,12 @@ class Link:
 
     Attributes
     ----------
-    number : of the request, from 0.
-    request : of the segment.
-    length : of its span [rad].
-    start, end : its joints; of a single segment they are one.
-    stroke : from its start to its end [mm or rad].
-    unit : of the messages.
+    number : number of its request, from 0.
+    request : what the designer requests for it.
+    length : its span [rad].
+    start, end : its joints; the same one if it is the only segment.
+    stroke : position at its end minus that at its start [mm or rad].
+    unit : unit of positions in messages.
     """
 
     number: int
@@ -279,24 +282,26 @@ class Link:
 
     @property
     def law(self) -> str:
-        """The name of the law that is asked for; empty without one."""
+        """The name of the requested law; empty for a segment without a law."""
         return self.request.law if isinstance(self.request, MoveRequest) else ""
 
     @property
     def move(self) -> MoveRequest:
-        """The request, where it is one for a law."""
+        """The request of a link that is a move by a law."""
         assert isinstance(self.request, MoveRequest)
         return self.request
 
     @property
     def is_free(self) -> bool:
-        """Whether it joins to any velocity and acceleration."""
+        """Whether the segment meets any velocity and acceleration at its ends."""
         return self.law in FREE_LAWS or isinstance(self.request, PointsRequest)
 
     @property
     def is_named(self) -> bool:
-        """Whether its law turns no sharper than it needs, and is not camgeo's to choose: no
-        straight line, and no polynomial of given values, which meets any turn.
+        """Whether its law is named by the designer and has a gentlest reversal.
+
+        This excludes "auto", straight lines, and the polynomials through boundary values, which
+        meet any reversal.
         """
         return self.law not in ("", STRAIGHT, *FREE_LAWS)
 

@@ -208,15 +208,15 @@ FAULTS: list[tuple[list[Request], str, str, str]] = [
         ],
         "motion[2].law",
         "polynomial-345",
-        (r"is made for R-R \(R rest, U turn, G constant velocity, B general motion\); here the move"
-        r" goes from rest to constant velocity \(R-G\), for which there are modified-sine,"
+        (r"is made for R-R \(R rest, U reversal, G constant velocity, B general motion\); here the"
+        r" move goes from rest to constant velocity \(R-G\), for which there are modified-sine,"
         " polynomial-5, polynomial-7, auto"),
     ),
     (
         [rest(40), move(60, 5.0, "sine-straight"), move(260, 0.0)],
         "motion[2].law",
         "sine-straight",
-        r"from rest to rest or turn \(R-R, R-U\), for which there are .*harmonic-combination",
+        r"from rest to rest or reversal \(R-R, R-U\), for which there are .*harmonic-combination",
     ),
     (
         [move(60, 5.0, "double-harmonic", velocity=2.0), move(300, 0.0)],
@@ -229,9 +229,14 @@ FAULTS: list[tuple[list[Request], str, str, str]] = [
         [move(60, 5.0), move(60, 5.0, "sine-straight"), move(240, 0.0)],
         "motion[2].law",
         "sine-straight",
-        "has no shape for a move that ends where it starts; polynomial-5 and auto have, and a",
+        "cannot make a move that ends where it starts; polynomial-5 and auto can, and a dwell",
     ),
-    ([move(360, 0.0, "harmonic-combination")], "motion[1].law", "harmonic-combination", "no shape"),
+    (
+        [move(360, 0.0, "harmonic-combination")],
+        "motion[1].law",
+        "harmonic-combination",
+        "cannot make a move",
+    ),
     # a turn that the law cannot make
     (
         [rest(60), move(120, 20.0, "harmonic-combination", acceleration=-4.0), move(180, 0.0)],
@@ -282,7 +287,7 @@ FAULTS: list[tuple[list[Request], str, str, str]] = [
         ],
         "motion[1].law",
         "",
-        "would stop for a moment at its end and then go on in the same direction",
+        "would stop for a moment at its end and then continue in the same direction",
     ),
     # stated, but the law has no freedom left
     (
@@ -306,10 +311,10 @@ FAULTS: list[tuple[list[Request], str, str, str]] = [
         [move(60, 10.0, "polynomial-5", jerk=3.0), move(300, 0.0)],
         "motion[1].jerk",
         "3",
-        "is met by polynomial-7 and polynomial only; leave it out or name one of them",
+        "is met only by polynomial-7 and polynomial; leave it out or name one of them",
     ),
     # numbers
-    ([move(60, 10.0), move(300, 1.0)], "motion", "", "starts at 0 and ends at 1 mm, it does"),
+    ([move(60, 10.0), move(300, 1.0)], "motion", "", "starts at 0 and ends at 1 mm, so it does"),
     ([move(60, 10.0), move(299, 0.0)], "motion", "359", "add up to 359 degrees"),
     ([move(0, 10.0), move(360, 0.0)], "motion[1].span", "0", "cannot change the position"),
     (
@@ -322,7 +327,7 @@ FAULTS: list[tuple[list[Request], str, str, str]] = [
         [through("0.001", 0.0, (0.2, 1.0), (0.4, 0.0)), move("359.999", 0.0)],
         "motion[1].points",
         "",
-        "has points too near to each other beside the moves",
+        "has points that are too close together beside the moves",
     ),
     (
         [move("359.999999", 5.0, "modified-trapezoid"), move("0.000001", 0.0)],
@@ -330,7 +335,7 @@ FAULTS: list[tuple[list[Request], str, str, str]] = [
         "modified-trapezoid",
         r"speed up or slow down within .*e-1\d degrees of its 360, .* allowed: 8.1e-13 or more\.",
     ),
-    ([table(360, [0.0, 5.0, 1.0])], "motion[1].file", "1.0", "the last point lies 1 off"),
+    ([table(360, [0.0, 5.0, 1.0])], "motion[1].file", "1.0", "the last point lies 1 away"),
     # parameters
     (
         [move(60, 10.0, "sine-straight", parameters={"sine": 0.5}), move(300, 0.0)],
@@ -342,7 +347,7 @@ FAULTS: list[tuple[list[Request], str, str, str]] = [
         [rest(60), move(120, 10.0, parameters={"inflection": 0.4}), move(180, 0.0)],
         "motion[2].inflection",
         "auto",
-        "no law for R-U with inflection = 0.4 meets .* leave those out, or name a law",
+        "no law for R-U with inflection = 0.4 meets .* leave those parameters out, or",
     ),
 ]  # fmt: skip
 
@@ -671,7 +676,10 @@ def test_a_table_that_does_not_return_is_reported() -> None:
 
 @pytest.mark.parametrize(
     ("before", "words"),
-    [((), "off where it would close"), ((rest(0),), "the last row lies 0.5 off the first one")],
+    [
+        ((), "away from where it would close"),
+        ((rest(0),), "the last row differs from the first one by 0.5"),
+    ],
 )
 def test_a_turn_that_does_not_close_is_reported(before: tuple[Request, ...], words: str) -> None:
     with pytest.raises(GeometryError, match=words) as caught:

@@ -17,7 +17,7 @@ from camgeo.kinematics.laws.law import Law, acceleration_jumps, characteristic
 from camgeo.kinematics.plan import MotionPlan, joints
 from camgeo.kinematics.planning.build import (
     best_law,
-    best_turn,
+    best_reversal,
     criterion_size,
     equal_accelerations,
 )
@@ -96,7 +96,7 @@ def test_the_best_turn_is_the_best(task: str, criterion: str) -> None:
     """The best of all turns from half to four times as sharp; for the velocity, within a fifth."""
     known = {"v0": 0.5} if task == "G-U" else {}
     v0 = known.get("v0", 0.0)
-    found = best_turn(task, v0, 0.0, ((criterion, 1.0),))
+    found = best_reversal(task, v0, 0.0, ((criterion, 1.0),))
     assert found is not None
     sizes = []
     for factor in (1.0, *np.geomspace(0.5, 4.0, examples(9, long=24))):
@@ -104,7 +104,7 @@ def test_the_best_turn_is_the_best(task: str, criterion: str) -> None:
         law = best_law(task, known | ends, {}, {criterion: 1.0})
         sizes.append(criterion_size(characteristic(law), criterion))
     assert sizes[0] <= (1.2 if criterion == "velocity" else 1.001) * min(sizes)
-    mirrored = best_turn(task[::-1], 0.0, v0, ((criterion, 1.0),))
+    mirrored = best_reversal(task[::-1], 0.0, v0, ((criterion, 1.0),))
     assert mirrored == (-found[1], -found[0])
 
 

@@ -17,14 +17,14 @@ if TYPE_CHECKING:
 
 
 def _face_has_a_length(table: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
-    """A face ends behind its beginning."""
+    """The rule that a face must end beyond where it begins."""
     face = table.get("face")
     if face is not None and not face[0] < face[1]:
         yield "face", "must end beyond where it begins, [from, to]"
 
 
 def _slider_crank(values: Values, unit: LiftUnit) -> Linkage:
-    """Its slider drives a rocker, or a guided follower is its slider."""
+    """A slider-crank: its slider drives a rocker, or is the carriage of a guided follower."""
     from camgeo.kinematics.mechanism.linkages import SliderCrank
 
     slider_crank = values.build(
@@ -42,7 +42,7 @@ def _slider_crank(values: Values, unit: LiftUnit) -> Linkage:
 
 
 def _four_bar(values: Values, _: LiftUnit) -> Linkage:
-    """It turns rockers only."""
+    """A four-bar linkage, which drives rockers only."""
     from camgeo.kinematics.mechanism.linkages import FourBar
 
     return values.build(FourBar, lever_sense=values.sign("lever_sense", "ccw"))
