@@ -365,6 +365,7 @@ def _depth_track(cut: AreaCut, morph: Morph, path: Contour, fine: float) -> Trac
 
 def _entry(morph: Morph, turned: Track, radius: float) -> Track:
     """A quarter turn from the air onto the beginning of the spiral."""
+    # Built backwards from the spiral's start: the reverse of a turn away from the material.
     free = -morph.side
     centre = turned.start + free * 1j * turned.headings[0] * ENTRY * radius
     return Track.arc(turned.start, centre, -free * 0.5 * np.pi).reversed()
@@ -404,7 +405,8 @@ CORNER = 1e-9
 
 
 def grown(contour: Contour, distance: float) -> Contour:
-    """The parallel at `by` [mm] outside a convex contour, counter-clockwise, round at its corners.
+    """The parallel at `distance` [mm] outside a convex contour, counter-clockwise, its corners
+    round.
 
     Raises
     ------

@@ -80,7 +80,8 @@ def block_times(
         return np.zeros(0), np.zeros(0)
     acceleration, nominal = _limits(blocks, dynamics)
     # With v^2 as the unknown all is linear along the path: within a block it changes by at most
-    # 2 a s. All speeds below are such squares until the roots are taken.
+    # 2 a s. The speeds at the ends of blocks and at their peaks are such squares until the roots are
+    # taken.
     gain = 2.0 * acceleration * blocks.lengths
     cumulative_gain = np.concatenate(([0.0], np.cumsum(gain)))
     highest = _junctions(blocks, dynamics, smoothing)
@@ -152,7 +153,8 @@ def _entries(highest: FloatArray, cumulative_gain: FloatArray, ahead: int) -> Fl
     Parameters
     ----------
     highest : (n,) square of the largest speed at the beginning of each block.
-    before : (n + 1,) what the square of the speed can gain up to there.
+    cumulative_gain : (n + 1,) what the square of the speed can gain up to the start of each block,
+        and up to the end of the last one [mm^2/s^2].
     ahead : number of blocks, the one entered among them, within which the machine can stop.
     """
     count = len(highest)
@@ -265,7 +267,8 @@ def controller_blocks(
 
     Parameters
     ----------
-    at : where the cutter stands; None where that is not known, so that the first move is not run.
+    position : where the cutter stands [mm]; None where that is not known, so that the first move is
+        not run.
     chord : as in `toolpath_times`.
     """
     rows: list[tuple[float, ...]] = []

@@ -521,7 +521,7 @@ class MillingSpec(Brief):
     second_operations : from that side; empty for a sequence that is planned.
     turned : the axis of the machine about which the work has been turned over: then all of this is
         that of the second side.
-    done : names of the walls that the first side has finished.
+    finished_walls : names of the walls that the first side has finished.
 
     Raises
     ------

@@ -218,7 +218,7 @@ class Toolpath:
 
 
 def plane_piece(position: Point, move: Move) -> Arc:
-    """The line or the arc of a move that begins `at` a point, in the plane."""
+    """The line or the arc in the plane of a move that begins at `position` [mm]."""
     start, end = complex(position[0], position[1]), complex(move.end[0], move.end[1])
     if not isinstance(move, ArcFeed):
         return Arc(start, end, 0.0, 0j)
@@ -321,7 +321,7 @@ def feed_course(moves: Iterable[Move | Stop], position: Point | None = None) -> 
 
     Parameters
     ----------
-    at : where the cutter stands before; None if the first move is a traverse.
+    position : where the cutter stands before [mm]; None if the first move is a traverse.
     """
     points: list[Point] = []
     rows: list[tuple[int, float, float, float]] = []  # of the move, its centre, its direction

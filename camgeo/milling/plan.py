@@ -1,4 +1,6 @@
-"""The milling program: the moves of each cut, from its strategy, within a machine's limits."""
+"""The milling program: the moves of each cut, from its strategy, within a machine's limits; and how
+the cutter is engaged along them.
+"""
 
 from __future__ import annotations
 

@@ -269,7 +269,7 @@ class Setup:
     lowest : Z below which no tip may go but for its point [mm]; None for no limit.
     joined : Z up to which waste may hold on to the part [mm]: tabs, a skin; None for none.
     hanging : Z from which on it may do so; None for none.
-    before : what an earlier side has left of the blank; None for all of it.
+    leftover : what an earlier side has left of the blank; None for all of it.
     final : whether the part must be all there is in the end, and no other side follows.
     unfinished : walls that the stated operations of all sides leave unfinished, or roughed.
     known : whether the outline of the blank is stated, and not one that reaches beyond all cuts.

@@ -224,6 +224,7 @@ def round_heights(
     top = -math.inf if tabs is None else cut.bottom + tabs.height
     if tabs is None or min(start, end) >= top:
         return [(0.0, start), (length, end)]
+    # Along the path of the centre, whose circle reaches its radius beyond both ends of the top.
     wide = tabs.width + cut.tool.diameter
     drop = top - min(start, end)
     down = 1.0 if cut.tool.plunges else math.tan(ramp_angle(cut))
@@ -242,6 +243,7 @@ def round_heights(
                 cut.tool,
                 "ramp_angle",
             )
+        # How many tabs fit with the steepest descent allowed, 45 degrees: as long as it is deep.
         most = math.floor(length / (rise + wide + drop))
         raise GeometryError(
             f"{tabs.count} tabs, each wider than stated by the cutter's diameter, and the ramps"
@@ -506,6 +508,7 @@ def trochoid(builder: ToolpathBuilder, tolerance: float, effort: Effort) -> None
 def _loop(cut: AreaCut, path: Contour, free: int, fine: float) -> float:
     """Radius of the loops [mm]."""
     radius = cut.tool.radius
+    # Loop and cutter together span the slot, less the tolerances that the path keeps off the wall.
     size = 0.5 * cut.slot - radius - SPENT * fine
     if size < NARROWEST * radius:
         raise GeometryError(
@@ -513,6 +516,8 @@ def _loop(cut: AreaCut, path: Contour, free: int, fine: float) -> float:
             f" fits has {_hundredths((cut.slot - 2.0 * SPENT * fine) / (1.0 + NARROWEST)):g} mm",
             "tool", f"{cut.tool.diameter:g}",
         )  # fmt: skip
+    # In a hollow of the path loops must be smaller than it; between two walls they must keep their
+    # full size, to reach the other wall.
     whole, hollow = size, path.radii[path.sweeps * free > 0.0]
     size = min(size, HOLLOW * float(np.min(hollow, initial=np.inf)))
     if size < NARROWEST * radius or (len(cut.walls) > 1 and size < whole):
@@ -552,6 +557,8 @@ def _steps(
         )
     if MOVES * len(cut.depths) * length > PROGRAM_LINES * largest:
         raise too_long()
+    # Half a turn to the side away from the wall, and on to where the circle crosses the one before,
+    # whose centre is at most `largest` behind.
     cutting = size * (math.pi + math.asin(min(0.5 * largest / size, 1.0)))
     place, previous = 0.0, _circle(path, 0.0, free, size)
     while place < length:

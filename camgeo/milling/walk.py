@@ -149,9 +149,12 @@ class ToolpathBuilder:
             strict=True,
         ):
             travelled += length
+            # At the end exactly, as the sum of lengths is off by rounding.
             height = end if travelled >= whole - SAME else start + (end - start) * travelled / whole
             rate = base
             if sweep and not air:
+                # The wall lies on the side of the material: where the path turns to the free side,
+                # the wall encloses the arc, and the contact is faster than the centre.
                 inside = both or (sweep > 0.0) == (self.free > 0)
                 rate = centre_feed(
                     base, length / abs(sweep), self.cut.contact_radius, inside=inside
@@ -176,6 +179,7 @@ class ToolpathBuilder:
         Where a height changes within `SHORTEST` of a joint of the track, it does so at the joint.
         """
         joints = np.concatenate(([0.0], np.cumsum(track.lengths)))
+        # Distances from every stop to every joint: (stops, joints).
         places = np.array([place for place, _ in stops])
         nearest = joints[np.argmin(np.abs(places[:, None] - joints), axis=1)]
         places = np.where(np.abs(nearest - places) < SHORTEST, nearest, places)
@@ -232,7 +236,8 @@ def engagement_limit(cut: AreaCut, tolerance: float) -> float:
     """
     radius, step = cut.tool.radius, cut.stepover
     limit = cut.tool.engagement or math.acos(max(-1.0, 1.0 - step / radius))
-    # cos(limit) = 1 - depth / radius on a straight wall, and both turns may be a tolerance off.
+    # On a straight wall cos(limit) = 1 - depth / radius, so the angle grows by depth / (radius
+    # sin(limit)); this turn of the path and the one before may each be a tolerance off.
     steep = radius * math.sin(min(limit, 0.5 * math.pi))
     return max(0.5 * limit, limit - STEEPER * 2.0 * tolerance / steep)
 
@@ -322,6 +327,7 @@ def descent(cut: Cut, top: float, bottom: float, length: float) -> list[float]:
             cut.tool,
             "ramp_angle",
         )
+    # The last height is `bottom` exactly; without rounds, where top is bottom, the list is empty.
     step = (bottom - top) / max(rounds, 1)
     return [*(top + step * k for k in range(1, rounds)), bottom][:rounds]
 
