@@ -79,8 +79,8 @@ def block_times(
     if not count:
         return np.zeros(0), np.zeros(0)
     acceleration, nominal = _limits(blocks, dynamics)
-    # With v^2 as the unknown all is linear along the path: within a block it changes by at most
-    # 2 a s. The speeds at the ends of blocks and at their peaks are such squares until the roots are
+    # With v^2 as the unknown all is linear along the path: within a block it changes by at most 2 a
+    # s. The speeds at the ends of blocks and at their peaks are such squares until the roots are
     # taken.
     gain = 2.0 * acceleration * blocks.lengths
     cumulative_gain = np.concatenate(([0.0], np.cumsum(gain)))

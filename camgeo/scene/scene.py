@@ -762,7 +762,7 @@ class MotionRequests:
             if not last < angle < span:
                 self.converter.fault(
                     (*place, "points", index, "at"),
-                    f"must ascend, inside the span of {span.normalize():f} degrees",
+                    f"must ascend and be less than the span of {span.normalize():f} degrees",
                 )
                 return None
             shares.append(float(angle / span))
@@ -795,7 +795,7 @@ class MotionRequests:
         wanted = "deg" if self.values.angular else self.values.unit
         if rows.unit and rows.unit.lower() not in UNITS[wanted]:
             self.converter.fault(
-                key, f"gives the lift in {rows.unit}; the scene takes it in {wanted}"
+                key, f"states the lift in {rows.unit}; the scene expects it in {wanted}"
             )
             return None
         return TableRequest(

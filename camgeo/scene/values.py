@@ -891,7 +891,9 @@ def value_path(tree: Tree, key: str) -> KeyPath:
     """
     path = parse_path(key)
     if not path:
-        raise _key_error(key, "is no key of a scene; write one as messages do, e.g. motion[2].law")
+        raise _key_error(
+            key, "is not a key of a scene; write it as messages do, e.g. motion[2].law"
+        )
     node: Node = resolved(schema_for(tree).root)
     value: Any = tree
     prefix: KeyPath = ()
@@ -906,10 +908,10 @@ def value_path(tree: Tree, key: str) -> KeyPath:
         if keys and step not in keys:
             hint = meant(spelled((*prefix, step)), [spelled((*prefix, name)) for name in keys])
             raise _key_error(
-                key, f"is no key of a scene; {_name(prefix)} has {listed(sorted(keys))}", hint
+                key, f"is not a key of a scene; {_name(prefix)} has {listed(sorted(keys))}", hint
             )
         if not keys and prefix and _single(node):
-            raise _key_error(key, f"is no key of a scene; {_name(prefix)} is a single value")
+            raise _key_error(key, f"is not a key of a scene; {_name(prefix)} is a single value")
         prefix = (*prefix, step)
         node = resolved(keys.get(step, {}))
         value = value.get(step) if isinstance(value, dict) else None
@@ -1127,7 +1129,7 @@ def design_path(tree: Tree, key: str, seen: set[str]) -> KeyPath:
     """
     path = value_path(tree, key)
     if path[0] in FAMILIES:
-        raise GeometryError("is no key of a design", key)
+        raise GeometryError("is not a key of a design", key)
     name = spelled(path)
     if name in seen:
         raise GeometryError("varies twice", name)

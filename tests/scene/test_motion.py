@@ -193,7 +193,7 @@ def test_a_table_over_a_part_of_the_turn(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("rows", "extra", "message"),
     [
-        (ROWS.replace("[mm]", "[inch]"), "", "gives the lift in inch; the scene takes it in mm"),
+        (ROWS.replace("[mm]", "[inch]"), "", "states the lift in inch; the scene expects it in mm"),
         (ROWS.replace("\n20,", "\n12,"), "", "lift.csv, line 6: '12.0': the angle before is 15.0"),
         (ROWS, "smoothing = 0", "motion[1].smoothing = 0: must be a positive number"),
         (ROWS, "to = 3", "motion[1].to = 3: belongs to a move; this is a move by a lift table"),
@@ -247,7 +247,10 @@ BACK = '[[motion]]\ndwell = 60\n[[motion]]\nlaw = "auto"\nspan = 120\nto = 0\n'
         ('law = "sine-straight"', "here the move goes from rest to rest (R-R)"),
         ('law = "points"', "points: is missing"),
         ('law = "points"\npoints = []', "points"),
-        ('law = "points"\npoints = [{ at = 130, to = 3 }]', "must ascend, inside the span of 120"),
+        (
+            'law = "points"\npoints = [{ at = 130, to = 3 }]',
+            "must ascend and be less than the span",
+        ),
         ('law = "points"\npoints = [{ at = 30, to = 3 }, { at = 30, to = 4 }]', "must ascend"),
         ('law = "points"\npoints = [{ at = 30, t = 3 }]', "did you mean to?"),
         ('law = "points"\npoints = [{ at = 30, to = 3 }]\nsmoothing = 1', "belongs to"),
@@ -286,7 +289,7 @@ def test_a_speed_curve(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("rows", "keys", "message"),
     [
-        (SPEED, "speed = 60\n", "contradicts speed; give one of them"),
+        (SPEED, "speed = 60\n", "contradicts speed; state only one of them"),
         (SPEED.replace("260", "160"), "", "line 6: '160.0': the angle before is 180"),
         ("0,0\n0.1,180\n0.5,360\n", "", "speed.csv: 3 rows; allowed: 4 rows or more"),
         ("0,0\n0.2,100\n0.21,300\n0.8,310\n1,360\n", "",

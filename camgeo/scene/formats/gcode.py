@@ -51,7 +51,7 @@ def earlier_keys_state_a_whole_tool(values: Values) -> Iterator[tuple[str, str]]
                 yield "", f"needs output.gcode.{key}: {STATE}"
     heights = (values.get(*TABLE, key) for key in ("safe_height", "clearance_height"))
     if None not in heights:
-        yield "safe_height", "contradicts clearance_height; give that alone"
+        yield "safe_height", "contradicts clearance_height; state only that"
 
 
 def a_through_cut_is_held(values: Values) -> Iterator[tuple[str, str]]:
@@ -63,7 +63,10 @@ def a_through_cut_is_held(values: Values) -> Iterator[tuple[str, str]]:
         bore is not None and values.get("stock", "bore") != bore
     )
     if through:
-        yield "", "needs [holding]: a cut goes through the blank, and what it cuts free is held"
+        yield (
+            "",
+            "needs [holding]: a cut goes through the blank, and what it cuts free must be held",
+        )
 
 
 def tool_fits(values: Values) -> Iterator[tuple[str, str]]:
