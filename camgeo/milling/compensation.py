@@ -53,7 +53,7 @@ def compensation_side(cut: Cut) -> str:
 
 @dataclass(frozen=True, slots=True)
 class OffsetLimit:
-    """How far the offset of a compensated operation may be from the one it is computed for.
+    """Limit of the difference between the offset of a compensated operation and its nominal one.
 
     Attributes
     ----------
@@ -189,7 +189,7 @@ def programmed(operation: Operation) -> tuple[Move | Stop, ...]:
 
 
 def _compensated_runs(moves: Sequence[Move | Stop]) -> Iterator[list[Arc]]:
-    """The pieces of each stretch under compensation, from its straight way on to that off."""
+    """The pieces of each stretch under compensation, from its straight lead-in to its lead-off."""
     position: Point | None = None
     run: list[Arc] = []
     active = False

@@ -210,7 +210,7 @@ def _chamfers(cuts: Iterable[Cut], tolerance: float) -> Iterator[Chamfer]:
 
 
 def level(contour: Contour, z: float) -> Course:
-    """Around a closed contour at one height [mm], as a single move."""
+    """The course once around a closed contour at the height `z` [mm], as a single move."""
     flat = Pieces.around([contour])
     heights, moves = np.full(len(flat), z), np.zeros(len(flat), dtype=np.intp)
     return Course(flat.starts, flat.ends, flat.sweeps, flat.centres, heights, heights, moves)
@@ -286,12 +286,12 @@ def _produced(cuts: Iterable[Cut]) -> set[str]:
 
 
 def finished_walls(cut: Cut) -> tuple[str, ...]:
-    """Names of the walls that a cut leaves as they are to be."""
+    """Names of the walls that a cut finishes: those that it produces without an allowance."""
     return () if cut.allowance else cut.produced
 
 
 def finished_depth(cuts: Iterable[Cut], name: str) -> float:
-    """Z down to which cuts leave a wall as it is to be [mm]; infinite if none does."""
+    """Z down to which cuts finish the wall `name` [mm]; infinite if none does."""
     return min((cut.bottom for cut in cuts if name in finished_walls(cut)), default=math.inf)
 
 
@@ -301,7 +301,7 @@ def required_depth(wall: Wall, holding: Holding | None) -> float:
 
 
 def faces(cut: Cut) -> bool:
-    """Whether a cut takes off all that lies above the part."""
+    """Whether a cut is a facing, which removes all that lies above the part."""
     return isinstance(cut, AreaCut) and not cut.walls
 
 
@@ -315,7 +315,7 @@ def faces(cut: Cut) -> bool:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SimulatedSide:
-    """A side that is simulated."""
+    """A side of a job with the setup and the result of its simulation."""
 
     side: Side
     setup: Setup
@@ -453,7 +453,7 @@ the part states."""
 UNMADE = "no operation makes it"
 
 EDGE = " edge of the "
-"""In the name of an edge, before that of its wall."""
+"""Part of the name of an edge before the name of its wall."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -494,7 +494,7 @@ class Feature:
 def compare_features(
     part: Part, keyway: Keyway | None, sides: Sequence[Side]
 ) -> tuple[Feature, ...]:
-    """Every wall, edge and face of a part, as the sides of its job make them.
+    """All walls, edges and faces of a part, compared with what the sides of its job make.
 
     Parameters
     ----------
@@ -544,7 +544,7 @@ def feature_findings(features: Iterable[Feature]) -> Iterator[Finding]:
 
 
 def _faces(sides: Sequence[Side]) -> Iterator[Feature]:
-    """The face that lies up, and the one below."""
+    """The upper and the lower face of the part as features."""
     stock = sides[0].milling.stock
     for name, more, responsible in (
         ("upper face", stock.top, sides[:1]),
@@ -585,7 +585,9 @@ def _wall(wall: Wall, sides: Sequence[Side]) -> Feature:
 
 
 def _is_in_the_blank(wall: Wall, part: Part, stock: Stock) -> bool:
-    """Whether a bore or a rim is that of the blank; a rim is, unless the blank is another."""
+    """Whether the blank has a bore or a rim already; a rim counts as its own unless its outline is
+    stated and differs.
+    """
     boundary = wall.boundary
     if not isinstance(boundary, ExactBoundary) or not boundary.is_round:
         return False
@@ -604,7 +606,7 @@ def _keyway(keyway: Keyway) -> Iterator[Feature]:
 
 
 def _edges(part: Part, sides: Sequence[Side]) -> Iterator[Feature]:
-    """The chamfers that the part states, and those that operations make beside them."""
+    """The chamfers that the part states, and further ones that operations make."""
     chamfer_cuts: dict[tuple[str, bool], list[ContourCut]] = {}
     for upper, side in zip((True, False), sides, strict=False):
         for cut in side.cuts:
@@ -620,8 +622,8 @@ def _edges(part: Part, sides: Sequence[Side]) -> Iterator[Feature]:
 
 
 def _edge(bevel: Bevel, cuts: Sequence[Cut]) -> Feature:
-    """A chamfer of the part, with the cuts along its edge; a cone whose point has another angle
-    makes it as wide on the face, and lower or higher on the wall.
+    """A chamfer of the part, compared with the cuts along its edge: a cone whose point has another
+    angle makes it as wide on the face, but lower or higher on the wall.
     """
     name = _edge_name(bevel.boundary.name, upper=bevel.upper)
     names = tuple(cut.name for cut in cuts)

@@ -310,7 +310,8 @@ def _divide_arcs(
 ) -> Blocks:
     """Blocks of lines and arcs from `starts` (n, 3) to `ends` (n, 3) [mm].
 
-    Arcs within `chord` as Grbl divides them (grbl/motion_control.c, mc_arc).
+    If `chord` [mm] is above 0, arcs are divided into chords within it, as Grbl divides them
+    (grbl/motion_control.c, mc_arc).
     """
     arms = starts[:, 0] + 1j * starts[:, 1] - centres
     radii = np.where(sweeps != 0.0, np.abs(arms), 0.0)
@@ -355,7 +356,7 @@ def _arc_points(
     sweeps: FloatArray,
     shares: FloatArray,
 ) -> FloatArray:
-    """(n, 3) points at `shares` of lines and arcs."""
+    """(n, 3) points [mm] at the `shares` (n,) of the lengths of lines and arcs."""
     points = starts + (ends - starts) * shares[:, None]
     arcs = sweeps != 0.0
     turned = centres + arms * np.exp(1j * sweeps * shares)

@@ -177,7 +177,7 @@ class Operation:
 
     @property
     def name(self) -> str:
-        """Unique in the program."""
+        """The name of the operation, unique in the program."""
         return self.cut.name
 
     @property
@@ -247,7 +247,7 @@ def arc_sweep(start: complex, end: complex, *, ccw: bool) -> float:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Course(Pieces):
-    """Pieces in the order in which they are run.
+    """The lines and arcs of a cutter's centre with the heights of its tip, in the order of cutting.
 
     Attributes
     ----------
@@ -280,7 +280,9 @@ class Course(Pieces):
         return np.where(upright, self.lowest, self.highest)
 
     def part(self, first: FloatArray, last: FloatArray) -> Course:
-        """The part of each from the share `first` to the share `last` (n,) of its length."""
+        """The part of each piece from the share `first` (n,) to the share `last` (n,) of its
+        length.
+        """
         pieces = self.between(first, last)
         low, high = self._tip(first), self._tip(last)
         return Course(
@@ -378,7 +380,7 @@ TURNED_FACES: Final = {
     "blank-top": "the lower face of the blank, which lies up",
     "blank-bottom": "what lies lowest",
 }
-"""The same on the second side."""
+"""The names of these faces on the second side."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -116,7 +116,7 @@ takes milliseconds, as it is compared with all turns that are near.
 """
 
 SPACING: Final = 0.5
-"""Least distance of such places [mm]."""
+"""Least distance of places at which the engagement is computed [mm]."""
 
 SAME: Final = 1e-6
 """Centres and radii [mm] that differ by less are those of one circle."""
@@ -156,7 +156,7 @@ class OperationEngagement:
 
     @property
     def finding(self) -> Finding | None:
-        """Where the engagement exceeds its limit; None if it does not."""
+        """The finding that the engagement exceeds its limit; None if it does not."""
         if self.largest <= self.limit:
             return None
         place = f"at X {self.place.real:.4g}, Y {self.place.imag:.4g} mm"
@@ -557,7 +557,7 @@ class Cutting:
         return peak[1], peak[0]
 
     def air(self, piece: int, shares: FloatArray, angles: FloatArray) -> float:
-        """Share of the piece on which the engagement is 0."""
+        """Share of the piece's length on which the engagement is 0."""
         free_share = 0.0
         ends = np.concatenate(([0.0], shares[1:-1], [1.0]))  # what is inset is like its sample
         for place in range(len(shares) - 1):

@@ -301,7 +301,7 @@ turn, so that verdicts never rest on coarser ones."""
 
 
 def guard_cuts(bench: Bench, cuts: list[Cut], heights: Heights) -> list[Cut]:
-    """The cuts with the clamps to be cleared, the stops at which they move, and tabs.
+    """The cuts with the clamps that they must clear, the stops at which clamps are moved, and tabs.
 
     Raises
     ------
@@ -517,7 +517,7 @@ def _clamp_instructions(clamps: tuple[Clamp, ...], name: str) -> Iterator[str]:
 
 
 def _clears(cut: Cut, obstacle: Obstacle) -> None:
-    """GeometryError with key "holding", if the cutter runs into the obstacle."""
+    """Check that the cutter clears the obstacle; GeometryError with key "holding" if not."""
     body = coarse(obstacle.outline)
     touches = False
     if isinstance(cut, ContourCut):
@@ -547,7 +547,9 @@ def _area(cut: AreaCut) -> Area | None:
 
 
 def _holds(bench: Bench, cut: AreaCut | ContourCut, there: Iterable[Clamp]) -> None:
-    """GeometryError with key "holding", if no clamp or screw that is set stands on the part."""
+    """Check that a clamp or screw stands on the part when the cut frees it; GeometryError with key
+    "holding" if none does.
+    """
     walls = cut.walls if isinstance(cut, AreaCut) else (bench.walls[cut.right].boundary,)
     part = [coarse(wall) for wall in walls]
     for clamp in there:

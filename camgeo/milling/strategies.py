@@ -57,7 +57,7 @@ from camgeo.reading import PROGRAM_LINES
 
 
 def profile(builder: ToolpathBuilder, tolerance: float, effort: Effort) -> None:
-    """Along one boundary, outside material or inside a hole.
+    """A finish along one boundary, around the material or inside a hole.
 
     Where the material beside the path is cleared: down next to it, onto it and once around at each
     depth, with tangential leads, and back beside it between depths. Else the cutter comes down
@@ -101,7 +101,7 @@ def profile(builder: ToolpathBuilder, tolerance: float, effort: Effort) -> None:
 
 
 def _run_entry(builder: ToolpathBuilder, entry: Track, side: str) -> None:
-    """Onto the path; its first piece switches compensation on, if there is a `side` for it."""
+    """Follow a lead onto the path; its first piece switches compensation on to a `side`, if any."""
     first = float(entry.lengths[0]) if side else 0.0
     if side:
         builder.follow(entry.section(0.0, first), switch=side)
@@ -109,7 +109,7 @@ def _run_entry(builder: ToolpathBuilder, entry: Track, side: str) -> None:
 
 
 def _run_exit(builder: ToolpathBuilder, exit_track: Track, side: str) -> None:
-    """Off the path; its last piece switches compensation off."""
+    """Follow a lead off the path; its last piece switches compensation off if a `side` is on."""
     last = exit_track.length - float(exit_track.lengths[-1]) if side else exit_track.length
     builder.follow(exit_track.section(0.0, last))
     if side:
@@ -268,7 +268,8 @@ def round_heights(
 
 
 def drill(builder: ToolpathBuilder, tolerance: float, effort: Effort) -> None:  # noqa: ARG001  all strategies are called alike
-    """Each hole to its depths one after the other, out of it for chips after each.
+    """Each hole is drilled to its depths one after the other; after each the drill is retracted, to
+    clear the chips.
 
     All of it at the feed of a drill, or the plunge feed of a cutter: no rapid enters a hole.
     """
@@ -285,8 +286,8 @@ def drill(builder: ToolpathBuilder, tolerance: float, effort: Effort) -> None:  
 
 
 def engrave(builder: ToolpathBuilder, tolerance: float, effort: Effort) -> None:  # noqa: ARG001  all strategies are called alike
-    """To each depth in turn by ramps along the line, straight down where the tool may plunge, and
-    once along it there.
+    """At each depth the cutter comes down by ramps along the line, or straight if it may plunge,
+    and runs once along it.
     """
     cut = cut_of_kind(builder.cut, LineCut, "cuts along a line")
     line = Track.line(cut.start, cut.end)
@@ -326,8 +327,8 @@ CORNERS: Final = 24
 
 
 def letters(builder: ToolpathBuilder, tolerance: float, effort: Effort) -> None:  # noqa: ARG001  all strategies are called alike
-    """Straight down to each depth in turn and once around, then on to the next round at the
-    clearance height.
+    """Rounds within the strokes: straight down and once around at each depth in turn, then on to
+    the next round at the clearance height.
 
     Raises
     ------
@@ -415,7 +416,7 @@ def centres(stroke: Area, cut: LetterCut) -> list[Contour]:
 
 
 def _round(ring: ComplexArray, *, climb: bool) -> Contour:
-    """A path along a ring, of which outer ones run counter-clockwise."""
+    """A path along a ring in the direction of cutting; outer rings come counter-clockwise."""
     contour = Contour.polygon(ring)
     return contour if climb else contour.reversed()
 
@@ -467,7 +468,7 @@ ROUNDING: Final = 1e-4
 """Angle [rad] by which the engagement may be larger between these places."""
 
 BISECTED: Final = 40
-"""Steps of a bisection."""
+"""Steps of the bisection for the largest advance: to 2 ** -40 of its range."""
 
 MOVES: Final = 4
 """Least number of moves of a loop: the way to it, two in its cutting part, and the way back."""
@@ -506,7 +507,7 @@ def trochoid(builder: ToolpathBuilder, tolerance: float, effort: Effort) -> None
 
 
 def _loop(cut: AreaCut, path: Contour, free: int, fine: float) -> float:
-    """Radius of the loops [mm]."""
+    """Radius of the loops [mm] that fit the slot and the hollows of the path."""
     radius = cut.tool.radius
     # Loop and cutter together span the slot, less the tolerances that the path keeps off the wall.
     size = 0.5 * cut.slot - radius - SPENT * fine

@@ -59,7 +59,7 @@ class ToolpathBuilder:
 
     @property
     def free(self) -> int:
-        """The side of a path along a wall on which there is none: 1 left, -1 right."""
+        """The side of a path along a wall that is free of the wall: 1 left, -1 right."""
         return 1 if self.cut.climb else -1
 
     def avoid(self, bottom: float) -> tuple[tuple[Track, float], ...]:
@@ -115,7 +115,7 @@ class ToolpathBuilder:
         feed: float | None = None,
         switch: str = "",
     ) -> None:
-        """Along `track`, descending or rising evenly to `z` [mm] if that is given.
+        """Feed along `track`, descending or rising evenly to `z` [mm] if that is given.
 
         With a `switch` the track is one line, which switches the controller's compensation so.
 
@@ -173,8 +173,8 @@ class ToolpathBuilder:
     def follow_heights(
         self, track: Track, stops: Sequence[tuple[float, float]], *, both: bool = False
     ) -> None:
-        """Along `track`, whose heights `stops` give: (distance along it, z) [mm], ascending from 0
-        to its length, straight between them.
+        """Feed along `track` at the heights that `stops` state: pairs (distance along it, z) [mm],
+        ascending from 0 to its length, with straight lines between them.
 
         Where a height changes within `SHORTEST` of a joint of the track, it does so at the joint.
         """

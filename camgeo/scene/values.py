@@ -431,7 +431,7 @@ def _texts(value: Any) -> Iterator[str]:
 
 
 def _is_inside(name: str) -> bool:
-    """Whether a name leads nowhere else; a scene must not name files elsewhere."""
+    """Whether a name stays within the folder; a scene must not name files elsewhere."""
     path = Path(name)
     return not path.is_absolute() and ".." not in path.parts
 
@@ -453,7 +453,7 @@ Tree = dict[str, Any]
 
 
 class Taking:
-    """Takes values that come from Python; a float is the decimal number that Python prints.
+    """Copies values that come from Python; a float becomes the decimal number that Python prints.
 
     A value that no scene may have stays as it is, to be reported among the scene's faults.
     """
@@ -695,7 +695,7 @@ class Document(Brief):
         return "inch" if self.exact_value(("units", "length")) == "inch" else "mm"
 
     def line(self, path: KeyPath) -> int | None:
-        """Line of `path`, else of what is around it."""
+        """Line of the key at `path`, or of the nearest table or list around it."""
         return nearest_line(path, self.lines)
 
     def exact_value(self, path: KeyPath) -> Any:
@@ -737,7 +737,7 @@ class Source(Brief):
         return cls(file, pathlib.Path(folder).resolve(), text)
 
     def having(self, contents: Mapping[str, bytes]) -> Self:
-        """The same source with these contents of its files."""
+        """The source with these contents of its files."""
         return replace(self, contents=MappingProxyType(dict(contents)))
 
 

@@ -14,13 +14,13 @@ from camgeo.scene.formats.format import BODY, Format, Values
 TABLE: Final = ("output", "gcode")
 
 MISSING: Final = "is missing: "
-"""Begins the reasons for keys that a table lacks."""
+"""Begin of the messages about keys that a table lacks."""
 
 DIAMETER: Final = "output.gcode.tool_diameter"
 
 
 def parse(table: Mapping[str, Any]) -> GcodeSpec:
-    """The options of the table."""
+    """The options of the table `[output.gcode]`; raises GeometryError with the key."""
     options = dict(table)
     if "tools" in options:
         options["tools"] = options["tools"].name
@@ -142,7 +142,7 @@ def tables_are_whole(values: Values) -> Iterator[tuple[str, str]]:
 
 
 def program_suffix(spec: GcodeSpec) -> str:
-    """That of the machine's programs; SceneError if there is no such machine."""
+    """The suffix of the machine's programs; SceneError if there is no such machine."""
     from camgeo.milling.machine import load  # a declaration imports nothing that computes
 
     return load(spec.machine).extension

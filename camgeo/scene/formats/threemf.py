@@ -16,7 +16,7 @@ from camgeo.scene.formats.format import BODY, Format, Values
 
 
 class Body(StrEnum):
-    """What may lie on a plate."""
+    """Bodies that may lie on a plate."""
 
     CAM = "cam"
     RETURN_CAM = "return-cam"
