@@ -219,8 +219,7 @@ class Bench:
         wide = tool.shank_diameter
         if wide is not None and wide > tool.diameter and tool.flute_length is None:
             return Reason(
-                f"its shank is wider than its cutting edges, whose length must be stated for a cut"
-                f" of {depth:g} mm",
+                f"its shank is wider than its edges, whose length is not stated for {depth:g} mm",
                 "shank_diameter",
             )
         return ""
@@ -547,6 +546,7 @@ def clear_area(
     blank.
     """
     stock = bench.milling.stock
+    # A hole encloses the area; the bore of the blank lies in it then, and in a face.
     inside = any(wall.hole for wall in walls)
     return AreaCut(
         name=name,

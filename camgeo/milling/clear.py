@@ -150,6 +150,7 @@ def inside(builder: ToolpathBuilder, cut: AreaCut, wall: Boundary, tolerance: fl
     """
     fine = coarse(cut, tolerance)
     path = along(wall, cut, fine)
+    # A ball mill has no flat end: then a quarter of the radius is used.
     flat = max(cut.tool.radius - cut.tool.corner_radius, 0.25 * cut.tool.radius)
     star = require_star(path, wall.name)
     least = star.distances().lowest.value
@@ -194,6 +195,7 @@ def inside(builder: ToolpathBuilder, cut: AreaCut, wall: Boundary, tolerance: fl
                 builder.traverse(helix.start)
             builder.lower(z)
         builder.follow(level)
+    # Off the wall, half way to the cam axis, before the cutter is lifted.
     builder.follow(Track.line(builder.place, 0.5 * builder.place))
 
 
@@ -456,6 +458,8 @@ def _edge(cut: AreaCut, blank: Contour, path: Contour) -> Contour:
             key="stock",
         )
     if lacking >= 0.0:
+        # Slightly farther out than what is missing: the spiral begins outside of the path all
+        # round.
         edge = grown(blank, radius + 1.1 * lacking + 1e-3)
     return edge
 
@@ -689,6 +693,7 @@ def spiral(
         finish=finish,
         radius=cut.tool.radius,
         limit=engagement_limit(cut, tolerance),
+        # No more than the flat end is wide, so that no ridges stay between turns; a ball has none.
         step=min(cut.stepover, 2.0 * (cut.tool.radius - cut.tool.corner_radius) or cut.stepover),
     )
 

@@ -1,5 +1,5 @@
-"""A job as a simulation judges it: its runs, what each side starts from, and the verdict; and which
-features of the part its operations make.
+"""Jobs as they are simulated: the runs, what each side starts from, and the flaws; and which
+features of the part the operations make.
 """
 
 from __future__ import annotations
@@ -164,6 +164,7 @@ def simulation_setup(
     blank = [outline]
     if stock.bore is not None:
         blank.append(Contour.circle(0.5 * stock.bore))
+    # What lies below the part, tabs or a skin join waste to it up to that height.
     joined = [low] if stock.bottom > 0.0 else []
     held = None
     lowest = None
@@ -263,11 +264,13 @@ def _blank(side: Side, tolerance: float) -> tuple[Contour, tuple[Contour, ...], 
         corner, centre = 0.5 * complex(stock.length, stock.width), stock.centre
     elif outermost.name not in _produced(side.cuts):
         outline = _contour(outermost, tolerance)
+        # The strip inside the outline: scaled about the cam axis, `RIM` wide where it is farthest.
         share = 1.0 - RIM / float(np.max(np.abs(outline.vertices)))
         inner = Contour(share * outline.vertices, outline.sweeps, share * outline.centres)
         return outline, (outline, inner), True
     else:
         ends = [feed_course(run.moves, run.start).ends for run in side.runs]
+        # A square about the cam axis that reaches beyond the farthest coordinate of any move.
         both = [np.abs(part) for points in ends for part in (points.real, points.imag)]
         reach = max((float(np.max(part, initial=0.0)) for part in both), default=0.0)
         wide = 2.0 * UNKNOWN * max((run.radius for run in side.runs), default=0.0)
@@ -308,9 +311,9 @@ def faces(cut: Cut) -> bool:
 # -- sides ----------------------------------------------------------------------------------------
 # A job of one side or two, simulated: the second side starts from what the first one has left.
 #
-# Each side is judged in coordinates in which its tools come from above (`camgeo.milling.milling`);
-# what is handed on is turned over, slab by slab. What the part must be in the end is asked after
-# the last side alone, of the material that both have left.
+# Each side is simulated in coordinates in which its tools come from above
+# (`camgeo.milling.milling`); what is handed on is turned over, slab by slab. What the part must be
+# in the end is asked after the last side alone, of the material that both have left.
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -69,7 +69,7 @@ MEANINGS: Final = (
     "not read",
 )  # fmt: skip
 """Meanings of G and M words that a profile can give to a word of another common meaning; a word
-"not read" is accepted, but programs with it cannot be judged."""
+"not read" is accepted, but programs with it cannot be simulated."""
 
 
 def texts(key: str, given: Any) -> tuple[str, ...]:

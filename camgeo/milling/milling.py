@@ -514,7 +514,7 @@ class MillingSpec(Brief):
     ----------
     tools : in the order in which they are tried.
     stock : the blank.
-    holding : None if nobody says how the blank is held.
+    holding : None if the scene does not state how the blank is held.
     operations : empty for a sequence that is planned.
     earlier : whether the tool is stated by earlier keys of `[output.gcode]`.
     second : how the second side is set up; None if there is none.

@@ -348,6 +348,7 @@ def feed_course(moves: Iterable[Move | Stop], position: Point | None = None) -> 
         sweeps[arcs] = arc_sweeps(arms[:, 0], arms[:, 1], columns[arcs, 3])
     z, numbers = ends[:, :, 2], columns[:, 0].astype(np.intp)
     whole = Course(flat[:, 0], flat[:, 1], sweeps, centres, z[:, 0], z[:, 1], numbers)
+    # A course has pieces of at most half a turn: longer arcs are divided, heights in proportion.
     index, first, last = whole.halves()
     return whole if len(index) == len(whole) else taken(whole, index).part(first, last)
 
@@ -420,6 +421,7 @@ class Zero:
                 )
             along, across = CORNERS[spec.zero]
             corner = 0.5 * complex(along * stock.length, across * stock.width)
+            # Corners are named as the work lies on the machine; `place` is one of the part.
             place = stock.centre + mirrored(corner, turned)
         low, high = part.layers[0].z0, part.layers[-1].z1
         heights = {

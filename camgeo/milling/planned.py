@@ -257,6 +257,7 @@ def _groove(bench: Bench, inner: Wall, outer: Wall) -> Iterator[Step]:
     if as_wide(tool, half):
         yield groove_slot(bench, inner, outer, tool, top)
         return
+    # The allowance is at most half of the width that the cutter leaves free on one side.
     side = half - tool.radius
     walls = [(wall, min(bench.allowance(tool, wall), 0.5 * side)) for wall in (outer, inner)]
     for wall, allowance in walls:

@@ -377,12 +377,12 @@ def unfit_for_letters(tool: Tool, walls: Sequence[Boundary]) -> str:
     if tool.kind != END_MILL or tool.corner_radius:
         return "letters are cut with a flat end mill"
     if not tool.plunges:
-        return "letters need a tool that may plunge"
+        return "letters take a tool that plunges"
     for stroke in strokes(walls):
         place = unreached(stroke, tool.radius + STANDOFF)
         if place is not None:
             x, y = place
-            return f"{tool.diameter:g} mm is wider than the stroke at X {x:.4g}, Y {y:.4g} mm"
+            return f"{tool.diameter:g} mm are wider than a stroke at X {x:.4g}, Y {y:.4g} mm"
     return ""
 
 
@@ -503,6 +503,7 @@ def trochoid(builder: ToolpathBuilder, tolerance: float, effort: Effort) -> None
         builder.follow(helix)
         for track, air in steps:
             builder.follow(track, air=air)
+    # Off the wall by half a loop, before the cutter is lifted.
     builder.follow(helix.section(0.0, 0.5 * helix.length))
 
 
@@ -556,6 +557,7 @@ def _steps(
         raise GeometryError(
             "is too small for loops along the wall", "tool.engagement", f"{math.degrees(limit):g}"
         )
+    # Refused before the moves are made: each step has at least `MOVES` at each depth.
     if MOVES * len(cut.depths) * length > PROGRAM_LINES * largest:
         raise too_long()
     # Half a turn to the side away from the wall, and on to where the circle crosses the one before,

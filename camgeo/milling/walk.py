@@ -140,7 +140,7 @@ class ToolpathBuilder:
             return
         travelled = 0.0
         base = self.cut.tool.feed if feed is None else feed
-        track = track.halved()
+        track = track.halved()  # an `ArcFeed` is at most half a turn
         for point, sweep, centre, length in zip(
             track.ends.tolist(),
             track.sweeps.tolist(),
