@@ -52,7 +52,8 @@ STRIP_WIDTH: Final = 0.1
 
 ALLOWANCE_SHARE: Final = 0.05
 LARGEST_ALLOWANCE: Final = 0.5
-"""What a planned roughing leaves, as a share of the cutter's diameter, and at most [mm]."""
+"""Allowance that a planned roughing leaves: as a share of the cutter's diameter, and at most
+[mm]."""
 
 
 class Reason(str):
@@ -79,7 +80,7 @@ fault; an empty text if it can."""
 
 @dataclass(frozen=True, slots=True)
 class Bench:
-    """What is to be milled, from what, and with what.
+    """The part to be milled, with its blank, its holding and the tools.
 
     Attributes
     ----------
@@ -104,7 +105,7 @@ class Bench:
 
     @property
     def bosses(self) -> tuple[Wall, ...]:
-        """The walls around what stands on the upper face of the disc."""
+        """The walls around the bosses on the upper face of the disc."""
         above = self.part.disc[-1].z1
         stand = [layer.boundaries[0] for layer in self.part.layers if layer.z0 >= above]
         return tuple(wall for wall in self.part.walls if wall.boundary in stand)
@@ -121,8 +122,8 @@ class Bench:
         )
 
     def wall(self, name: str, key: str) -> Wall:
-        """The wall of a boundary; GeometryError with the `key`, if there is none, or none that is
-        reached from this side.
+        """The wall of the boundary `name`; GeometryError with the `key` if the part has none, or if
+        tools do not reach it from this side.
         """
         walls = self.walls
         message = ""
@@ -157,7 +158,7 @@ class Bench:
         return max(upper_ends, default=wall.z1)
 
     def bottom(self, wall: Wall) -> float:
-        """Z at which cuts along the wall end [mm]: below the part, on its skin, or on a floor."""
+        """Z at which cuts along the wall end [mm]: below the part, at its skin, or at a floor."""
         holding = self.milling.holding
         if not self.is_through(wall) or holding is None:
             return wall.z0
@@ -185,7 +186,7 @@ class Bench:
         raise GeometryError(message, key="tool")
 
     def allowance(self, tool: Tool, wall: Wall) -> float:
-        """What a planned roughing with `tool` leaves on a wall [mm].
+        """Allowance [mm] that a planned roughing with `tool` leaves on a wall.
 
         At most half of the play that the cutter has in the tightest place.
         """
@@ -218,8 +219,7 @@ class Bench:
         wide = tool.shank_diameter
         if wide is not None and wide > tool.diameter and tool.flute_length is None:
             return Reason(
-                f"its shank is wider than its cutting edges, whose length must be stated for a cut"
-                f" of {depth:g} mm",
+                f"its shank is wider than its edges, whose length is not stated for {depth:g} mm",
                 "shank_diameter",
             )
         return ""
@@ -241,7 +241,7 @@ class Bench:
         )
 
     def unfit(self, wall: Wall, *, top: float = 0.0) -> Unfit:
-        """Why a tool cannot finish a wall at full depth from `top` [mm]."""
+        """The function that says why a tool cannot finish a wall at full depth from `top` [mm]."""
         bottom = self.bottom(wall)
         return lambda tool: self.too_large(tool, wall.boundary) or self.too_short(tool, bottom, top)
 
@@ -269,12 +269,12 @@ def is_open(part: Part, wall: Wall) -> bool:
 
 
 def coarse(*boundaries: Boundary) -> Area:
-    """What boundaries enclose, within `COARSE`."""
+    """The area that boundaries enclose, within `COARSE`."""
     return polygon([boundary.arcs(COARSE, "fast").contour for boundary in boundaries], COARSE)
 
 
 def letter_walls(bench: Bench, text: str) -> tuple[Wall, ...]:
-    """The walls of the letters of a text; none of anything else."""
+    """The walls of the letters of `text`; empty if the part has no such text."""
     return tuple(wall for name, wall in bench.walls.items() if text_name(name) == text != "")
 
 
@@ -290,8 +290,8 @@ def flank_curve(wall: Wall) -> WorkingCurve:
 
 
 def exact_boundary(wall: Wall) -> ExactBoundary:
-    """The boundary of the bore."""
-    assert isinstance(wall.boundary, ExactBoundary)  # as every bore is
+    """The boundary of a bore, a hole, a mark or a rim, which consists of lines and arcs."""
+    assert isinstance(wall.boundary, ExactBoundary)  # as of all of these
     return wall.boundary
 
 
@@ -315,13 +315,14 @@ class Tightest:
 
     @property
     def sentence(self) -> str:
-        """How large it is, and where."""
+        """The smallest radius in words, with its cam angle."""
         where = "" if self.cam_angle is None else f" {at_cam_angles(self.cam_angle, form='.4f')}"
         return f"its smallest concave radius is {self.radius:.6g} mm{where}"
 
 
 def tightest(boundary: Boundary) -> Tightest | None:
-    """The place of a wall that limits cutters most; None where it is convex all round.
+    """The place of a wall that limits the cutter's radius most; None if the wall is convex all
+    round.
 
     Of a flank it follows from the extremes of the pitch curve's curvature: the parallel on which
     the cutter's centre runs is regular while 1 + d kappa > 0, with d its distance from the curve.
@@ -369,10 +370,11 @@ def _tightest_on_stretch(stretch: Stretch, *, hole: bool) -> Tightest | None:
 
 
 MOST_PASSES: Final = 1_000
-"""Of one cut; a pass thinner than a thousandth of a part is a typing error."""
+"""Most passes of one cut: a pass thinner than a thousandth of the depth is a typing error."""
 
 CLEARED_DIAMETERS: Final = 1.25
-"""Diameters of the widest cutter that are cleared beside the disc: a slot, and an allowance."""
+"""Width that is cleared beside the disc, in diameters of the widest cutter: a slot and an
+allowance."""
 
 
 def rough_around(bench: Bench, wall: Wall, tool: Tool, top: float, allowance: float) -> ContourCut:
@@ -544,6 +546,7 @@ def clear_area(
     blank.
     """
     stock = bench.milling.stock
+    # A hole encloses the area; the bore of the blank lies in it then, and in a face.
     inside = any(wall.hole for wall in walls)
     return AreaCut(
         name=name,
@@ -574,7 +577,7 @@ def drill_all(
 
 
 def unfit_for_engraving(bench: Bench, tool: Tool, walls: Sequence[Wall]) -> str:
-    """Why a tool does not make a mark in one pass, or the letters of a text; empty if it does."""
+    """Why a tool cannot engrave a mark or the letters of a text; empty if it can."""
     wall = walls[0]
     if text_name(wall.boundary.name):
         reason = "" if is_open(bench.part, wall) else "they are not open on this face"
@@ -591,7 +594,7 @@ def unfit_for_engraving(bench: Bench, tool: Tool, walls: Sequence[Wall]) -> str:
 
 
 def engraving_cut(bench: Bench, walls: Sequence[Wall], tool: Tool, top: float) -> Cut:
-    """A mark as wide as the tool, a slot along its middle line or a dot; or letters of a text."""
+    """The cut of a mark as wide as the tool, a slot or a dot, or of the letters of a text."""
     wall = walls[0]
     if text := text_name(wall.boundary.name):
         return LetterCut(
@@ -631,7 +634,7 @@ def slot_ends(boundary: ExactBoundary) -> tuple[complex, complex] | None:
 
 
 def passes(top: float, bottom: float, largest: float | None) -> tuple[float, ...]:
-    """Z of equal passes of at most `largest` [mm], the last at `bottom` exactly; one if None.
+    """Z of equal passes of at most `largest` [mm], the last at `bottom` exactly; one pass for None.
 
     Raises
     ------

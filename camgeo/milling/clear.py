@@ -83,7 +83,8 @@ INNERMOST = 0.9
 
 
 def face(builder: ToolpathBuilder, cut: AreaCut, tolerance: float) -> None:
-    """At each depth: down in the air beside the blank, and round it inward to its middle.
+    """At each depth the cutter goes down in the air beside the blank, and spirals inward to its
+    middle.
 
     Between depths the cutter runs out again over what it has cleared.
 
@@ -138,8 +139,9 @@ INSIDE_ROOM = 0.5
 
 
 def inside(builder: ToolpathBuilder, cut: AreaCut, wall: Boundary, tolerance: float) -> None:
-    """A helix down to each depth in turn, from the middle or round a hole that is there, and from
-    it a spiral out to the wall and a full round along it; a narrow round hole by the helix alone.
+    """To each depth in turn by a helix, near the middle or around a hole of the blank; from there a
+    spiral out to the wall and a full round along it. A narrow round hole is made by the helix
+    alone.
 
     Raises
     ------
@@ -148,6 +150,7 @@ def inside(builder: ToolpathBuilder, cut: AreaCut, wall: Boundary, tolerance: fl
     """
     fine = coarse(cut, tolerance)
     path = along(wall, cut, fine)
+    # A ball mill has no flat end: then a quarter of the radius is used.
     flat = max(cut.tool.radius - cut.tool.corner_radius, 0.25 * cut.tool.radius)
     star = require_star(path, wall.name)
     least = star.distances().lowest.value
@@ -192,6 +195,7 @@ def inside(builder: ToolpathBuilder, cut: AreaCut, wall: Boundary, tolerance: fl
                 builder.traverse(helix.start)
             builder.lower(z)
         builder.follow(level)
+    # Off the wall, half way to the cam axis, before the cutter is lifted.
     builder.follow(Track.line(builder.place, 0.5 * builder.place))
 
 
@@ -200,9 +204,9 @@ def _is_circle(path: Contour) -> bool:
 
 
 def _hole(cut: AreaCut, fine: float) -> float | None:
-    """Radius [mm] of the cutter's path inside a hole about the axis that is there.
+    """Radius [mm] of a path of the cutter's centre inside the largest hole of the blank.
 
-    None without one that it fits into with room to come down.
+    None if the cutter does not fit into any with room to come down.
     """
     largest = None
     for boundary in cut.cleared:
@@ -314,7 +318,7 @@ def spirals(cut: AreaCut, wall: Boundary, tolerance: float) -> bool:
 
 
 def require_star(contour: Contour, what: str) -> Star:
-    """The contour seen from the cam axis.
+    """The contour as distances from the cam axis; `what` names it in messages.
 
     Raises
     ------
@@ -365,6 +369,7 @@ def _depth_track(cut: AreaCut, morph: Morph, path: Contour, fine: float) -> Trac
 
 def _entry(morph: Morph, turned: Track, radius: float) -> Track:
     """A quarter turn from the air onto the beginning of the spiral."""
+    # Built backwards from the spiral's start: the reverse of a turn away from the material.
     free = -morph.side
     centre = turned.start + free * 1j * turned.headings[0] * ENTRY * radius
     return Track.arc(turned.start, centre, -free * 0.5 * np.pi).reversed()
@@ -404,7 +409,8 @@ CORNER = 1e-9
 
 
 def grown(contour: Contour, distance: float) -> Contour:
-    """The parallel at `by` [mm] outside a convex contour, counter-clockwise, round at its corners.
+    """The parallel at `distance` [mm] outside a convex contour, counter-clockwise, its corners
+    round.
 
     Raises
     ------
@@ -452,6 +458,8 @@ def _edge(cut: AreaCut, blank: Contour, path: Contour) -> Contour:
             key="stock",
         )
     if lacking >= 0.0:
+        # Slightly farther out than what is missing: the spiral begins outside of the path all
+        # round.
         edge = grown(blank, radius + 1.1 * lacking + 1e-3)
     return edge
 
@@ -551,7 +559,7 @@ EASE = 0.25
 """Turns over which the spiral eases into the curve on which it ends."""
 
 MOST_TURNS = 500
-"""More is a stepover far too small for the stock."""
+"""Most turns of a spiral: if more are needed, the stepover is far too small for the stock."""
 
 NEARLY = 0.01
 """Turns by which a spiral may be longer than it has to."""
@@ -565,7 +573,7 @@ PLACES = (0.1, 0.2, 0.3, 0.4, 0.6, 0.7, 0.8, 0.9)
 """Shares of a span at which a fit is compared with the spiral."""
 
 SPANS, MOST_SPANS = 8, 4096
-"""Biarcs a turn that a fit begins with, and at most."""
+"""Biarcs per turn with which a fit begins, and at most."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -685,6 +693,7 @@ def spiral(
         finish=finish,
         radius=cut.tool.radius,
         limit=engagement_limit(cut, tolerance),
+        # No more than the flat end is wide, so that no ridges stay between turns; a ball has none.
         step=min(cut.stepover, 2.0 * (cut.tool.radius - cut.tool.corner_radius) or cut.stepover),
     )
 
@@ -853,7 +862,7 @@ SPLIT = 0.5 * np.pi
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Star:
-    """A contour seen from the pole.
+    """A contour by its distance from a pole, over the direction; every ray meets it once.
 
     Attributes
     ----------
@@ -873,7 +882,7 @@ class Star:
 
     @classmethod
     def from_contour(cls, contour: Contour, pole: complex = 0j) -> Self | None:
-        """The contour seen from `pole`.
+        """The contour as distances from `pole` [mm].
 
         None if some ray may meet it more than once, or nearly along it.
         """

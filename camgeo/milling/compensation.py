@@ -53,7 +53,7 @@ def compensation_side(cut: Cut) -> str:
 
 @dataclass(frozen=True, slots=True)
 class OffsetLimit:
-    """How far the offset of a compensated operation may be from the one it is computed for.
+    """Limit of the difference between the offset of a compensated operation and its nominal one.
 
     Attributes
     ----------
@@ -157,7 +157,8 @@ def programmed(operation: Operation) -> tuple[Move | Stop, ...]:
     cut = operation.cut
     if compensation_mode(cut) != CONTROL:
         return operation.moves
-    # To the other side of the path than that on which the cutter is kept.
+    # From the centre to the edge of the cutter at the wall, to the left if positive: the cutter is
+    # kept on the other side of the programmed path.
     shift = -cut.tool.radius if compensation_side(cut) == "left" else cut.tool.radius
     program: list[Move | Stop] = []
     active = False
@@ -171,7 +172,8 @@ def programmed(operation: Operation) -> tuple[Move | Stop, ...]:
         if not active or not isinstance(move, Feed | ArcFeed) or place is None:
             program.append(move)
             continue
-        # Behind a lead that goes across to its path the next piece says where that is.
+        # The line of a lead is not parallel to the path behind it: there the next piece gives the
+        # direction in which compensation is in force.
         piece = plane_piece(place, move)
         ahead = _headings(piece)[1]
         if switch and isinstance(following, Feed | ArcFeed):
@@ -179,14 +181,15 @@ def programmed(operation: Operation) -> tuple[Move | Stop, ...]:
         shifted = piece.end + 1j * shift * ahead
         end = (shifted.real, shifted.imag, move.end[2])
         if isinstance(move, ArcFeed) and abs(shifted - piece.centre) < POINT:
-            program.append(Feed(end, move.feed))  # around a corner of the wall
+            # The centre runs around a corner of the wall: programmed, that is a single point.
+            program.append(Feed(end, move.feed))
         else:
             program.append(replace(move, end=end))
     return tuple(program)
 
 
 def _compensated_runs(moves: Sequence[Move | Stop]) -> Iterator[list[Arc]]:
-    """The pieces of each stretch under compensation, from its straight way on to that off."""
+    """The pieces of each stretch under compensation, from its straight lead-in to its lead-off."""
     position: Point | None = None
     run: list[Arc] = []
     active = False

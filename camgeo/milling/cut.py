@@ -47,12 +47,12 @@ MOST_SLACK: Final = 0.02
 """Largest deviation of a roughing path [mm], unless the program's tolerance is larger."""
 
 Size = Annotated[float, partial(number, least=0.0, unit="mm")]
-"""A share or a difference of lengths, which may be as near to 0 as doubles are."""
+"""A length [mm] from 0 up; a computed one may be as near to 0 as doubles are."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Cut:
-    """One operation to plan; what its kinds have in common.
+    """One operation to be planned, with what all kinds have in common.
 
     Attributes
     ----------
@@ -118,7 +118,7 @@ class Cut:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ContourCut(Cut):
-    """Along a closed path of the cutter's centre: a finish, a slot, a chamfer.
+    """A cut along a closed path of the cutter's centre: a finish, a slot, a chamfer.
 
     Attributes
     ----------
@@ -177,7 +177,7 @@ class ContourCut(Cut):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AreaCut(Cut):
-    """All material between walls, or between walls and the outline of the blank.
+    """The removal of all material between walls, or between walls and the outline of the blank.
 
     The area lies on the side of each wall without material, within the stock. The cutter's edge
     stays off every wall by the allowance; its centre may leave the area where no wall is, across
@@ -225,7 +225,7 @@ class AreaCut(Cut):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PointCut(Cut):
-    """Straight down at points: holes drilled in pecks, each of the `depths` one.
+    """Cuts straight down at points: holes, drilled in pecks, one for each of the `depths`.
 
     Attributes
     ----------
@@ -263,7 +263,7 @@ class PointCut(Cut):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LineCut(Cut):
-    """Along a line of the cutter's centre, as wide as the cutter: an engraved mark.
+    """A cut along a line of the cutter's centre, as wide as the cutter: an engraved mark.
 
     Attributes
     ----------
@@ -293,7 +293,7 @@ class LineCut(Cut):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LetterCut(Cut):
-    """The strokes of letters, all that a round cutter reaches without leaving them.
+    """The strokes of letters, as far as a round cutter reaches into them without leaving them.
 
     Attributes
     ----------

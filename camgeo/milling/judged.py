@@ -1,5 +1,5 @@
-"""A job as a simulation judges it: its runs, what each side starts from, and the verdict; and which
-features of the part its operations make.
+"""Jobs as they are simulated: the runs, what each side starts from, and the flaws; and which
+features of the part the operations make.
 """
 
 from __future__ import annotations
@@ -164,6 +164,7 @@ def simulation_setup(
     blank = [outline]
     if stock.bore is not None:
         blank.append(Contour.circle(0.5 * stock.bore))
+    # What lies below the part, tabs or a skin join waste to it up to that height.
     joined = [low] if stock.bottom > 0.0 else []
     held = None
     lowest = None
@@ -210,7 +211,7 @@ def _chamfers(cuts: Iterable[Cut], tolerance: float) -> Iterator[Chamfer]:
 
 
 def level(contour: Contour, z: float) -> Course:
-    """Around a closed contour at one height [mm], as a single move."""
+    """The course once around a closed contour at the height `z` [mm], as a single move."""
     flat = Pieces.around([contour])
     heights, moves = np.full(len(flat), z), np.zeros(len(flat), dtype=np.intp)
     return Course(flat.starts, flat.ends, flat.sweeps, flat.centres, heights, heights, moves)
@@ -263,11 +264,13 @@ def _blank(side: Side, tolerance: float) -> tuple[Contour, tuple[Contour, ...], 
         corner, centre = 0.5 * complex(stock.length, stock.width), stock.centre
     elif outermost.name not in _produced(side.cuts):
         outline = _contour(outermost, tolerance)
+        # The strip inside the outline: scaled about the cam axis, `RIM` wide where it is farthest.
         share = 1.0 - RIM / float(np.max(np.abs(outline.vertices)))
         inner = Contour(share * outline.vertices, outline.sweeps, share * outline.centres)
         return outline, (outline, inner), True
     else:
         ends = [feed_course(run.moves, run.start).ends for run in side.runs]
+        # A square about the cam axis that reaches beyond the farthest coordinate of any move.
         both = [np.abs(part) for points in ends for part in (points.real, points.imag)]
         reach = max((float(np.max(part, initial=0.0)) for part in both), default=0.0)
         wide = 2.0 * UNKNOWN * max((run.radius for run in side.runs), default=0.0)
@@ -286,12 +289,12 @@ def _produced(cuts: Iterable[Cut]) -> set[str]:
 
 
 def finished_walls(cut: Cut) -> tuple[str, ...]:
-    """Names of the walls that a cut leaves as they are to be."""
+    """Names of the walls that a cut finishes: those that it produces without an allowance."""
     return () if cut.allowance else cut.produced
 
 
 def finished_depth(cuts: Iterable[Cut], name: str) -> float:
-    """Z down to which cuts leave a wall as it is to be [mm]; infinite if none does."""
+    """Z down to which cuts finish the wall `name` [mm]; infinite if none does."""
     return min((cut.bottom for cut in cuts if name in finished_walls(cut)), default=math.inf)
 
 
@@ -301,21 +304,21 @@ def required_depth(wall: Wall, holding: Holding | None) -> float:
 
 
 def faces(cut: Cut) -> bool:
-    """Whether a cut takes off all that lies above the part."""
+    """Whether a cut is a facing, which removes all that lies above the part."""
     return isinstance(cut, AreaCut) and not cut.walls
 
 
 # -- sides ----------------------------------------------------------------------------------------
 # A job of one side or two, simulated: the second side starts from what the first one has left.
 #
-# Each side is judged in coordinates in which its tools come from above (`camgeo.milling.milling`);
-# what is handed on is turned over, slab by slab. What the part must be in the end is asked after
-# the last side alone, of the material that both have left.
+# Each side is simulated in coordinates in which its tools come from above
+# (`camgeo.milling.milling`); what is handed on is turned over, slab by slab. What the part must be
+# in the end is asked after the last side alone, of the material that both have left.
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SimulatedSide:
-    """A side that is simulated."""
+    """A side of a job with the setup and the result of its simulation."""
 
     side: Side
     setup: Setup
@@ -453,7 +456,7 @@ the part states."""
 UNMADE = "no operation makes it"
 
 EDGE = " edge of the "
-"""In the name of an edge, before that of its wall."""
+"""Part of the name of an edge before the name of its wall."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -494,7 +497,7 @@ class Feature:
 def compare_features(
     part: Part, keyway: Keyway | None, sides: Sequence[Side]
 ) -> tuple[Feature, ...]:
-    """Every wall, edge and face of a part, as the sides of its job make them.
+    """All walls, edges and faces of a part, compared with what the sides of its job make.
 
     Parameters
     ----------
@@ -544,7 +547,7 @@ def feature_findings(features: Iterable[Feature]) -> Iterator[Finding]:
 
 
 def _faces(sides: Sequence[Side]) -> Iterator[Feature]:
-    """The face that lies up, and the one below."""
+    """The upper and the lower face of the part as features."""
     stock = sides[0].milling.stock
     for name, more, responsible in (
         ("upper face", stock.top, sides[:1]),
@@ -585,7 +588,9 @@ def _wall(wall: Wall, sides: Sequence[Side]) -> Feature:
 
 
 def _is_in_the_blank(wall: Wall, part: Part, stock: Stock) -> bool:
-    """Whether a bore or a rim is that of the blank; a rim is, unless the blank is another."""
+    """Whether the blank has a bore or a rim already; a rim counts as its own unless its outline is
+    stated and differs.
+    """
     boundary = wall.boundary
     if not isinstance(boundary, ExactBoundary) or not boundary.is_round:
         return False
@@ -604,7 +609,7 @@ def _keyway(keyway: Keyway) -> Iterator[Feature]:
 
 
 def _edges(part: Part, sides: Sequence[Side]) -> Iterator[Feature]:
-    """The chamfers that the part states, and those that operations make beside them."""
+    """The chamfers that the part states, and further ones that operations make."""
     chamfer_cuts: dict[tuple[str, bool], list[ContourCut]] = {}
     for upper, side in zip((True, False), sides, strict=False):
         for cut in side.cuts:
@@ -620,8 +625,8 @@ def _edges(part: Part, sides: Sequence[Side]) -> Iterator[Feature]:
 
 
 def _edge(bevel: Bevel, cuts: Sequence[Cut]) -> Feature:
-    """A chamfer of the part, with the cuts along its edge; a cone whose point has another angle
-    makes it as wide on the face, and lower or higher on the wall.
+    """A chamfer of the part, compared with the cuts along its edge: a cone whose point has another
+    angle makes it as wide on the face, but lower or higher on the wall.
     """
     name = _edge_name(bevel.boundary.name, upper=bevel.upper)
     names = tuple(cut.name for cut in cuts)

@@ -52,10 +52,10 @@ BLOCK_EXCERPT: Final = 60
 """Characters that are shown of a block in messages."""
 
 LONGEST_LINE: Final = 10_000
-"""Characters; no controller accepts as many."""
+"""Characters of a line that no controller accepts."""
 
 EVIDENCE: Final = ("manual", "source code", "interpreter", "machine", "post", "none")
-"""What a statement of a profile rests on, the best first."""
+"""Kinds of evidence for the statements of a profile, the best first."""
 
 MEANINGS: Final = (
     "rapid", "line", "clockwise arc", "counter-clockwise arc", "holes", "bores", "dwell",
@@ -69,7 +69,7 @@ MEANINGS: Final = (
     "not read",
 )  # fmt: skip
 """Meanings of G and M words that a profile can give to a word of another common meaning; a word
-"not read" is accepted, but programs with it cannot be judged."""
+"not read" is accepted, but programs with it cannot be simulated."""
 
 
 def texts(key: str, given: Any) -> tuple[str, ...]:
@@ -141,7 +141,7 @@ WorkOffsets = Annotated[Mapping[str, str], offsets]
 
 
 MOST_BLOCKS: Final = 10_000
-"""No controller plans as many ahead."""
+"""Number of blocks that no controller plans ahead."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -240,11 +240,11 @@ ARC_FORMS: Final = ("radius with centre", "arm across the plane", "half an absol
 """Ways to state an arc that some controllers reject, or of which they ignore a word."""
 
 COMPENSATED: Final = ("length", "work offset", "path mode", "plane", "cycle of holes")
-"""What controllers refuse to change or to do under compensation of the radius; a change of tools
-and a way to a position of the machine none of them makes."""
+"""What some controllers reject while the radius is compensated; all of them reject a tool change
+and a move to a position of the machine."""
 
 TO_MACHINE: Final = ("cut", "incremental")
-"""Blocks with a position of the machine that some controllers refuse: those that cut, and those
+"""Blocks with a position of the machine that some controllers reject: cutting moves, and blocks
 while distances are incremental."""
 
 RETURNS: Final = ("end", "blank", "unknown")
@@ -256,7 +256,7 @@ def _choices(key: str, given: Any, allowed: tuple[str, ...]) -> tuple[str, ...]:
 
 
 def _sets(key: str, given: Any) -> tuple[str, ...]:
-    """`given` as sets of words, each a text of two or more; GeometryError for less."""
+    """`given` as sets of words, each a text of two or more words; GeometryError for fewer."""
     word_sets = texts(key, given)
     for word_set in word_sets:
         if len(word_set.split()) < 2:
@@ -479,7 +479,7 @@ def names() -> tuple[str, ...]:
 
 
 def load(machine: str, key: str = KEY) -> Machine:
-    """The profile of that name or file; raises SceneError with all its faults.
+    """The machine profile with that name or in that file; raises SceneError with all its faults.
 
     `key` is what messages call the name of the profile.
     """
@@ -500,7 +500,7 @@ def load(machine: str, key: str = KEY) -> Machine:
 
 @functools.cache
 def _packaged_profile(name: str) -> Machine:
-    """A profile in the package, which does not change."""
+    """A profile in the package; it does not change, so it is read once."""
     resource = files("camgeo.milling").joinpath("machines", f"{name}.toml")
     return parse(resource.read_text(encoding="utf-8"), f"{name}.toml")
 
@@ -588,7 +588,7 @@ def _unknown(path: Sequence[str | int], node: dict[str, Any]) -> Fault:
 
 
 def _node(error: ValidationError) -> dict[str, Any]:
-    """The node of the schema that an error is about."""
+    """The node of the schema that was violated."""
     node: Any = schema()
     for step in error.evaluation_path[:-1]:
         node = node[step]
@@ -608,12 +608,12 @@ def _key(path: Sequence[str | int]) -> str:
 
 
 RANGE: Final = re.compile(r"([GM])(\d{1,4})-\1(\d{1,4})", re.ASCII)
-"""Words whose numbers follow each other."""
+"""A range of words with consecutive numbers, as in "M100-M199"."""
 
 
 @dataclass(frozen=True, slots=True)
 class Evidence:
-    """What a part of a profile rests on.
+    """The evidence for a part of a profile.
 
     Attributes
     ----------
@@ -797,7 +797,7 @@ class Retract:
 
     @property
     def is_a_height(self) -> bool:
-        """Whether it goes to a height over the part, not to the machine's reference."""
+        """Whether the retract goes to a height above the part, not to the machine's reference."""
         return any("{z}" in block for block in self.blocks)
 
 
@@ -825,7 +825,7 @@ class Coolant(CheckedFields, path="coolant."):
 
     @property
     def kinds(self) -> tuple[str, ...]:
-        """Those that the controller has, "off" first."""
+        """The kinds of coolant that the controller has, "off" first."""
         names = ("flood", "mist", "through")
         return ("off", *(name for name in names if getattr(self, name) is not None))
 

@@ -79,8 +79,9 @@ def block_times(
     if not count:
         return np.zeros(0), np.zeros(0)
     acceleration, nominal = _limits(blocks, dynamics)
-    # With v^2 as the unknown all is linear along the path: within a block it changes by at most
-    # 2 a s. All speeds below are such squares until the roots are taken.
+    # With v^2 as the unknown all is linear along the path: within a block it changes by at most 2 a
+    # s. The speeds at the ends of blocks and at their peaks are such squares until the roots are
+    # taken.
     gain = 2.0 * acceleration * blocks.lengths
     cumulative_gain = np.concatenate(([0.0], np.cumsum(gain)))
     highest = _junctions(blocks, dynamics, smoothing)
@@ -152,7 +153,8 @@ def _entries(highest: FloatArray, cumulative_gain: FloatArray, ahead: int) -> Fl
     Parameters
     ----------
     highest : (n,) square of the largest speed at the beginning of each block.
-    before : (n + 1,) what the square of the speed can gain up to there.
+    cumulative_gain : (n + 1,) what the square of the speed can gain up to the start of each block,
+        and up to the end of the last one [mm^2/s^2].
     ahead : number of blocks, the one entered among them, within which the machine can stop.
     """
     count = len(highest)
@@ -265,7 +267,8 @@ def controller_blocks(
 
     Parameters
     ----------
-    at : where the cutter stands; None where that is not known, so that the first move is not run.
+    position : where the cutter stands [mm]; None where that is not known, so that the first move is
+        not run.
     chord : as in `toolpath_times`.
     """
     rows: list[tuple[float, ...]] = []
@@ -307,7 +310,8 @@ def _divide_arcs(
 ) -> Blocks:
     """Blocks of lines and arcs from `starts` (n, 3) to `ends` (n, 3) [mm].
 
-    Arcs within `chord` as Grbl divides them (grbl/motion_control.c, mc_arc).
+    If `chord` [mm] is above 0, arcs are divided into chords within it, as Grbl divides them
+    (grbl/motion_control.c, mc_arc).
     """
     arms = starts[:, 0] + 1j * starts[:, 1] - centres
     radii = np.where(sweeps != 0.0, np.abs(arms), 0.0)
@@ -352,7 +356,7 @@ def _arc_points(
     sweeps: FloatArray,
     shares: FloatArray,
 ) -> FloatArray:
-    """(n, 3) points at `shares` of lines and arcs."""
+    """(n, 3) points [mm] at the `shares` (n,) of the lengths of lines and arcs."""
     points = starts + (ends - starts) * shares[:, None]
     arcs = sweeps != 0.0
     turned = centres + arms * np.exp(1j * sweeps * shares)

@@ -87,7 +87,7 @@ Truth = Annotated[bool, partial(instance, kind=bool, what="true or false")]
 
 
 class ToolError(GeometryError):
-    """A tool cannot do what is asked of it, or lacks what that takes.
+    """A tool cannot do what an operation asks of it, or lacks a statement that this needs.
 
     Attributes
     ----------
@@ -103,7 +103,7 @@ class ToolError(GeometryError):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Tool:
-    """A tool, and how it is run; None for what nobody has stated.
+    """A tool and its cutting data; None for what is not stated.
 
     Attributes
     ----------
@@ -180,7 +180,7 @@ class Tool:
 
     @property
     def tip_length(self) -> float:
-        """Length of the point, which does not cut at the full diameter [mm]; 0 of a flat one."""
+        """Length of the point or the rounded corners, below the full diameter [mm]; 0 if flat."""
         if self.tip_angle is None:
             return self.corner_radius
         return self.radius / math.tan(0.5 * self.tip_angle)
@@ -226,7 +226,7 @@ class Tabs(CheckedFields, path="holding."):
 
 @dataclass(frozen=True, slots=True)
 class Obstacle:
-    """What no cutter may touch: an upright body below `top` [mm], above the upper face of the part.
+    """An upright body that no cutter may touch, up to `top` [mm] above the upper face of the part.
 
     Attributes
     ----------
@@ -287,12 +287,12 @@ class Clamp(CheckedFields, path="clamp."):
 
     @property
     def what(self) -> str:
-        """What it is in a word."""
+        """The word for it: "screw" or "clamp"."""
         return "screw" if self.round else "clamp"
 
     @property
     def obstacle(self) -> Obstacle:
-        """What cutters must clear."""
+        """The body that cutters must clear."""
         from camgeo.geometry.contour.contour import Contour, rectangle
         from camgeo.part.boundaries import ExactBoundary
 
@@ -420,7 +420,7 @@ SECOND_SIDE: Final = "second_side"
 
 
 class Kind(StrEnum):
-    """What operations do."""
+    """Kinds of operations."""
 
     FACE = "face"
     DRILL = "drill"
@@ -433,7 +433,7 @@ class Kind(StrEnum):
 
 
 class Roughing(StrEnum):
-    """How a wall is roughed."""
+    """Strategies for roughing a wall."""
 
     RAMP = "ramp"
     TROCHOIDAL = "trochoidal"
@@ -441,15 +441,15 @@ class Roughing(StrEnum):
 
 
 ALONG_A_WALL: Final = (Kind.ROUGH, Kind.FINISH, Kind.CHAMFER)
-"""Kinds of operations that name their boundary."""
+"""Kinds of operations that must name their boundary."""
 
 MAY_NAME_IT: Final = (Kind.DRILL, Kind.ENGRAVE)
-"""Kinds that have a usual one."""
+"""Kinds of operations that have a usual boundary, and may name another."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class OperationSpec(CheckedFields, path="operation."):
-    """One `[[operation]]`; None for what is as with the tool.
+    """One `[[operation]]`; None for cutting data that are those of the tool.
 
     Attributes
     ----------
@@ -514,14 +514,14 @@ class MillingSpec(Brief):
     ----------
     tools : in the order in which they are tried.
     stock : the blank.
-    holding : None if nobody says how the blank is held.
+    holding : None if the scene does not state how the blank is held.
     operations : empty for a sequence that is planned.
     earlier : whether the tool is stated by earlier keys of `[output.gcode]`.
     second : how the second side is set up; None if there is none.
     second_operations : from that side; empty for a sequence that is planned.
     turned : the axis of the machine about which the work has been turned over: then all of this is
         that of the second side.
-    done : names of the walls that the first side has finished.
+    finished_walls : names of the walls that the first side has finished.
 
     Raises
     ------
@@ -689,7 +689,7 @@ CORNERS: Final[Mapping[str, tuple[int, int]]] = MappingProxyType(
         "back-right": (1, 1),
     }
 )
-"""Corners of a plate, seen by who stands where y is least: on which sides in x and y they lie."""
+"""Corners of a plate, as seen from where y is least: on which sides in x and y they lie."""
 
 PART_TOP: Final = "part-top"
 
@@ -697,7 +697,7 @@ HEIGHTS: Final = (PART_TOP, "part-bottom", "blank-top", "blank-bottom")
 """Faces on which Z may be 0."""
 
 CLEARANCE: Final = 5.0
-"""Z of traverses [mm] unless a scene states it."""
+"""Z of traverses [mm] unless the scene states another."""
 
 SpinUp = Annotated[float, partial(number, least=0.0, most=LONGEST_SPIN_UP_TIME, unit="s")]
 ProgramNumber = Annotated[int, partial(whole, least=1, most=9999)]
@@ -959,7 +959,7 @@ class Stock:
 
     @property
     def hole(self) -> ExactBoundary:
-        """The hole that it has on the cam axis; GeometryError if there is none."""
+        """The hole of the blank about the cam axis; GeometryError if it has none."""
         if self.bore is None:
             raise GeometryError("the blank has no bore", "stock.bore")
         from camgeo.geometry.contour.contour import Contour
@@ -969,7 +969,7 @@ class Stock:
 
     @property
     def outline(self) -> ExactBoundary | None:
-        """The upright face around it; None if it is not known."""
+        """The outline of the blank; None if it is not known."""
         from camgeo.geometry.contour.contour import Contour, rectangle
         from camgeo.part.boundaries import ExactBoundary
 

@@ -177,7 +177,7 @@ class Operation:
 
     @property
     def name(self) -> str:
-        """Unique in the program."""
+        """The name of the operation, unique in the program."""
         return self.cut.name
 
     @property
@@ -218,7 +218,7 @@ class Toolpath:
 
 
 def plane_piece(position: Point, move: Move) -> Arc:
-    """The line or the arc of a move that begins `at` a point, in the plane."""
+    """The line or the arc in the plane of a move that begins at `position` [mm]."""
     start, end = complex(position[0], position[1]), complex(move.end[0], move.end[1])
     if not isinstance(move, ArcFeed):
         return Arc(start, end, 0.0, 0j)
@@ -247,7 +247,7 @@ def arc_sweep(start: complex, end: complex, *, ccw: bool) -> float:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Course(Pieces):
-    """Pieces in the order in which they are run.
+    """The lines and arcs of a cutter's centre with the heights of its tip, in the order of cutting.
 
     Attributes
     ----------
@@ -280,7 +280,9 @@ class Course(Pieces):
         return np.where(upright, self.lowest, self.highest)
 
     def part(self, first: FloatArray, last: FloatArray) -> Course:
-        """The part of each from the share `first` to the share `last` (n,) of its length."""
+        """The part of each piece from the share `first` (n,) to the share `last` (n,) of its
+        length.
+        """
         pieces = self.subpieces(first, last)
         low, high = self._tip(first), self._tip(last)
         return Course(
@@ -321,7 +323,7 @@ def feed_course(moves: Iterable[Move | Stop], position: Point | None = None) -> 
 
     Parameters
     ----------
-    at : where the cutter stands before; None if the first move is a traverse.
+    position : where the cutter stands before [mm]; None if the first move is a traverse.
     """
     points: list[Point] = []
     rows: list[tuple[int, float, float, float]] = []  # of the move, its centre, its direction
@@ -346,6 +348,7 @@ def feed_course(moves: Iterable[Move | Stop], position: Point | None = None) -> 
         sweeps[arcs] = arc_sweeps(arms[:, 0], arms[:, 1], columns[arcs, 3])
     z, numbers = ends[:, :, 2], columns[:, 0].astype(np.intp)
     whole = Course(flat[:, 0], flat[:, 1], sweeps, centres, z[:, 0], z[:, 1], numbers)
+    # A course has pieces of at most half a turn: longer arcs are divided, heights in proportion.
     index, first, last = whole.halves()
     return whole if len(index) == len(whole) else taken(whole, index).part(first, last)
 
@@ -378,7 +381,7 @@ TURNED_FACES: Final = {
     "blank-top": "the lower face of the blank, which lies up",
     "blank-bottom": "what lies lowest",
 }
-"""The same on the second side."""
+"""The names of these faces on the second side."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -418,6 +421,7 @@ class Zero:
                 )
             along, across = CORNERS[spec.zero]
             corner = 0.5 * complex(along * stock.length, across * stock.width)
+            # Corners are named as the work lies on the machine; `place` is one of the part.
             place = stock.centre + mirrored(corner, turned)
         low, high = part.layers[0].z0, part.layers[-1].z1
         heights = {

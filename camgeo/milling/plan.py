@@ -1,4 +1,6 @@
-"""The milling program: the moves of each cut, from its strategy, within a machine's limits."""
+"""The milling program: the moves of each cut, from its strategy, within a machine's limits; and how
+the cutter is engaged along them.
+"""
 
 from __future__ import annotations
 
@@ -97,7 +99,7 @@ def _parts(position: Point, move: ArcFeed, largest: float) -> Iterator[ArcFeed]:
 # -- engaged --------------------------------------------------------------------------------------
 # How the cutter of each roughing operation is engaged: its share of air, and the largest angle.
 #
-# That is judged at the last depth; the others are run by the same rule. Left out are entries,
+# That is computed at the last depth; the others are run by the same rule. Left out are entries,
 # declared as such by going down, each with the round that levels its floor; slots, which have a
 # depth and a feed of their own; and finishes, which take an allowance off.
 
@@ -114,7 +116,7 @@ takes milliseconds, as it is compared with all turns that are near.
 """
 
 SPACING: Final = 0.5
-"""Least distance of such places [mm]."""
+"""Least distance of places at which the engagement is computed [mm]."""
 
 SAME: Final = 1e-6
 """Centres and radii [mm] that differ by less are those of one circle."""
@@ -130,7 +132,7 @@ class OperationEngagement:
     length : of its course there [mm].
     air : share of that on which the cutter is in no material.
     usual : angle [rad] that is not exceeded on `QUANTILE` of the length.
-    largest : of the angles at the places that are judged [rad], refined beside the largest.
+    largest : of the angles at all places that are evaluated [rad], refined next to the largest one.
     limit : the tool's, or that of a straight wall at the stepover [rad].
     place : of the largest [mm].
     """
@@ -154,7 +156,7 @@ class OperationEngagement:
 
     @property
     def finding(self) -> Finding | None:
-        """Where the engagement exceeds its limit; None if it does not."""
+        """The finding that the engagement exceeds its limit; None if it does not."""
         if self.largest <= self.limit:
             return None
         place = f"at X {self.place.real:.4g}, Y {self.place.imag:.4g} mm"
@@ -354,6 +356,7 @@ def crossings(pieces: Pieces, place: complex, radius: float, distance: float) ->
             circles.append((pieces.centres[arcs], np.abs(arms + side)))
     for centres, radii in circles:
         away = np.abs(centres - place)
+        # By the law of cosines; a circle about the same middle has no crossings.
         cosine = (away**2 + radius**2 - radii**2) / np.where(
             away > 0.0, 2.0 * away * radius, np.nan
         )
@@ -540,6 +543,7 @@ class Cutting:
         low = float(shares[max(best - 1, 0)])
         high = float(shares[min(best + 1, len(shares) - 1)])
         peak = (largest, float(shares[best]))
+        # Golden sections: one of the two inner places stays inner, so each step costs one angle.
         inner = [low + GOLDEN * (high - low), high - GOLDEN * (high - low)]
         values = [self.angle(piece, share) for share in inner]
         for _ in range(REFINED):
@@ -555,7 +559,7 @@ class Cutting:
         return peak[1], peak[0]
 
     def air(self, piece: int, shares: FloatArray, angles: FloatArray) -> float:
-        """Share of the piece on which the engagement is 0."""
+        """Share of the piece's length on which the engagement is 0."""
         free_share = 0.0
         ends = np.concatenate(([0.0], shares[1:-1], [1.0]))  # what is inset is like its sample
         for place in range(len(shares) - 1):

@@ -257,6 +257,7 @@ def _groove(bench: Bench, inner: Wall, outer: Wall) -> Iterator[Step]:
     if as_wide(tool, half):
         yield groove_slot(bench, inner, outer, tool, top)
         return
+    # The allowance is at most half of the width that the cutter leaves free on one side.
     side = half - tool.radius
     walls = [(wall, min(bench.allowance(tool, wall), 0.5 * side)) for wall in (outer, inner)]
     for wall, allowance in walls:
@@ -301,7 +302,7 @@ turn, so that verdicts never rest on coarser ones."""
 
 
 def guard_cuts(bench: Bench, cuts: list[Cut], heights: Heights) -> list[Cut]:
-    """The cuts with the clamps to be cleared, the stops at which they move, and tabs.
+    """The cuts with the clamps that they must clear, the stops at which clamps are moved, and tabs.
 
     Raises
     ------
@@ -517,7 +518,7 @@ def _clamp_instructions(clamps: tuple[Clamp, ...], name: str) -> Iterator[str]:
 
 
 def _clears(cut: Cut, obstacle: Obstacle) -> None:
-    """GeometryError with key "holding", if the cutter runs into the obstacle."""
+    """Check that the cutter clears the obstacle; GeometryError with key "holding" if not."""
     body = coarse(obstacle.outline)
     touches = False
     if isinstance(cut, ContourCut):
@@ -547,7 +548,9 @@ def _area(cut: AreaCut) -> Area | None:
 
 
 def _holds(bench: Bench, cut: AreaCut | ContourCut, there: Iterable[Clamp]) -> None:
-    """GeometryError with key "holding", if no clamp or screw that is set stands on the part."""
+    """Check that a clamp or screw stands on the part when the cut frees it; GeometryError with key
+    "holding" if none does.
+    """
     walls = cut.walls if isinstance(cut, AreaCut) else (bench.walls[cut.right].boundary,)
     part = [coarse(wall) for wall in walls]
     for clamp in there:

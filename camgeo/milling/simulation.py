@@ -269,7 +269,7 @@ class Setup:
     lowest : Z below which no tip may go but for its point [mm]; None for no limit.
     joined : Z up to which waste may hold on to the part [mm]: tabs, a skin; None for none.
     hanging : Z from which on it may do so; None for none.
-    before : what an earlier side has left of the blank; None for all of it.
+    leftover : what an earlier side has left of the blank; None for all of it.
     final : whether the part must be all there is in the end, and no other side follows.
     unfinished : walls that the stated operations of all sides leave unfinished, or roughed.
     known : whether the outline of the blank is stated, and not one that reaches beyond all cuts.
@@ -305,7 +305,7 @@ class Simulation:
     ----------
     stages : the material after each operation.
     flaws : in the order in which they arise; empty for a sound program. Of one kind in one
-        operation there is the worst only.
+        operation only the worst is reported.
     part : the area of the part in each slab of a stage.
     """
 
@@ -485,6 +485,8 @@ class _Workpiece:
     def run(self, run: ToolRun) -> list[Flaw]:
         """The flaws of one operation, the worst of each kind."""
         flaws: list[Flaw] = []
+        # Feed moves are collected and swept as one chain. Before a traverse, or a plunge of a tool
+        # that must not plunge, the chain is cut: these are checked against what is left by then.
         chain: list[Move] = []
         position, begin = run.start, run.start
         for move in unlifted(run.moves):
@@ -596,6 +598,7 @@ class _Workpiece:
         for slab, body in zip(self.slabs, bodies, strict=True):
             if body.is_empty:
                 continue
+            # The end that is meant, of the cutter or of its shank, runs `above` the tip.
             low = course.below(slab.z1 - above - 2.0 * self.level)
             reached = _passed_area(run, low, slab.middle - above, self.fineness, most=True)
             touched = shapely.intersection(reached, body)
@@ -645,6 +648,7 @@ class _Workpiece:
             low = course.below(body.z1 - above - self.level)
             touched = shapely.intersection(swept_area(low, radius, self.fineness), outline)
             if parts(touched):
+                # The path itself has no area: widened by what is allowed, it has a distance.
                 away = shapely.distance(swept_area(low, self.allowed, self.fineness), outline)
                 depth = max(0.0, radius - self.allowed - float(away))
                 text = f"the {what} goes {depth:.3g} mm into the {body.name}"

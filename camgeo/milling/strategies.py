@@ -57,7 +57,7 @@ from camgeo.reading import PROGRAM_LINES
 
 
 def profile(builder: ToolpathBuilder, tolerance: float, effort: Effort) -> None:
-    """Along one boundary, outside material or inside a hole.
+    """A finish along one boundary, around the material or inside a hole.
 
     Where the material beside the path is cleared: down next to it, onto it and once around at each
     depth, with tangential leads, and back beside it between depths. Else the cutter comes down
@@ -101,7 +101,7 @@ def profile(builder: ToolpathBuilder, tolerance: float, effort: Effort) -> None:
 
 
 def _run_entry(builder: ToolpathBuilder, entry: Track, side: str) -> None:
-    """Onto the path; its first piece switches compensation on, if there is a `side` for it."""
+    """Follow a lead onto the path; its first piece switches compensation on to a `side`, if any."""
     first = float(entry.lengths[0]) if side else 0.0
     if side:
         builder.follow(entry.section(0.0, first), switch=side)
@@ -109,7 +109,7 @@ def _run_entry(builder: ToolpathBuilder, entry: Track, side: str) -> None:
 
 
 def _run_exit(builder: ToolpathBuilder, exit_track: Track, side: str) -> None:
-    """Off the path; its last piece switches compensation off."""
+    """Follow a lead off the path; its last piece switches compensation off if a `side` is on."""
     last = exit_track.length - float(exit_track.lengths[-1]) if side else exit_track.length
     builder.follow(exit_track.section(0.0, last))
     if side:
@@ -224,6 +224,7 @@ def round_heights(
     top = -math.inf if tabs is None else cut.bottom + tabs.height
     if tabs is None or min(start, end) >= top:
         return [(0.0, start), (length, end)]
+    # Along the path of the centre, whose circle reaches its radius beyond both ends of the top.
     wide = tabs.width + cut.tool.diameter
     drop = top - min(start, end)
     down = 1.0 if cut.tool.plunges else math.tan(ramp_angle(cut))
@@ -242,6 +243,7 @@ def round_heights(
                 cut.tool,
                 "ramp_angle",
             )
+        # How many tabs fit with the steepest descent allowed, 45 degrees: as long as it is deep.
         most = math.floor(length / (rise + wide + drop))
         raise GeometryError(
             f"{tabs.count} tabs, each wider than stated by the cutter's diameter, and the ramps"
@@ -266,7 +268,8 @@ def round_heights(
 
 
 def drill(builder: ToolpathBuilder, tolerance: float, effort: Effort) -> None:  # noqa: ARG001  all strategies are called alike
-    """Each hole to its depths one after the other, out of it for chips after each.
+    """Each hole is drilled to its depths one after the other; after each the drill is retracted, to
+    clear the chips.
 
     All of it at the feed of a drill, or the plunge feed of a cutter: no rapid enters a hole.
     """
@@ -283,8 +286,8 @@ def drill(builder: ToolpathBuilder, tolerance: float, effort: Effort) -> None:  
 
 
 def engrave(builder: ToolpathBuilder, tolerance: float, effort: Effort) -> None:  # noqa: ARG001  all strategies are called alike
-    """To each depth in turn by ramps along the line, straight down where the tool may plunge, and
-    once along it there.
+    """At each depth the cutter comes down by ramps along the line, or straight if it may plunge,
+    and runs once along it.
     """
     cut = cut_of_kind(builder.cut, LineCut, "cuts along a line")
     line = Track.line(cut.start, cut.end)
@@ -324,8 +327,8 @@ CORNERS: Final = 24
 
 
 def letters(builder: ToolpathBuilder, tolerance: float, effort: Effort) -> None:  # noqa: ARG001  all strategies are called alike
-    """Straight down to each depth in turn and once around, then on to the next round at the
-    clearance height.
+    """Rounds within the strokes: straight down and once around at each depth in turn, then on to
+    the next round at the clearance height.
 
     Raises
     ------
@@ -374,12 +377,12 @@ def unfit_for_letters(tool: Tool, walls: Sequence[Boundary]) -> str:
     if tool.kind != END_MILL or tool.corner_radius:
         return "letters are cut with a flat end mill"
     if not tool.plunges:
-        return "letters need a tool that may plunge"
+        return "letters take a tool that plunges"
     for stroke in strokes(walls):
         place = unreached(stroke, tool.radius + STANDOFF)
         if place is not None:
             x, y = place
-            return f"{tool.diameter:g} mm is wider than the stroke at X {x:.4g}, Y {y:.4g} mm"
+            return f"{tool.diameter:g} mm are wider than a stroke at X {x:.4g}, Y {y:.4g} mm"
     return ""
 
 
@@ -413,7 +416,7 @@ def centres(stroke: Area, cut: LetterCut) -> list[Contour]:
 
 
 def _round(ring: ComplexArray, *, climb: bool) -> Contour:
-    """A path along a ring, of which outer ones run counter-clockwise."""
+    """A path along a ring in the direction of cutting; outer rings come counter-clockwise."""
     contour = Contour.polygon(ring)
     return contour if climb else contour.reversed()
 
@@ -465,7 +468,7 @@ ROUNDING: Final = 1e-4
 """Angle [rad] by which the engagement may be larger between these places."""
 
 BISECTED: Final = 40
-"""Steps of a bisection."""
+"""Steps of the bisection for the largest advance: to 2 ** -40 of its range."""
 
 MOVES: Final = 4
 """Least number of moves of a loop: the way to it, two in its cutting part, and the way back."""
@@ -500,12 +503,14 @@ def trochoid(builder: ToolpathBuilder, tolerance: float, effort: Effort) -> None
         builder.follow(helix)
         for track, air in steps:
             builder.follow(track, air=air)
+    # Off the wall by half a loop, before the cutter is lifted.
     builder.follow(helix.section(0.0, 0.5 * helix.length))
 
 
 def _loop(cut: AreaCut, path: Contour, free: int, fine: float) -> float:
-    """Radius of the loops [mm]."""
+    """Radius of the loops [mm] that fit the slot and the hollows of the path."""
     radius = cut.tool.radius
+    # Loop and cutter together span the slot, less the tolerances that the path keeps off the wall.
     size = 0.5 * cut.slot - radius - SPENT * fine
     if size < NARROWEST * radius:
         raise GeometryError(
@@ -513,6 +518,8 @@ def _loop(cut: AreaCut, path: Contour, free: int, fine: float) -> float:
             f" fits has {_hundredths((cut.slot - 2.0 * SPENT * fine) / (1.0 + NARROWEST)):g} mm",
             "tool", f"{cut.tool.diameter:g}",
         )  # fmt: skip
+    # In a hollow of the path loops must be smaller than it; between two walls they must keep their
+    # full size, to reach the other wall.
     whole, hollow = size, path.radii[path.sweeps * free > 0.0]
     size = min(size, HOLLOW * float(np.min(hollow, initial=np.inf)))
     if size < NARROWEST * radius or (len(cut.walls) > 1 and size < whole):
@@ -550,8 +557,11 @@ def _steps(
         raise GeometryError(
             "is too small for loops along the wall", "tool.engagement", f"{math.degrees(limit):g}"
         )
+    # Refused before the moves are made: each step has at least `MOVES` at each depth.
     if MOVES * len(cut.depths) * length > PROGRAM_LINES * largest:
         raise too_long()
+    # Half a turn to the side away from the wall, and on to where the circle crosses the one before,
+    # whose centre is at most `largest` behind.
     cutting = size * (math.pi + math.asin(min(0.5 * largest / size, 1.0)))
     place, previous = 0.0, _circle(path, 0.0, free, size)
     while place < length:

@@ -212,7 +212,7 @@ class LeadSpec:
     free : 1 if the free side is on the left of the path, -1 if on its right.
     usual : radius [mm] of a lead's arc where the room is narrow.
     straight : whether lines precede and follow the arcs, in which a controller takes up its offset
-        of the cutter; they take a third of the room.
+        of the cutter; each takes half of the room.
     aside : that offset [mm], if it is the cutter's radius: the lines are then long enough for it,
         whatever room they take, and begin and end as far beside themselves as the programmed path.
     avoid : tracks, and how near [mm] the leads may come to them.
@@ -234,7 +234,8 @@ class Lead:
 
     Attributes
     ----------
-    into, off : the first ends and the second begins where the path begins, both along it.
+    entry : ends at the first vertex of the path, in its direction.
+    exit : begins there, in the same direction.
     """
 
     entry: Track
@@ -294,7 +295,7 @@ def join_leads(
     Parameters
     ----------
     room : how far the leads go off the path [mm], above 0; half of it, and so on, where they do not
-        fit, but no less than `beside.least`.
+        fit, but no less than `spec.least`.
     place : the only place for leads, as a distance [mm] along the path; None for any.
 
     Raises
@@ -330,16 +331,13 @@ def join_leads(
 def fit_leads(path: Contour, room: float, spec: LeadSpec) -> Lead | None:
     """The leads that join the path at its first vertex; None if they do not fit.
 
-    Parameters
-    ----------
-    room : distance [mm] from the path at which the leads end.
-
-    Their ends are as far off the path as the room is, within `CLOSE`; less only where the path
-    itself is too tight for that, and never less than `beside.least`.
+    Their ends are `room` [mm] off the path, within `CLOSE`; less only where the path itself is too
+    tight for that, and never less than `spec.least`.
     """
     track = Track.around(path)
     along = track.headings[0]
     exit_track = _lead_track(track, along, room, _bend(path, 0, spec.free), spec)
+    # The entry is found as a way off the path run backwards, on which left and right change places.
     back = replace(spec, free=-spec.free)
     into = _lead_track(track, -along, room, _bend(path, -1, spec.free), back)
     if exit_track is None or into is None:
@@ -370,7 +368,7 @@ def _lead_track(
     `bend` is the curvature [1/mm] of the path there, positive towards the free side: then it goes
     up to half its radius off it, by as much of a turn as that takes.
     """
-    if bend > 0.0:
+    if bend > 0.0:  # the path encloses the lead, which has room only within its radius
         room = min(room, FARTHEST / bend)
     lift = room - ASIDE * spec.aside if spec.aside else room * (0.5 if spec.straight else 1.0)
     if lift <= 0.0:
@@ -389,6 +387,7 @@ def _lead_track(
     start = _estimated_turn(radius, arm, room, bend)
 
     def ends(turns: FloatArray) -> ComplexArray:
+        # The arm turns with the lead about the arc's centre; on the right it is mirrored.
         spoke = arm if spec.free > 0 else arm.conjugate()
         points: ComplexArray = centre - spec.free * 1j * along * spoke * np.exp(
             1j * spec.free * turns
@@ -402,6 +401,8 @@ def _lead_track(
     arc = Track.arc(path.start, centre, spec.free * turn)
     if not line:
         return arc
+    # Where compensation is off the centre is on the programmed line, which runs `aside` nearer to
+    # the wall: along the line the centre moves across by that.
     across = -spec.free * 1j * spec.aside
     return chain_tracks((arc, Track.line(arc.end, arc.end + (line + across) * arc.headings[1])))
 

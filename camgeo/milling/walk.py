@@ -59,7 +59,7 @@ class ToolpathBuilder:
 
     @property
     def free(self) -> int:
-        """The side of a path along a wall on which there is none: 1 left, -1 right."""
+        """The side of a path along a wall that is free of the wall: 1 left, -1 right."""
         return 1 if self.cut.climb else -1
 
     def avoid(self, bottom: float) -> tuple[tuple[Track, float], ...]:
@@ -115,7 +115,7 @@ class ToolpathBuilder:
         feed: float | None = None,
         switch: str = "",
     ) -> None:
-        """Along `track`, descending or rising evenly to `z` [mm] if that is given.
+        """Feed along `track`, descending or rising evenly to `z` [mm] if that is given.
 
         With a `switch` the track is one line, which switches the controller's compensation so.
 
@@ -140,7 +140,7 @@ class ToolpathBuilder:
             return
         travelled = 0.0
         base = self.cut.tool.feed if feed is None else feed
-        track = track.halved()
+        track = track.halved()  # an `ArcFeed` is at most half a turn
         for point, sweep, centre, length in zip(
             track.ends.tolist(),
             track.sweeps.tolist(),
@@ -149,9 +149,12 @@ class ToolpathBuilder:
             strict=True,
         ):
             travelled += length
+            # At the end exactly, as the sum of lengths is off by rounding.
             height = end if travelled >= whole - SAME else start + (end - start) * travelled / whole
             rate = base
             if sweep and not air:
+                # The wall lies on the side of the material: where the path turns to the free side,
+                # the wall encloses the arc, and the contact is faster than the centre.
                 inside = both or (sweep > 0.0) == (self.free > 0)
                 rate = centre_feed(
                     base, length / abs(sweep), self.cut.contact_radius, inside=inside
@@ -170,12 +173,13 @@ class ToolpathBuilder:
     def follow_heights(
         self, track: Track, stops: Sequence[tuple[float, float]], *, both: bool = False
     ) -> None:
-        """Along `track`, whose heights `stops` give: (distance along it, z) [mm], ascending from 0
-        to its length, straight between them.
+        """Feed along `track` at the heights that `stops` state: pairs (distance along it, z) [mm],
+        ascending from 0 to its length, with straight lines between them.
 
         Where a height changes within `SHORTEST` of a joint of the track, it does so at the joint.
         """
         joints = np.concatenate(([0.0], np.cumsum(track.lengths)))
+        # Distances from every stop to every joint: (stops, joints).
         places = np.array([place for place, _ in stops])
         nearest = joints[np.argmin(np.abs(places[:, None] - joints), axis=1)]
         places = np.where(np.abs(nearest - places) < SHORTEST, nearest, places)
@@ -232,7 +236,8 @@ def engagement_limit(cut: AreaCut, tolerance: float) -> float:
     """
     radius, step = cut.tool.radius, cut.stepover
     limit = cut.tool.engagement or math.acos(max(-1.0, 1.0 - step / radius))
-    # cos(limit) = 1 - depth / radius on a straight wall, and both turns may be a tolerance off.
+    # On a straight wall cos(limit) = 1 - depth / radius, so the angle grows by depth / (radius
+    # sin(limit)); this turn of the path and the one before may each be a tolerance off.
     steep = radius * math.sin(min(limit, 0.5 * math.pi))
     return max(0.5 * limit, limit - STEEPER * 2.0 * tolerance / steep)
 
@@ -322,6 +327,7 @@ def descent(cut: Cut, top: float, bottom: float, length: float) -> list[float]:
             cut.tool,
             "ramp_angle",
         )
+    # The last height is `bottom` exactly; without rounds, where top is bottom, the list is empty.
     step = (bottom - top) / max(rounds, 1)
     return [*(top + step * k for k in range(1, rounds)), bottom][:rounds]
 

@@ -115,7 +115,7 @@ def _tools_are_distinct(values: ValidValues) -> Iterator[Broken]:
     numbers = [values.get(*place, "number") for place in _places(values, "tool")]
     for k, number in enumerate(numbers):
         if number is not None and number in numbers[:k]:
-            yield ("tool", k, "number"), "belongs to another tool; each needs its own"
+            yield ("tool", k, "number"), "is the number of another tool; each tool needs its own"
     if None in numbers or not numbers or values.has(*LIBRARY):
         return
     for place in (

@@ -142,7 +142,7 @@ def part_is_possible(values: ValidValues) -> Iterator[Broken]:
         if values.has("part", key) and values.lacks("part", "bore"):
             yield ("part", key), "needs [part] bore"
     if values.has("part", "d_shaft") and values.has("part", "keyway"):
-        yield ("part", "d_shaft"), "contradicts keyway; a bore has one of them"
+        yield ("part", "d_shaft"), "contradicts keyway; a bore may have only one of them"
     bore = values.get("part", "bore")
     yield from _keyway_is_stated_once(values, bore)
     yield from _compared(values, ("part", "keyway", "width"), "less", "bore")
@@ -185,7 +185,7 @@ def _texts_have_a_place(values: ValidValues, count: int) -> Iterator[Broken]:
                 message = f"must be more than half the height of the letters, {0.5 * height:g}"
                 yield (*place, "radius"), message
         elif values.has(*place, "turn") and values.has(*place, "tops"):
-            yield (*place, "turn"), "contradicts tops, which says the same"
+            yield (*place, "turn"), "contradicts tops; state only one of them"
 
 
 def chamfers_have_edges(values: ValidValues) -> Iterator[Broken]:
@@ -212,7 +212,7 @@ def _keyway_is_stated_once(values: ValidValues, bore: float | None) -> Iterator[
     by_standard = values.has(*place, "standard")
     for key in ("width", "depth"):
         if by_standard and values.has(*place, key):
-            yield (*place, key), "contradicts standard, by which the bore decides it"
+            yield (*place, key), "contradicts standard, by which the bore determines it"
         elif not by_standard and values.lacks(*place, key):
             yield place, f"needs {key}, or standard"
     if by_standard and bore is not None and values.valid("units"):
@@ -363,7 +363,7 @@ def _dimension(
         yield place, 'must have one of "plus_minus", "limits" and "class"'
     limits = table.get("limits")
     if limits is not None and not limits[0] < limits[1]:
-        yield (*place, "limits"), "must end above where it begins, [from, to]"
+        yield (*place, "limits"), "must be [from, to], with from below to"
     if "sigma" in table and table.get("distribution", "normal") != "normal":
         yield (*place, "sigma"), 'belongs to distribution "normal": the others end at their limits'
     if table["key"] in seen:
@@ -522,7 +522,7 @@ def law_parameters(law: str) -> frozenset[str]:
 def one_speed(values: ValidValues) -> Iterator[Broken]:
     """The speed of the disc is stated by a number or by a table, not by both."""
     if values.has("cam", "speed") and values.has("cam", "speed_curve"):
-        yield ("cam", "speed_curve"), "contradicts speed; give one of them"
+        yield ("cam", "speed_curve"), "contradicts speed; state only one of them"
 
 
 def swing_is_possible(values: ValidValues) -> Iterator[Broken]:
@@ -571,9 +571,9 @@ def a_yoke_holds_one_plate_cam(values: ValidValues) -> Iterator[Broken]:
         message = "must be 0 for a yoke: both its rollers lie in line with the cam axis"
         yield ("follower", "offset"), message
     if values.contact is not None and not values.contact.is_plate:
-        yield YOKE, 'belongs to contact "inner": the yoke stands astride a plate cam'
+        yield YOKE, 'belongs to contact "inner": a yoke encloses a plate cam'
     if values.has("follower", "return"):
-        yield YOKE, "contradicts [follower.return]: one disc leads a yoke both ways"
+        yield YOKE, "contradicts [follower.return]: one disc drives a yoke in both directions"
 
 
 def followers_keep_their_own_rules(values: ValidValues) -> Iterator[Broken]:

@@ -181,7 +181,7 @@ class Scene:
     def from_document(
         cls, document: Document, source: Source, earlier: Scene | None = None
     ) -> Self:
-        """A scene from its document, perhaps an edit of an earlier scene."""
+        """A scene from its document; what an edit of `earlier` leaves unchanged is reused."""
         instance = cls.__new__(cls)
         _fill(instance, enter(document, source, None if earlier is None else vars(earlier)))
         return instance
@@ -231,7 +231,7 @@ class Scene:
 
     @cached_property
     def text_hash(self) -> str:
-        """Hash of the text, in files of earlier versions instead of `made`; empty without text."""
+        """Hash of the text, which files of earlier versions state; empty if there is no text."""
         parsed = self._text_document
         return "" if parsed is None else scene_text_hash(self.source.text.encode(), parsed)
 
@@ -631,7 +631,7 @@ class Builder:
         return self._engine(("print",), lambda: instance_from_table(PrintSpec, self._top("print")))
 
     def output(self) -> OutputSpec:
-        """What is written, and how; the defaults if anything in it is not valid."""
+        """The options of the output; the defaults for what is not stated or not valid."""
         tables = self._top("output")
         options: dict[str, Any] = {}
         for form in self._schema.formats:
@@ -762,7 +762,7 @@ class MotionRequests:
             if not last < angle < span:
                 self.converter.fault(
                     (*place, "points", index, "at"),
-                    f"must ascend, inside the span of {span.normalize():f} degrees",
+                    f"must ascend and be less than the span of {span.normalize():f} degrees",
                 )
                 return None
             shares.append(float(angle / span))
@@ -797,7 +797,7 @@ class MotionRequests:
         wanted = "deg" if self.values.angular else self.values.unit
         if rows.unit and rows.unit.lower() not in UNITS[wanted]:
             self.converter.fault(
-                key, f"gives the lift in {rows.unit}; the scene takes it in {wanted}"
+                key, f"states the lift in {rows.unit}; the scene expects it in {wanted}"
             )
             return None
         return TableRequest(

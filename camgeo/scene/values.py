@@ -431,7 +431,7 @@ def _texts(value: Any) -> Iterator[str]:
 
 
 def _is_inside(name: str) -> bool:
-    """Whether a name leads nowhere else; a scene must not name files elsewhere."""
+    """Whether a name stays within the folder; a scene must not name files elsewhere."""
     path = Path(name)
     return not path.is_absolute() and ".." not in path.parts
 
@@ -453,7 +453,7 @@ Tree = dict[str, Any]
 
 
 class Taking:
-    """Takes values that come from Python; a float is the decimal number that Python prints.
+    """Copies values that come from Python; a float becomes the decimal number that Python prints.
 
     A value that no scene may have stays as it is, to be reported among the scene's faults.
     """
@@ -695,7 +695,7 @@ class Document(Brief):
         return "inch" if self.exact_value(("units", "length")) == "inch" else "mm"
 
     def line(self, path: KeyPath) -> int | None:
-        """Line of `path`, else of what is around it."""
+        """Line of the key at `path`, or of the nearest table or list around it."""
         return nearest_line(path, self.lines)
 
     def exact_value(self, path: KeyPath) -> Any:
@@ -737,7 +737,7 @@ class Source(Brief):
         return cls(file, pathlib.Path(folder).resolve(), text)
 
     def having(self, contents: Mapping[str, bytes]) -> Self:
-        """The same source with these contents of its files."""
+        """The source with these contents of its files."""
         return replace(self, contents=MappingProxyType(dict(contents)))
 
 
@@ -891,7 +891,9 @@ def value_path(tree: Tree, key: str) -> KeyPath:
     """
     path = parse_path(key)
     if not path:
-        raise _key_error(key, "is no key of a scene; write one as messages do, e.g. motion[2].law")
+        raise _key_error(
+            key, "is not a key of a scene; write it as messages do, e.g. motion[2].law"
+        )
     node: Node = resolved(schema_for(tree).root)
     value: Any = tree
     prefix: KeyPath = ()
@@ -906,10 +908,10 @@ def value_path(tree: Tree, key: str) -> KeyPath:
         if keys and step not in keys:
             hint = meant(spelled((*prefix, step)), [spelled((*prefix, name)) for name in keys])
             raise _key_error(
-                key, f"is no key of a scene; {_name(prefix)} has {listed(sorted(keys))}", hint
+                key, f"is not a key of a scene; {_name(prefix)} has {listed(sorted(keys))}", hint
             )
         if not keys and prefix and _single(node):
-            raise _key_error(key, f"is no key of a scene; {_name(prefix)} is a single value")
+            raise _key_error(key, f"is not a key of a scene; {_name(prefix)} is a single value")
         prefix = (*prefix, step)
         node = resolved(keys.get(step, {}))
         value = value.get(step) if isinstance(value, dict) else None
@@ -1127,7 +1129,7 @@ def design_path(tree: Tree, key: str, seen: set[str]) -> KeyPath:
     """
     path = value_path(tree, key)
     if path[0] in FAMILIES:
-        raise GeometryError("is no key of a design", key)
+        raise GeometryError("is not a key of a design", key)
     name = spelled(path)
     if name in seen:
         raise GeometryError("varies twice", name)

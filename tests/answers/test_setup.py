@@ -80,8 +80,8 @@ def test_the_engagement_of_an_operation_that_clears_an_area(sheet: SetupSheet) -
     found = OperationEngagement("bore", 100.0, 0.071, 0.8, 0.9, 0.95, 1j)
     steps = (replace(sheet.steps[0], engaged=found), *sheet.steps[1:])
     changed = replace(sheet, steps=steps)
-    told = f"{steps[0].operation.name}: 7 % of its length is in air, the cutter is engaged over"
-    assert told in text(changed)
+    in_air = f"{steps[0].operation.name}: 7 % of its length is in air, the cutter is engaged over"
+    assert in_air in text(changed)
     first, *others = (each["engagement"] for each in document(changed)["operations"])
     assert first["air"] == 0.071
     assert first["largest_deg"] == pytest.approx(math.degrees(0.9))

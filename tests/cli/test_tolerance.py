@@ -35,7 +35,7 @@ RETURNING = '\n[[tolerance.form]]\nplus_minus = 0.01\nwaves = 3\nside = "return"
         (LEVER, '"mounting.angle"\nplus_minus = 0.05', '"mounting.angle"\nclass = "h6"',
          "belongs to lengths: this dimension takes plus_minus or limits"),
         (LEVER, "plus_minus = 0.03", "plus_minus = -0.03", "must be a number above 0 to 1000"),
-        (LEVER, "plus_minus = 0.03", "limits = [0.02, 0.01]", "must end above where it begins"),
+        (LEVER, "plus_minus = 0.03", "limits = [0.02, 0.01]", "with from below to"),
         (LEVER, '"follower.pivot[2]"', '"follower.pivot[1]"', "has a tolerance already"),
         (LEVER, '"uniform"', '"gauss"', 'must be one of "normal"'),
         (LEVER, '"uniform"', '"uniform"\nsigma = 0.01', 'belongs to distribution "normal"'),

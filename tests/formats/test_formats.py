@@ -236,7 +236,7 @@ def test_a_scene_with_a_plate() -> None:
             "conjugate_carriage",
             {"plate": ["return-cam"]},
             "plate",
-            r"has no .return-cam.: it is one piece with .cam.",
+            r"cannot hold .return-cam.: it is one piece with .cam.",
         ),
         ("tappet", {"plate": ["roller"]}, "plate", "has no roller"),
         ("knife_edge", {"plate": ["roller"]}, "plate", "is a knife edge"),

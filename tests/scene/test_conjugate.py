@@ -200,7 +200,7 @@ def test_a_motion_that_does_not_undo_itself_is_reported() -> None:
         ),
         (
             on_rollers().replace('contact = "inner"', 'contact = "outer"'),
-            'belongs to contact "inner": the yoke stands astride',
+            'belongs to contact "inner": a yoke encloses',
         ),
         (TEXT.replace("breadth = 66", "breadth = -1"), "follower.yoke.breadth = -1"),
         (TEXT.replace(YOKE, "yoke = 3\n"), "must be a table, headed [follower.yoke]"),

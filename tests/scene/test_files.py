@@ -256,8 +256,8 @@ def test_keys_that_a_scene_may_state_have_one_too() -> None:
 @pytest.mark.parametrize(
     ("key", "message"),
     [
-        ("", "is no key of a scene"),
-        ("motion[2", "is no key of a scene"),
+        ("", "is not a key of a scene"),
+        ("motion[2", "is not a key of a scene"),
         ("folower.base_radius", "did you mean follower?"),
         ("follower.arm.length", "follower.arm is a single value"),
         ("follower[1]", "follower is not a list"),

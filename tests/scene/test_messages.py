@@ -172,7 +172,7 @@ FAULTS: list[tuple[str, list[Change], str]] = [
     (
         PLATE,
         [engraved('along = "straight"\ntops = "inward"\nturn = 9')],
-        r"part.engraving\[1\].turn = 9: contradicts tops, which says the same",
+        r"part.engraving\[1\].turn = 9: contradicts tops; state only one of them",
     ),
     (PLATE, [engraved("heigth = 9")], "heigth = 9: is not a known key; known here: text, height"),
     (PLATE, [engraved("height = 4\ndepth = 1")], r"part.engraving\[1\].radius: is missing"),

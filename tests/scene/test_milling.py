@@ -39,7 +39,7 @@ def tool(*changes: tuple[str, str]) -> str:
             (tool(("stepdown = 3", "stepdown = 3\ncorner_radius = 6")), HOLDING),
             "tool[1].corner_radius = 6: must be at most half the diameter, 5 mm",
         ),
-        ((TOOL, TOOL, HOLDING), "tool[2].number = 1: belongs to another tool"),
+        ((TOOL, TOOL, HOLDING), "tool[2].number = 1: is the number of another tool"),
         (
             (TOOL, HOLDING, '[[operation]]\nkind = "bore"\ntool = 7\n'),
             "operation[1].tool = 7: there is no such tool; there are 1",
@@ -85,8 +85,8 @@ def lacking(*tables: str) -> list[str]:
         ((tool(("stepdown = 3\n", "")), HOLDING), "needs tool[1].stepdown: the largest depth of"),
         ((tool(("plunge_feed = 100\n", "")), HOLDING), "needs tool[1].plunge_feed: the feed of"),
         ((TOOL, '[stock]\nshape = "round"\n', HOLDING), "needs stock.diameter: a round blank"),
-        ((TOOL, "[stock]\nwidth = 3\n", HOLDING), "needs stock.length: a plate has"),
-        ((TOOL,), "needs [holding]: a cut goes through the blank, and what it cuts free is held"),
+        ((TOOL, "[stock]\nwidth = 3\n", HOLDING), "needs stock.length: a plate states"),
+        ((TOOL,), "needs [holding]: a cut goes through the blank, and what it cuts free must"),
         ((HOLDING,), "needs [[tool]]: a tool, and how it is run"),
         ((TOOL, spoilt(HOLDING, ("through = 0.5\n", ""))), "needs holding.through: how far"),
         (

@@ -193,7 +193,7 @@ def test_a_table_over_a_part_of_the_turn(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("rows", "extra", "message"),
     [
-        (ROWS.replace("[mm]", "[inch]"), "", "gives the lift in inch; the scene takes it in mm"),
+        (ROWS.replace("[mm]", "[inch]"), "", "states the lift in inch; the scene expects it in mm"),
         (
             ROWS.replace("\n20,", "\n12,"),
             "",
@@ -251,7 +251,10 @@ BACK = '[[motion]]\ndwell = 60\n[[motion]]\nlaw = "auto"\nspan = 120\nto = 0\n'
         ('law = "sine-straight"', "here the move goes from rest to rest (R-R)"),
         ('law = "points"', "points: is missing"),
         ('law = "points"\npoints = []', "points"),
-        ('law = "points"\npoints = [{ at = 130, to = 3 }]', "must ascend, inside the span of 120"),
+        (
+            'law = "points"\npoints = [{ at = 130, to = 3 }]',
+            "must ascend and be less than the span",
+        ),
         ('law = "points"\npoints = [{ at = 30, to = 3 }, { at = 30, to = 4 }]', "must ascend"),
         ('law = "points"\npoints = [{ at = 30, t = 3 }]', "did you mean to?"),
         ('law = "points"\npoints = [{ at = 30, to = 3 }]\nsmoothing = 1', "belongs to"),
@@ -290,7 +293,7 @@ def test_a_speed_curve(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("rows", "keys", "message"),
     [
-        (SPEED, "speed = 60\n", "contradicts speed; give one of them"),
+        (SPEED, "speed = 60\n", "contradicts speed; state only one of them"),
         (
             SPEED.replace("260", "160"),
             "",

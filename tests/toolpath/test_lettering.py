@@ -106,8 +106,8 @@ def test_a_text_is_engraved_with_the_first_tool_that_fits() -> None:
 @pytest.mark.parametrize(
     ("fine", "reason"),
     [
-        (replace(FINE, diameter=0.6), r"0.6 mm is wider than the stroke at X \d"),
-        (replace(FINE, plunges=False), "letters need a tool that may plunge"),
+        (replace(FINE, diameter=0.6), r"0.6 mm are wider than a stroke at X \d"),
+        (replace(FINE, plunges=False), "letters take a tool that plunges"),
         (replace(FINE, corner_radius=0.05), "letters are cut with a flat end mill"),
         (replace(FINE, flute_length=0.2), "its cutting edges, 0.2 mm, are shorter than 0.3 mm"),
         (replace(FINE, stepover=None), "it states no stepover or no stepdown"),

@@ -23,7 +23,7 @@ from camgeo.units import MM_PER, LengthUnit
 
 SMALLEST_STEP: Final = Decimal("0.001")
 LARGEST_STEP: Final = Decimal(90)
-"""Of the cam angle [degrees]."""
+"""Smallest and largest step of the cam angle [degrees]."""
 
 
 SEPARATORS: Final = {",": ",", ";": ";", "tab": "\t"}

@@ -37,7 +37,7 @@ class DxfSpec(CheckedFields, path="output.dxf."):
 
     @property
     def form(self) -> Form:
-        """Of the contours: single lines and arcs are the arcs of a polyline."""
+        """Form of the contours: single lines and arcs are those of a polyline."""
         return "arcs" if self.entity == SINGLE else self.entity
 
 

@@ -69,7 +69,8 @@ class Format(Generic[Spec]):
         `x-unit`; lengths refer to ``#/$defs/length`` or ``#/$defs/coordinate`` of the scene's.
     needs : keys without which a scene cannot be written in the format, e.g. "part.thickness".
     rules : what schema and needs cannot state.
-    suffix_of : gives the suffix that a scene's options ask for, where it is not always `suffix`.
+    choose_suffix : gives the suffix that a scene's options ask for, where it is not always
+        `suffix`.
     """
 
     name: str
@@ -123,7 +124,7 @@ class Options:
 
     Attributes
     ----------
-    given : options by the names of the formats for which the scene has a table.
+    by_format : options by the names of the formats for which the scene has a table.
     """
 
     by_format: Mapping[str, Any] = field(default_factory=dict)

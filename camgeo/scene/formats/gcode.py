@@ -14,13 +14,13 @@ from camgeo.scene.formats.format import BODY, Format, Values
 TABLE: Final = ("output", "gcode")
 
 MISSING: Final = "is missing: "
-"""Begins the reasons for keys that a table lacks."""
+"""Begin of the messages about keys that a table lacks."""
 
 DIAMETER: Final = "output.gcode.tool_diameter"
 
 
 def parse(table: Mapping[str, Any]) -> GcodeSpec:
-    """The options of the table."""
+    """The options of the table `[output.gcode]`; raises GeometryError with the key."""
     options = dict(table)
     if "tools" in options:
         options["tools"] = options["tools"].name
@@ -51,7 +51,7 @@ def earlier_keys_state_a_whole_tool(values: Values) -> Iterator[tuple[str, str]]
                 yield "", f"needs output.gcode.{key}: {STATE}"
     heights = (values.get(*TABLE, key) for key in ("safe_height", "clearance_height"))
     if None not in heights:
-        yield "safe_height", "contradicts clearance_height; give that alone"
+        yield "safe_height", "contradicts clearance_height; state only that"
 
 
 def a_through_cut_is_held(values: Values) -> Iterator[tuple[str, str]]:
@@ -63,7 +63,10 @@ def a_through_cut_is_held(values: Values) -> Iterator[tuple[str, str]]:
         bore is not None and values.get("stock", "bore") != bore
     )
     if through:
-        yield "", "needs [holding]: a cut goes through the blank, and what it cuts free is held"
+        yield (
+            "",
+            "needs [holding]: a cut goes through the blank, and what it cuts free must be held",
+        )
 
 
 def tool_fits(values: Values) -> Iterator[tuple[str, str]]:
@@ -139,7 +142,7 @@ def tables_are_whole(values: Values) -> Iterator[tuple[str, str]]:
 
 
 def program_suffix(spec: GcodeSpec) -> str:
-    """That of the machine's programs; SceneError if there is no such machine."""
+    """The suffix of the machine's programs; SceneError if there is no such machine."""
     from camgeo.milling.machine import load  # a declaration imports nothing that computes
 
     return load(spec.machine).extension

@@ -11,7 +11,7 @@ from camgeo.record import stored_schema
 from camgeo.scene.formats.format import BODY, Format
 
 WALLS: Final = ("arcs", "spline")
-"""What upright faces may follow."""
+"""Curves that the upright faces may follow."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,7 +16,7 @@ from camgeo.scene.formats.format import BODY, Format, Values
 
 
 class Body(StrEnum):
-    """What may lie on a plate."""
+    """Bodies that may lie on a plate."""
 
     CAM = "cam"
     RETURN_CAM = "return-cam"
@@ -56,7 +56,9 @@ class ThreeMfSpec:
         for name in instance("output.3mf.plate", self.plate, tuple, "a tuple of names"):
             one_of("output.3mf.plate", name, [body.value for body in Body])
         if len(set(self.plate)) < len(self.plate):
-            raise GeometryError("each is named once", "output.3mf.plate", value_text(self.plate))
+            raise GeometryError(
+                "must name each body only once", "output.3mf.plate", value_text(self.plate)
+            )
 
 
 def what_lies_on_the_plate_exists(values: Values) -> Iterator[tuple[str, str]]:
@@ -65,15 +67,15 @@ def what_lies_on_the_plate_exists(values: Values) -> Iterator[tuple[str, str]]:
     rollers = [name for name in plate if name in (Body.ROLLER, Body.RETURN_ROLLER)]
     key = ("follower", "roller_radius")
     if rollers and values.valid("follower") and values.lacks(*key):
-        yield "plate", f'has no "{rollers[0]}": the follower has no roller'
+        yield "plate", f'cannot hold "{rollers[0]}": the follower has no roller'
     elif Body.ROLLER in plate and values.get(*key) == 0:
-        yield "plate", f'has no "{Body.ROLLER}": the follower is a knife edge'
+        yield "plate", f'cannot hold "{Body.ROLLER}": the follower is a knife edge'
     for name in (Body.RETURN_CAM, Body.RETURN_ROLLER):
         if name in plate and values.lacks("follower", "return"):
             yield "plate", f'needs [follower.return] for "{name}"'
     if Body.RETURN_CAM in plate and values.get("part", "pair") is not None:
         one_piece = f'it is one piece with "{Body.CAM}", by [part.pair]'
-        yield "plate", f'has no "{Body.RETURN_CAM}": {one_piece}'
+        yield "plate", f'cannot hold "{Body.RETURN_CAM}": {one_piece}'
     if Body.TEST_RING in plate and values.lacks("part", "bore"):
         yield "plate", f'needs [part] bore for "{Body.TEST_RING}"'
     for option in ("roller_width", "roller_bore"):
