@@ -37,7 +37,7 @@ ABREAST: Final = 7
 
 SPEEDS: Final = (30, 15, 8, 4, 2)
 SPEED: Final = 8
-"""Seconds of a turn that can be chosen, and those at first."""
+"""Durations of one revolution [s] that can be chosen, and the one that is chosen at first."""
 
 VIEWS: Final = (
     ("left", "Left"), ("right", "Right"), ("up", "Up"), ("down", "Down"),
@@ -142,7 +142,7 @@ def _data(report: Report) -> str:
 
 
 def _rounded(value: Any) -> Any:
-    """The same with numbers of at most DIGITS digits."""
+    """`value` with its numbers rounded to `DIGITS` significant digits."""
     if isinstance(value, dict):
         return {key: _rounded(member) for key, member in value.items()}
     if isinstance(value, list):
@@ -155,7 +155,7 @@ def _rounded(value: Any) -> Any:
 
 def _mechanism(report: Report) -> str:
     if report.animation is None:
-        return "<p>There is no mechanism to be shown.</p>"
+        return "<p>There is no mechanism to show.</p>"
     note = f" {escape(report.animation.note)}." if report.animation.note else ""
     return (
         '<figure id="mechanism"><figcaption>The disc with pitch curve and base circle, the'
@@ -196,9 +196,13 @@ def _findings(report: Report) -> str:
         + "</tr>"
         for entry in report.advised
     ]
-    heads = ("verdict", "of", "finding", "in words", "next step")
+    heads = ("verdict", "subject", "finding", "description", "next step")
     cures = [cure.statement for cure in report.check.cures]
-    listed = f"<p>Each of these cures the fault that it names:</p>{_items(cures)}" if cures else ""
+    listed = (
+        f"<p>Each of these remedies removes the fault that it names:</p>{_items(cures)}"
+        if cures
+        else ""
+    )
     return _table("Table of findings", heads, rows) + listed
 
 
@@ -254,7 +258,7 @@ def _values(table: Table) -> str:
         ]
         blocks.append(_table(f"Values from {names[0]} to {names[-1]}", (first, *names), rows))
     return (
-        f"<p>A row every {STEP}°; <code>camgeo table</code> has any step.</p><details><summary>"
+        f"<p>One row every {STEP}°; <code>camgeo table</code> gives any step.</p><details><summary>"
         f"{counted(len(table.values), 'row')}</summary>{''.join(blocks)}</details>"
     )
 
@@ -311,7 +315,7 @@ def _certificate(report: Report) -> str:
 
 
 def _table(label: str, heads: Sequence[str], rows: Iterable[str]) -> str:
-    """A table; no other on the page has its `label`."""
+    """A table; `label` must be unique on the page."""
     head = "".join(f'<th scope="col">{escape(heading)}</th>' for heading in heads)
     return (
         f'<div class="wide" tabindex="0" role="region" aria-label="{escape(label)}">'

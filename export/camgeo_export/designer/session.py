@@ -67,9 +67,9 @@ class PageMessage:
 
     Attributes
     ----------
-    kind : what is asked for.
-    id : that the answer carries; None if the page gave none.
-    arguments : of that kind of message.
+    kind : what the page asks for.
+    id : identifier that the answer repeats; None if the page gave none.
+    arguments : those of that kind of message.
     """
 
     kind: str
@@ -169,10 +169,10 @@ ANSWERS: Final[Mapping[str, str]] = {
     "templates": "templates",
     "effects": "effects",
 }
-"""Jobs that a page asks for, and the kind of their answer."""
+"""Jobs that a page asks for, and the kinds of messages that answer them."""
 
 LONG: Final = ("build", "size", "solid")
-"""Jobs that a page is told of when they begin."""
+"""Jobs whose beginning is reported to the page that asks for them."""
 
 WHOLE: Final = ("undo", "redo", "reload", "open", "new")
 """Requests after which pages are sent the text with the state."""
@@ -215,7 +215,7 @@ def parse_message(text: str) -> PageMessage:
         if value is None:
             continue
         if not check(value):
-            raise MessageError(f"{key} of {kind} is not what it must be", id_)
+            raise MessageError(f"{key} of {kind} has a value of the wrong kind", id_)
     arguments = {key: value for key, value in message.items() if value is not None}
     for key in NEEDED.get(kind, ()):
         if key not in arguments:
@@ -230,7 +230,7 @@ def _check_change(arguments: Mapping[str, Any], id_: str | int | None) -> None:
     if len(stated) != 1:
         raise MessageError(f"change needs one of {', '.join(CHANGES)}", id_)
     if ("handle" in arguments) != ("to" in arguments):
-        raise MessageError("a handle needs a place to go to, and only that", id_)
+        raise MessageError("the place `to` is needed with a handle, and allowed only with one", id_)
 
 
 def _is_flat(value: Any, depth: int) -> bool:
@@ -253,7 +253,7 @@ def _no_number(name: str) -> float:
 
 
 Compute = Callable[[Job, float], Result]
-"""Does a job within some seconds, in a process of its own; a CamgeoError if it has no result."""
+"""Runs a job for at most some seconds, in a process of its own; CamgeoError if it has no result."""
 
 SECONDS: Final[Mapping[str, float]] = {
     "curves": 10.0,
@@ -304,7 +304,7 @@ def _skip_space(text: str, place: int) -> int:
 
 
 class Jobs:
-    """Does the jobs of a session, each for the text that is on the desk when it begins.
+    """Runs the jobs of a session, each for the text that is on the desk when it begins.
 
     Parameters
     ----------
@@ -343,16 +343,16 @@ class Jobs:
                 self._painted = time.monotonic()
 
     def cancel_overdue(self, kind: str, patience: float, *, unless: str = "") -> None:
-        """End jobs of a kind that were begun more than `patience` seconds ago.
+        """Cancel the jobs of a kind if the oldest began more than `patience` seconds ago.
 
-        Nothing is ended while there is a job `unless`, which the same process does.
+        Nothing is cancelled while there is a job of the kind `unless`, which the same process runs.
         """
         began = self._began.get(kind)
         if began and not self._began.get(unless) and time.monotonic() - began[0] > patience:
             self._cancel(kind)
 
     def close(self) -> None:
-        """Wait for nothing more; threads end when the processes do."""
+        """Stop waiting for jobs; the threads end when the processes do."""
         self._threads.shutdown(wait=False, cancel_futures=True)
 
 
@@ -384,7 +384,7 @@ class Session:
     ----------
     desk : the scene.
     jobs : what computes.
-    notes : sentences that the first page is told.
+    notes : sentences for the first page.
     """
 
     def __init__(self, desk: Desk, jobs: Jobs, notes: Sequence[str] = ()) -> None:
@@ -417,7 +417,7 @@ class Session:
         return len(self._pages)
 
     async def serve(self, page: Page) -> None:
-        """Take what a page says, until it is gone."""
+        """Take the messages of a page until it has gone."""
         self._pages.add(page)
         sending = asyncio.create_task(page.send())
         try:
@@ -437,14 +437,14 @@ class Session:
             self._greet(page)
         elif message.kind in ANSWERS:
             if len(self._tasks) >= MOST_JOBS:
-                raise MessageError("too much is computed at once", message.id)
+                raise MessageError("too many computations are running at the same time", message.id)
             self._begin(self._answer(page, message))
         else:
             waiting = self._requests[-1] if self._requests else None
             if waiting is not None and waiting.page is page and message.replaces(waiting.message):
                 self._requests.pop()
             if len(self._requests) >= MOST_REQUESTS:
-                raise MessageError("too much is asked at once", message.id)
+                raise MessageError("too many requests are waiting", message.id)
             self._requests.append(PageRequest(page, message))
             self._wake.set()
             self._jobs.cancel_overdue("curves", PATIENCE)
@@ -485,7 +485,7 @@ class Session:
                     task.cancel()
 
     async def _do(self, request: PageRequest) -> None:
-        """Do one request; what is wrong with it is told to the page that made it."""
+        """Carry out one request; what is wrong with it is reported to the page that made it."""
         try:
             if request.message.kind == "change":
                 await self._change(request)
@@ -511,7 +511,7 @@ class Session:
             data = await asyncio.to_thread(self._changed_here, arguments, error)
             painting = unpainted(error, label=data["label"])
         if "refused" in data or not isinstance(data.get("text"), str):
-            sentence = str(data.get("refused") or "this cannot be changed so")
+            sentence = str(data.get("refused") or "this change is not possible")
             request.page.enqueue(
                 refusal(request.message.id, sentence, faults=data.get("faults", []))
             )
@@ -591,7 +591,7 @@ class Session:
             self._judge()
 
     def _show(self, painting: bytes, request: PageRequest | None, *, moving: bool = False) -> None:
-        """Show curves of the present text to all pages, or only what moves of them."""
+        """Send the curves of the present text to all pages, only what moves of them if `moving`."""
         head = {"revision": self._revision, "text": self.desk.text, "answers": None}
         if moving:
             self._results["curves"] = {}  # what can be dragged has no faults
@@ -651,7 +651,7 @@ class Session:
             painting = body({**result.data, "files": self.files.take(result.data.get("files", ()))})
         page.enqueue(Message(ANSWERS[message.kind], head, painting))
 
-    # -- what pages are told -----------------------------------------------------------------------
+    # -- what pages are sent -----------------------------------------------------------------------
 
     def _state(self, *, whole: bool = False) -> Message:
         """The state of the session, `whole` with the text."""
@@ -672,7 +672,7 @@ class Session:
         return Message("state", {**state, "text": desk.text} if whole else state)
 
     def _publish_verdict(self, kind: str, result: Mapping[str, Any], revision: int) -> None:
-        """Tell all pages the verdict, now that a job has a `result`, if that is of this text."""
+        """Send the verdict to all pages, now that a job has a `result`, if it is of this text."""
         if revision != self._revision:
             return
         self._results[kind] = result
@@ -730,7 +730,7 @@ class Files:
         self._build = 0
 
     def take(self, built: Iterable[Mapping[str, Any]]) -> list[dict[str, Any]]:
-        """Replace the files by those of a build; return what pages are told about them."""
+        """Replace the files by those of a build; return what pages need to know about them."""
         self._data = {str(file["name"]): base64.b64decode(file["bytes"]) for file in built}
         self._build += 1
         return [
@@ -850,7 +850,7 @@ class Message:
         return f"{head}{'' if rest.strip() == '}' else ', '}{rest}"
 
     def merge(self, previous: Message) -> Message:
-        """The later one of two messages of a kind, with what only the earlier one says."""
+        """The message with what only the previous one of its kind says."""
         if self.kind == "state":
             return replace(self, head={**previous.head, **self.head})
         if self.kind in ("curves", "moved") and self.head.get("answers") is None:
@@ -864,17 +864,17 @@ def body(members: Mapping[str, Any]) -> bytes:
 
 
 def unpainted(error: Exception, **more: Any) -> bytes:
-    """Curves of a text whose picture cannot be had, and why: that is no fault of the scene."""
+    """Curves of a text whose picture could not be computed, and why: the scene is not at fault."""
     return body({"faults": [], "refused": f"the picture ({error})", **more})
 
 
 def refusal(id_: str | int | None, sentence: str, **more: Any) -> Message:
-    """That the message `id_` is not done, and why."""
+    """The message that the request `id_` is refused, and why."""
     return Message("refused", {"id": id_, "message": sentence, **more})
 
 
 def notice(sentence: str) -> Message:
-    """A sentence for the user."""
+    """A message with a sentence for the user."""
     return Message("told", {"message": sentence})
 
 
@@ -888,7 +888,7 @@ class Page:
         self._left, self._seen = BURST, time.monotonic()
 
     def enqueue(self, message: Message) -> None:
-        """Send a message as soon as the page takes it; of some kinds only the latest."""
+        """Queue a message for the page; of the kinds `LATEST` only the latest one waits."""
         key: object = message.kind if message.kind in LATEST else object()
         previous = self._waiting.pop(key, None)
         if previous is not None:
@@ -898,7 +898,7 @@ class Page:
         self._ready.set()
 
     async def send(self) -> None:
-        """Send what waits, until the page is gone."""
+        """Send the messages that wait, until the page has gone."""
         while True:
             await self._ready.wait()
             self._ready.clear()
@@ -921,7 +921,7 @@ class Page:
 
 @dataclass(frozen=True, slots=True)
 class PageRequest:
-    """A request, and the page that it is from."""
+    """A message of a page that is carried out in turn, and the page."""
 
     page: Page
     message: PageMessage

@@ -75,7 +75,7 @@ class Item:
 
 
 def package_items(product: Product) -> tuple[Item, ...]:
-    """The objects of the package: the disc where it turns, or those on the plate."""
+    """The objects of the package: the disc about its cam axis, or the pieces on the plate."""
     plate = plate_of(product)
     if not plate:
         return (Item(title_of(product), product.drawn.printed.target),)
@@ -121,13 +121,13 @@ class ThreeMfWriter:
     def measure(self, product: Product, data: bytes) -> float:
         """Read the meshes back and measure each against the exact boundaries [mm].
 
-        Raises FileError if the file is damaged, or one of them is not a closed body, or not named
-        or placed as it should be.
+        Raises FileError if the file is damaged, or if an object is not a closed body or does not
+        have the name and the place that it should have.
         """
         items, meshes = package_items(product), read_meshes(data)
         places = [(item.name, item.transform) for item in items]
         if [(name, transform) for name, transform, *_ in meshes] != places:
-            raise FileError("the 3MF model has other objects, or not where they should be")
+            raise FileError("objects of the 3MF model, or their places, are not those of the scene")
         return max(
             measure(item.part, vertices, triangles)
             for item, (*_, vertices, triangles) in zip(items, meshes, strict=True)
@@ -202,8 +202,8 @@ def _frame(product: Product, tolerance: float, items: Sequence[Item]) -> ET.Elem
 
 
 Mesh = tuple[str, str | None, FloatArray, IntArray]
-"""Of an object its name, the transform of its item as in the file, None for none, its vertices
-(n, 3) [mm], not transformed, and its triangles (m, 3)."""
+"""An object: its name, the transform of its item as in the file (None for none), its vertices
+(n, 3) [mm] before the transform, and its triangles (m, 3)."""
 
 
 def read_meshes(data: bytes) -> tuple[Mesh, ...]:
@@ -222,7 +222,7 @@ def read_meshes(data: bytes) -> tuple[Mesh, ...]:
         if [element.get("objectid") for element in items] != [
             element.get("id") for element in objects
         ]:
-            raise FileError("not every object of the 3MF package is built once")
+            raise FileError("the 3MF package does not build each of its objects exactly once")
         meshes = tuple(_mesh(element, item) for element, item in zip(objects, items, strict=True))
     except (zipfile.BadZipFile, KeyError, ValueError, SyntaxError) as error:
         raise FileError(f"not a 3MF package by camgeo: {error}") from None
