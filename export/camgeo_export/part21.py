@@ -25,7 +25,7 @@ PARAMETERS: Final = 500_000
 """Commas and brackets of a STEP file, which begin or end its parameters."""
 
 NESTED: Final = 8
-"""Lists within lists in a parameter of a STEP file; the deepest that shapes need is two."""
+"""Deepest nesting of lists in a parameter of a STEP file; shapes need no more than two."""
 
 FIRST, LAST = "ISO-10303-21", "END-ISO-10303-21"
 
@@ -282,16 +282,16 @@ OTHERS = (
     "MAPPED_ITEM",
     "ITEM_DEFINED_TRANSFORMATION",
 )
-"""Types of shapes, and of places in assemblies, that a file of one solid has none of."""
+"""Types of shapes, and of places in assemblies, that a file of a single solid does not have."""
 
 STEEP = 0.1
-"""Rise of an edge, by its extent in the plane, from which on it is not a level one."""
+"""Rise of an edge over its extent in the plane above which it is not level."""
 
 PREFIXES = {None: 1000.0, "MILLI": 1.0, "CENTI": 10.0, "DECI": 100.0, "MICRO": 1e-3, "KILO": 1e6}
 """Millimetres in a metre with a prefix."""
 
 CONVERTED = 3
-"""Units that may be stated by others, one after the other."""
+"""Most units that may be defined by another one in a row."""
 
 NAMES = {25.4: "inch", 1.0: "mm", 304.8: "foot", 10.0: "cm", 1000.0: "m"}
 """Names of units by their size [mm]."""
@@ -489,7 +489,7 @@ class Solid:
 
     @classmethod
     def from_bytes(cls, data: bytes) -> Solid:
-        """The only one of a file; FileError if there are others, or it is not an upright one."""
+        """The only solid in a file; FileError unless there is exactly one, and it is upright."""
         model = Model.from_exchange(read_exchange(data))
         others = model.entities(*OTHERS)
         if others:
@@ -591,7 +591,7 @@ class _Builder:
         return Face(ref, entity.text(0), surface, entity.flag(3), loops)
 
     def _once(self, ref: int) -> None:
-        """Raise FileError if a part of the shell is there for the second time."""
+        """Raise FileError if a part of the shell appears for the second time."""
         if ref in self.used:
             raise FileError(f"#{ref} appears twice in the shell")
         self.used.add(ref)
@@ -646,7 +646,7 @@ class Point:
 
 @dataclass(frozen=True, slots=True)
 class Parabola:
-    """A parabola between two heights, of three control points, whole."""
+    """A whole parabola between two heights, by its three control points."""
 
     start: Point
     middle: Point
@@ -783,8 +783,8 @@ class Cone:
 
 @dataclass(frozen=True, slots=True)
 class Extrusion:
-    """A spline drawn out along Z, upwards for `up` 1 and downwards for -1; the normal is to the
-    right of the curve if upwards.
+    """A spline that is extruded along Z, upwards for the `sense` 1, downwards for -1; the normal is
+    to the right of the curve if upwards.
     """
 
     curve: CubicSpline

@@ -62,7 +62,7 @@ NAMES: Final = {
 
 
 def render(report: Report) -> bytes:
-    """The page."""
+    """The page of a report, as HTML."""
     scripts = [bundle("report.js"), *([bundle("solid.js")] if report.solids else [])]
     style = bundle("report.css")
     sections = {
@@ -197,10 +197,10 @@ def _findings(report: Report) -> str:
         for entry in report.advised
     ]
     heads = ("verdict", "subject", "finding", "description", "next step")
-    cures = [cure.statement for cure in report.check.cures]
+    remedies = [cure.statement for cure in report.check.cures]
     listed = (
-        f"<p>Each of these remedies removes the fault that it names:</p>{_items(cures)}"
-        if cures
+        f"<p>Each of these remedies removes the fault that it names:</p>{_items(remedies)}"
+        if remedies
         else ""
     )
     return _table("Table of findings", heads, rows) + listed

@@ -209,7 +209,7 @@ class SvgDrawing:
 
 
 def read_drawing(data: bytes, name: str = "the drawing") -> SvgDrawing:
-    """The drawing in the file `name`; FileError if it is not an SVG that is read."""
+    """The drawing in the file `name`; FileError if it is not an SVG that can be read."""
     root = _root(data, name)
     scale = _scale(root, name)
     drawing = SvgDrawing(

@@ -49,7 +49,7 @@ MOST_EDITS: Final = 200
 
 
 class MessageError(CamgeoError, ValueError):
-    """A message that is not understood.
+    """The error for a message that is not valid.
 
     Attributes
     ----------
@@ -178,13 +178,13 @@ WHOLE: Final = ("undo", "redo", "reload", "open", "new")
 """Requests after which pages are sent the text with the state."""
 
 TEXTUAL: Final = ("edits", "effect", "segment", "table")
-"""Changes that need nothing but the text."""
+"""Kinds of changes that need nothing but the text."""
 
 MOST_REQUESTS: Final = 100
-"""Requests that wait to be done."""
+"""Most requests that wait to be carried out."""
 
 MOST_JOBS: Final = 8
-"""Jobs of ANSWERS that wait or are being done."""
+"""Most jobs of `ANSWERS` that wait or are being run."""
 
 
 def parse_message(text: str) -> PageMessage:
@@ -406,14 +406,14 @@ class Session:
         self._scenes = list(opened.scenes(desk.folder))
         self._formats = writer_names()
         self._unsynced = self._outdated = False
-        self._judging: asyncio.Task[None] | None = None
+        self._finding_task: asyncio.Task[None] | None = None
         self._tasks: set[asyncio.Task[None]] = set()
 
     # -- what pages say ----------------------------------------------------------------------------
 
     @property
     def pages(self) -> int:
-        """How many are connected."""
+        """The number of connected pages."""
         return len(self._pages)
 
     async def serve(self, page: Page) -> None:
@@ -432,7 +432,7 @@ class Session:
             sending.cancel()
 
     def _hear(self, page: Page, message: PageMessage) -> None:
-        """Answer at once what needs no computing; line up the rest."""
+        """Answer at once what needs no computation, and queue the rest."""
         if message.kind == "hello":
             self._greet(page)
         elif message.kind in ANSWERS:
@@ -478,9 +478,9 @@ class Session:
                 if self._outdated:
                     self._outdated = False
                     await self._paint(None)
-                    self._judge()
+                    self._request_findings()
         finally:
-            for task in (watching, self._judging, *self._tasks):
+            for task in (watching, self._finding_task, *self._tasks):
                 if task is not None:
                     task.cancel()
 
@@ -566,7 +566,7 @@ class Session:
         if (self.desk.text, self.desk.opened) != previous:
             self._revision += 1
             self._unsynced = True
-            self._judge()
+            self._request_findings()
 
     def _new(self, name: str) -> None:
         text = template(name)  # UnknownNameError if there is none
@@ -588,7 +588,7 @@ class Session:
         self._painted = self._revision
         self._show(painting, request)
         if self._findings is None:
-            self._judge()
+            self._request_findings()
 
     def _show(self, painting: bytes, request: PageRequest | None, *, moving: bool = False) -> None:
         """Send the curves of the present text to all pages, only what moves of them if `moving`."""
@@ -603,13 +603,13 @@ class Session:
             answers = request.message.id if request is not None and page is request.page else None
             page.enqueue(Message(kind, {**head, "answers": answers}, painting))
 
-    def _judge(self) -> None:
+    def _request_findings(self) -> None:
         """Compute the findings once nothing has changed for a while."""
         self._findings = None
         self._results = {kind: self._results[kind] for kind in self._results if kind == "curves"}
         self._jobs.cancel_overdue("findings", PATIENCE, unless="solid")
-        if self._judging is None or self._judging.done():
-            self._judging = asyncio.create_task(self._find())
+        if self._finding_task is None or self._finding_task.done():
+            self._finding_task = asyncio.create_task(self._find())
 
     async def _find(self) -> None:
         revision = -1
@@ -618,7 +618,8 @@ class Session:
             while (left := PAUSE - self._jobs.idle) > 0.0:  # a drag goes on
                 await asyncio.sleep(left)
             revision = self._revision
-            # What has not been painted of it follows: a page shows findings sooner before it.
+            # A text that is not painted yet is painted a little later, so that findings that are
+            # quick to compute are shown first.
             rest = asyncio.get_running_loop().call_later(FIRST, self._wake.set)
             findings = body({"faults": [], "refused": "there is no scene yet"})
             if self.desk.text.strip():
@@ -693,7 +694,7 @@ class Session:
         task.add_done_callback(self._tasks.discard)
 
     async def _watch(self) -> None:
-        """Look again and again whether files have changed, and put edits on disk."""
+        """Check at intervals whether files have changed, and put edits on disk."""
         files = NamedFiles()
         while True:
             await asyncio.sleep(EVERY)
@@ -797,13 +798,13 @@ LATEST: Final = (
 all, has no more than one of each waiting."""
 
 MOST_WAITING: Final = 50
-"""Other messages that wait for a page; later ones are dropped."""
+"""Most other messages that wait for a page; later ones are dropped."""
 
 RATE: Final = 100.0
 """Messages in a second that are taken from a page; a drag makes sixty. The rest waits there."""
 
 BURST: Final = 200.0
-"""Messages that it may send at once."""
+"""Most messages that a page may send at once."""
 
 NOTHING: Final = b"{}"
 
@@ -811,7 +812,7 @@ EMPTY: Final[Mapping[str, Any]] = {
     "faults": [], "name": "", "unit": "mm", "animation": None, "charts": [], "handles": [],
     "plan": [], "form": [],
 }  # fmt: skip
-"""Curves of no scene."""
+"""The curves of an empty text."""
 
 BECOME: Final[Mapping[str, str]] = {
     "changed": "changed on disk; it is not overwritten unless you ask for it",
@@ -826,8 +827,8 @@ class Message:
 
     Attributes
     ----------
-    kind : of it.
-    head : what is said of the body, or the whole message.
+    kind : of the message.
+    head : members beside the body, or the whole message.
     body : a JSON object with more, as the process that computed it wrote it.
     key : under which the body is; empty if it is on a level with the head.
     """

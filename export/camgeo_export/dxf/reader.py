@@ -51,7 +51,7 @@ PAPER: Final = 67
 """Group codes of names, layers, variables of the header, and of what is in paper space."""
 
 MOST_CODES: Final = 1_000
-"""Ways to write a group code that are remembered."""
+"""Most spellings of group codes that are remembered."""
 
 PIECES: Final = (b"VERTEX", b"SEQEND")
 """Entities that belong to the POLYLINE before them."""
@@ -280,7 +280,7 @@ RATIONAL: Final = 1e-12
 """Weights that differ by a larger fraction make a spline rational."""
 
 NEAR: Final = 1e-7
-"""Distance [mm] within which cubics follow what is none."""
+"""Distance [mm] within which cubics approximate other curves."""
 
 LOOKS: Final = np.array([0.25, 0.5, 0.75])
 """Parameters at which a cubic is compared with the spline that it follows."""
@@ -290,10 +290,10 @@ END_SHARE: Final = 1e-9
 span begins."""
 
 MOST_FIT: Final = 1_000
-"""Points through which a spline is fitted: memory grows with their square."""
+"""Most points through which a spline is fitted: memory grows with their square."""
 
 MOST_SPANS: Final = 20_000
-"""Cubics along one curve."""
+"""Most cubics along one curve."""
 
 TILTED: Final = 1e-9
 """Largest part along x or y of an extrusion that still points along z."""
@@ -305,7 +305,7 @@ MESH: Final = 16 | 64
 """Bits of group 70 of a POLYLINE that is a mesh."""
 
 FRAME: Final = 16
-"""Bit of group 70 of a VERTEX that is none of the curve but steers its splines."""
+"""Bit of group 70 of a VERTEX that is not on the curve but a control point of its splines."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -605,7 +605,7 @@ NEARLY: Final = 1e-3
 their middles by less than the second one, of a length and its square."""
 
 DEEPEST: Final = 32
-"""Blocks within blocks."""
+"""Deepest nesting of blocks."""
 
 EVERY: Final = 100_000
 """Entities after which progress is reported again."""
@@ -756,7 +756,7 @@ class Drawing:
 
 
 PLACED: Final = 100_000
-"""Entities of a drawing that come from blocks, each as often as it is inserted."""
+"""Most entities of a drawing that come from blocks, each counted as often as it is inserted."""
 
 
 @dataclass(slots=True)
@@ -765,7 +765,7 @@ class _Visible:
 
     Attributes
     ----------
-    off : layers that are not shown, in lower case.
+    hidden_layers : layers that are not shown, in lower case.
     hidden : how many entities of each layer are not shown.
     unread : how many entities of each kind are shown but not read.
     faults : errors of entities that cannot be used.
@@ -962,16 +962,16 @@ JOINED: Final = 1e-12
 once as a point."""
 
 LEAST: Final = 1e-30
-"""Gap [mm] of a drawing of no reach."""
+"""Gap [mm] of a drawing whose ends are all at the origin."""
 
 SAMPLES: Final = np.arange(1, 8) / 8.0
 """Shares of a curved piece whose points distinguish faces; no geometry is computed from them."""
 
 PAIRS: Final = 10_000_000
-"""Pairs of ends that are close to each other."""
+"""Most pairs of ends that are close to each other."""
 
 PATHS: Final = 10_000
-"""Chains between places where several pieces meet."""
+"""Most chains between places where several pieces meet."""
 
 NONE: Final = -1
 """Stands for the end that follows another one where there is none."""
@@ -980,7 +980,7 @@ LOOSE: Final = "has a loose end"
 BRANCH: Final = "meets more than one other piece"
 DOUBLE: Final = "is drawn a second time"
 EMPTY: Final = "encloses nothing"
-"""Why a run is left."""
+"""Reasons why a run is left out."""
 
 
 class EntityRun(NamedTuple):

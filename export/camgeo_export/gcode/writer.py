@@ -184,7 +184,7 @@ WRITER = GcodeWriter()
 
 
 LONGEST_NAME: Final = 24
-"""Characters of a program's name that controllers show."""
+"""Most characters of a program's name that controllers show."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -197,7 +197,7 @@ class Setup:
     unit : of length.
     work_offset : words that select it.
     coolant : one of the machine's kinds, with tools that do not state theirs.
-    spin_up : dwell behind the start of the spindle [s].
+    spin_up_time : dwell after the start of the spindle [s].
     number : of the program, on controllers that number them.
     away : Z at which tools are changed and the operator works [mm], where the machine's retract is
         a height; None for the clearance height.
@@ -537,8 +537,8 @@ class Speller:
     arcs, lines : cutting blocks written so far.
     switches : words of the controller's compensation, by what they switch it to on the machine.
     reach : largest magnitude of a coordinate so far, in steps of the grid.
-    place : exact one of the cutter in the plane [mm].
-    at : where it is as printed, in steps; None where that is not known.
+    place : exact place of the cutter in the plane [mm].
+    printed_position : where it is as printed, in steps; None where that is not known.
     """
 
     grid: Grid

@@ -1,5 +1,5 @@
-"""What the interpreter goes by: a machine profile prepared for looking words up, the modal state,
-the meanings of words, and lines decoded into blocks.
+"""What the interpreter is based on: a machine profile prepared for looking up words, the modal
+state, the meanings of words, and lines decoded into blocks.
 """
 
 from __future__ import annotations
@@ -115,13 +115,13 @@ class State:
     ----------
     modes : meaning that is active, by modal group; a group without one was never set.
     scale : mm in a unit of the program; NaN before it is stated.
-    at, z : position; NaN where it is unknown.
+    place, z : position; NaN where it is unknown.
     pole : centre that klartext sets with a block of its own.
     feed : programmed, 0 if none was, or if a change of the feed's mode has cancelled it.
     chosen, tool : numbers of the tool that is prepared, and of the one in the spindle.
-    offset : number of the tool whose length is in force; 0 if none is.
-    measured : the tool that was in the spindle when a length was last put into force; 0 after a
-        change.
+    offset : number of the tool whose length is active; 0 if none is.
+    measured : the tool that was in the spindle when a length was last activated; 0 after a change
+        of the tool.
     radius_offset : number of the radius offset of the compensation.
     stated_radius : of the compensation, where the program states it itself; NaN if it does not.
     oversize : what the program adds to the radius of the tool table [mm].
@@ -139,7 +139,7 @@ class State:
     cycle : word of the cycle of holes that is active; empty if none is.
     hole : words of the cycle of holes that is active [mm], which its blocks need not repeat.
     above : height before the cycle of holes began; NaN outside one.
-    z_before : last height that was known, in the lengths of its time.
+    last_z : last known height, in the tool length that was active then.
     cut_blending, cut_naive_cam : largest ones during a cut; -1 before the first.
     cut_scale : mm in a unit at the first cut.
     """
@@ -199,7 +199,7 @@ class State:
 
     @property
     def has_length(self) -> bool:
-        """Whether a length was put into force for the tool in the spindle."""
+        """Whether a length offset is active for the tool in the spindle."""
         return self.tool in (self.offset, self.measured)
 
     @property
@@ -247,7 +247,7 @@ GROUPS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
         "none": ("no effect",),
     }
 )
-"""Meanings by modal group. Those of "once" and "none" are no modes."""
+"""Meanings by modal group. Those of "once" and "none" are not modal."""
 
 MODAL_GROUPS: Final[Mapping[str, str]] = MappingProxyType(
     {meaning: group for group, meanings in GROUPS.items() for meaning in meanings}
@@ -456,7 +456,7 @@ LONGEST: Final = 60
 FLOW: Final = re.compile(
     r"[#\[\]]|\bR\d+\s*=|\b(?:IF|WHILE|GOTO[BFCS]?|FOR|LOOP|DEF|PROC|SUB|ENDSUB|CALL|DO|REPEAT)\b"
 )
-"""Parameters, expressions and control of flow."""
+"""Parameters, expressions and flow control."""
 
 
 @dataclass(slots=True)

@@ -54,7 +54,7 @@ Step = tuple[Kind, complex, float]
 
 
 class Mover(BlockReader):
-    """Makes moves of blocks, and judges them.
+    """Makes moves of blocks, and checks them.
 
     Attributes
     ----------
@@ -144,7 +144,7 @@ class Mover(BlockReader):
         if motion in ARCS:
             kind = "arc"
             end_and_arc = self._arcs.read(block, end, z_end, ccw=motion == ARCS[1])
-            if end_and_arc is None:  # what it is cannot be told: the path goes on from its end
+            if end_and_arc is None:  # it is not known: the path goes on from its end
                 state.place, state.z = end, z_end
                 return
             end, arc = end_and_arc
@@ -450,11 +450,11 @@ class Mover(BlockReader):
 
 
 SLACK: Final = 1e-9
-"""Heights are compared as printed; what lies between is rounding of the change of units [mm]."""
+"""Rounding by the conversion of units [mm]: heights are compared as they are printed."""
 
 
 class Hazards:
-    """Judges moves one after another."""
+    """Checks moves for dangers, one after another."""
 
     def __init__(self, controller: Controller, bench: Bench, findings: Findings) -> None:
         self._controller = controller
@@ -546,7 +546,7 @@ NO_ARC: Final = 5e-7
 config.h): its printed ends are the same point, nearly."""
 
 NEARLY_FULL: Final = math.radians(1.0)
-"""An arc that lacks less to a full circle is a short one the wrong way round, probably."""
+"""An arc that is short of a full circle by less is probably meant as a short one the other way."""
 
 CHORDS: Final = 1e-3
 """How far chords of an arc in another plane than XY may be off it [mm]."""
@@ -626,9 +626,8 @@ def arc_by_centre(
 
 
 def arc_by_radius(start: complex, end: complex, radius: float, *, ccw: bool, turns: int = 0) -> Arc:
-    """The arc of a radius, with a negative one the larger; half a circle where it is too small.
-
-    How much too small is the mismatch.
+    """The arc of a radius; the larger one if the radius is negative, half a circle if it is too
+    small, in which case the mismatch states by how much.
     """
     chord = end - start
     half, size = 0.5 * abs(chord), abs(radius)
@@ -643,7 +642,7 @@ def arc_by_radius(start: complex, end: complex, radius: float, *, ccw: bool, tur
 
 
 def tangent_arc(start: complex, end: complex, heading: complex) -> Arc | None:
-    """The arc that goes on from a heading; None if that leads straight to the end, or back."""
+    """The arc that begins in a heading; None if that leads straight to the end, or back."""
     chord = end - start
     # The chord makes half the angle of the arc with the tangent at its start.
     turn = 2.0 * phase(chord / heading) if chord and heading else 0.0

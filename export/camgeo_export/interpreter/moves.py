@@ -32,11 +32,11 @@ LEAST_LENGTH = 30.0
 """Least length of a run that is closed with a gap, as a multiple of the gap."""
 
 NEAR: Final = 2_000_000
-"""Pairs of moves, the end of one near the start of the other, that may close a path."""
+"""Most pairs of moves, the end of one near the start of the other, that may close a path."""
 
 
 PATHS: Final = 10_000
-"""Closed paths of a program."""
+"""Most closed paths of a program."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -99,7 +99,7 @@ class Event:
     ----------
     kind : "tool change", "spindle off", "stop", "dwell" or "end".
     word : that does it.
-    at, z : position [mm]; NaN where unknown, infinite at the reference.
+    place, z : position [mm]; NaN where unknown, infinite at the reference.
     tool : number of the one in the spindle, after a change of it.
     seconds : of a dwell.
     line : in the file, counted from 1.
@@ -225,7 +225,7 @@ def closed_paths(moves: Iterable[CutterMove], gap: float = 0.0) -> list[Loop]:
 
 
 TANGENT: Final = 1e-3
-"""Change of direction [rad] up to which two moves go on in one another: printed arcs kink so."""
+"""Change of direction [rad] up to which two moves are tangent: printed arcs have such kinks."""
 
 RIGHT: Final = 0.5 * math.pi
 
@@ -616,7 +616,7 @@ class ProgramRun:
         return replace(self, moves=centre_path(self.moves, radius), central=True)
 
     def refuse(self, *concerns: str) -> None:
-        """Raise FileError with the first finding that concerns one of these, or anything."""
+        """Raise FileError with the first finding of these concerns, or of any if none is given."""
         for finding in self.findings:
             if not concerns or finding.concerns in concerns:
                 raise FileError(str(finding))

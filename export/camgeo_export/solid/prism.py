@@ -216,7 +216,7 @@ def _strips(band: Band, rings: Mapping[str, ComplexArray]) -> Iterator[_Strip]:
 
 
 def _parallel(polygon: ComplexArray, shift: float) -> ComplexArray:
-    """The polygon whose sides lie `by` [mm] to the left of those of a counter-clockwise one."""
+    """The polygon whose sides lie `shift` [mm] to the left of those of a counter-clockwise one."""
     sides = np.roll(polygon, -1) - polygon
     normals = 1j * sides / np.abs(sides)
     preceding = np.roll(normals, 1)
@@ -428,7 +428,7 @@ def _faces(outers: list[IntArray], holes: list[IntArray], points: ComplexArray) 
 
 
 def _divided(face: _Face, points: ComplexArray, tilted: ComplexArray) -> list[_Face]:
-    """Two faces with the same points, or none if no diagonal was found."""
+    """The face divided into two with the same points; empty if no diagonal was found."""
     if not face.holes:
         return _across(face, points, tilted)
     return _through_hole(face, points, tilted) or _across(face, points, tilted)

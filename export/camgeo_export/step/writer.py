@@ -295,7 +295,7 @@ class Shell:
         self.faces: list[Ref] = []
 
     def add(self) -> Ref:
-        """The shell; raises GeometryError if it would be several."""
+        """Add the shell; GeometryError if the part would need several."""
         flat = {level.z: flat_faces(level, self.rings) for level in self.part.levels}
         require_one_body(self.part, flat)
         for bands in wall_bands(self.part):
@@ -549,7 +549,7 @@ class Pen:
 
 
 def mean_radius(arc: Arc) -> float:
-    """The radius [mm] that both ends are nearest to."""
+    """The mean distance [mm] of both ends from the centre."""
     return 0.5 * (abs(arc.start - arc.centre) + abs(arc.end - arc.centre))
 
 
@@ -562,7 +562,7 @@ def mean_radius(arc: Arc) -> float:
 
 
 SHARPEST = 1e-3
-"""Turn [rad] at a joint up to which an arc of the parallel still ends on its circle."""
+"""Change of direction [rad] at a joint up to which arcs of the parallel end on their circles."""
 
 
 def parallel(strands: Sequence[Strand], width: float, name: str) -> tuple[Arc, ...]:
@@ -837,7 +837,7 @@ class Entities:
         return self._line(f"{kind}{parameter_text(values)}")
 
     def shared(self, kind: str, *values: Value) -> Ref:
-        """An entity that others may refer to as well: there is one of each."""
+        """The entity with this text, which all that need it share."""
         text = f"{kind}{parameter_text(values)}"
         if text not in self._known:
             self._known[text] = self._line(text)

@@ -44,7 +44,7 @@ NAMESPACE = "urn:camgeo:2026"
 """Namespace of our metadata; names outside the core specification must have one."""
 
 VERTICES, TRIANGLES = "@vertices@", "@triangles@"
-"""Marks in the XML."""
+"""Marks in the XML that stand for vertices and triangles."""
 
 FIXED_DATE = (1980, 1, 1, 0, 0, 0)
 """Earliest date that a zip can hold: the file's bytes depend only on its content."""

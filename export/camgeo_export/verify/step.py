@@ -359,7 +359,8 @@ def _section(face: Face, rows: tuple[list[RowStrand], list[RowStrand]], z: float
     if not turn:
         inner = [start + fraction * (end - start) for fraction in shares]
     else:
-        # The angle is known up to revolutions, of which the turn tells the number.
+        # The angle is known up to whole revolutions; the turn interpolated between the edges shows
+        # how many there are.
         angle = phase((end - centre) / (start - centre))
         turn = angle + TURN * round((turn - angle) / TURN)
         inner = [centre + (start - centre) * cmath.exp(1j * fraction * turn) for fraction in shares]

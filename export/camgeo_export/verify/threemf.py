@@ -31,25 +31,25 @@ from camgeo_export.verify.body import body_checks, checks_of_body, compensation_
 PACKAGE: Final = Limits("3MF package", 16_000_000)
 
 MEMBERS: Final = 1_000
-"""Files in a package."""
+"""Most files in a package."""
 
 OBJECTS: Final = 1_000
-"""Objects of a package."""
+"""Most objects of a package."""
 
 UNPACKED: Final = 40_000_000
-"""Bytes of a package's files in all, unpacked."""
+"""Most bytes of all files of a package, unpacked."""
 
 RATIO: Final = 200
 """Factor by which a file of a package may grow on unpacking; meshes grow tenfold."""
 
 ELEMENTS: Final = 250_000
-"""Elements of the XML in a package, opening and closing tags counted as one."""
+"""Most elements of the XML in a package, opening and closing tags counted as one."""
 
 ATTRIBUTES: Final = 800_000
-"""Attributes of these elements in all."""
+"""Most attributes of all these elements."""
 
 TAG: Final = 4_000
-"""Characters of one of their tags."""
+"""Most characters of one of their tags."""
 
 CORE: Final = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
 CONTENT_TYPES: Final = "http://schemas.openxmlformats.org/package/2006/content-types"
@@ -60,7 +60,8 @@ MODEL_RELATION: Final = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3d
 MODEL_PATH: Final = "3D/3dmodel.model"
 CONTENT_TYPES_PATH: Final = "[Content_Types].xml"
 RELATIONSHIPS_PATH: Final = "_rels/.rels"
-"""Names of the specifications, not those of the writer: a slip there must show here."""
+"""Names of the specifications, repeated rather than shared with the writer, so that an error there
+shows here."""
 
 MM_PER_UNIT = {
     "micron": 1e-3,
@@ -313,7 +314,7 @@ def packed(parts: Mapping[str, bytes]) -> bytes:
 
 
 def check_bodies(parts: Mapping[str, bytes]) -> None:
-    """Check what is to be built, before anything is.
+    """Check the objects that a package builds, before any of them is read.
 
     Raises
     ------
