@@ -244,6 +244,7 @@ class _Parser:
         return int(token) if kind == "whole" else value
 
     def string(self, token: str) -> str:
+        # A quote inside a string is doubled.
         text = token[1:-1].replace("''", "'")
         return CODED.sub(self.decoded, text) if "\\" in text else text
 
@@ -848,6 +849,7 @@ class Geometry:
             centre, axis = self.axes(entity.ref(1))
             if abs(axis.place) > ALIGNED:
                 raise entity.fault("is not level: only upright solids can be read")
+            # It runs counter-clockwise about its axis, which may point down.
             return Circle(centre, self._radius(entity), math.copysign(1.0, axis.z))
         return self._spline(entity.number)
 
@@ -874,6 +876,7 @@ class Geometry:
         angle = entity.real(3) * self.angle
         if not 0.0 < angle < 0.5 * math.pi:
             raise entity.fault("has a half angle that is not between 0 and 90 degrees")
+        # The radius of a cone grows along its axis, which may point down.
         radius = entity.real(2) * self.scale
         return Cone(origin.place, radius, origin.z, math.copysign(math.tan(angle), axis.z))
 
@@ -983,6 +986,7 @@ def _circle_arcs(
     # An edge whose ends coincide is the whole circle.
     sweep = turned if start != end and turned > 0.0 else 2.0 * math.pi
     count = 1 if sweep <= math.pi * (1.0 + ALIGNED) else 2
+    # Inner ends lie on the circle itself, even if the ends of the edge miss it.
     inner = [
         centre + circle.radius * arms[0] / abs(arms[0]) * cmath.exp(1j * turns * sweep * k / count)
         for k in range(1, count)

@@ -136,6 +136,7 @@ def _data(report: Report) -> str:
         "solids": [{"places": triangles(data)} for data in report.solids.values()],
     }
     text = json.dumps(_rounded(content), ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+    # These characters could end the script element, or a line in it.
     for character in "<>&\u2028\u2029":
         text = text.replace(character, f"\\u{ord(character):04x}")
     return text
@@ -149,6 +150,7 @@ def _rounded(value: Any) -> Any:
         return [_rounded(element) for element in value]
     if isinstance(value, float):
         number = float(f"{value:.{DIGITS}g}")
+        # Whole numbers are shorter without a fraction.
         return int(number) if number == int(number) else number
     return value
 

@@ -243,6 +243,7 @@ def check_xml(data: bytes, name: str) -> None:
     head = data[:200].lower()
     if b"\0" in data or (b"encoding=" in head and b"utf-8" not in head):
         raise FileError(f"{name}: is not encoded as UTF-8")
+    # Bounds elements and attributes before anything is parsed: an element has two tags at most.
     count = data.count(b"<")
     if count > 2 * SVG_ELEMENTS:
         raise beyond(name, counted(count, "tag"), 2 * SVG_ELEMENTS, SVG)
@@ -377,6 +378,7 @@ def _subpaths(words: Sequence[str], name: str) -> Iterator[tuple[list[complex], 
         if kind == "Z":
             yield from _close_subpath(points, sweeps, here, start, name, ended=True)
             here, points, sweeps = start, [start], []
+            # No numbers may follow Z.
             letter = ""
             continue
         end = _end(kind, numbers, here if relative else 0j, here)
@@ -435,6 +437,7 @@ def _sweep(numbers: Sequence[float], start: complex, end: complex, name: str) ->
         raise FileError(f"{name}: flags of an arc must be 0 or 1")
     if radius == 0.0:
         return 0.0
+    # Half the angle of the smaller one of the two arcs with these ends.
     half = math.asin(min(1.0, 0.5 * abs(end - start) / radius))
     turned = 2.0 * (math.pi - half if large else half)
     return turned if positive else -turned

@@ -437,6 +437,8 @@ def _pieces(stroke: Chain) -> Pieces:
 
 def pdf(pages: Sequence[Strokes]) -> bytes:
     """A document with a page for each."""
+    # Objects 1 to 3 are catalogue, page tree and information; a page has two more, itself and its
+    # contents.
     kids = " ".join(f"{4 + 2 * number} 0 R" for number in range(len(pages)))
     objects = [
         b"<< /Type /Catalog /Pages 2 0 R >>",

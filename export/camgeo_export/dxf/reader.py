@@ -196,6 +196,7 @@ def read_contents(data: bytes, name: str, progress: Progress = lambda _: None) -
     if kind != "EOF":
         raise FileError(f"{name}: not a complete DXF file: no EOF at its end")
     spelled = {_text(layer).lower(): _text(layer) for layer in sorted(written)}
+    # The record of a layer decides how its name is spelled.
     spelled |= {record.text(2).lower(): record.text(2) for record in layers}
     names = {_text(layer).lower(): spelled[_text(layer).lower()] for layer in written}
     pairs = (pair for item in header for pair in pairwise(item.tags))
@@ -724,6 +725,7 @@ class Drawing:
             plain_notes = [note.removeprefix(f"{self.name}: ") for note in notes]
             details = "; ".join(plain_notes) or f"supported: {', '.join(CURVES)}, INSERT"
             raise FileError(f"{self.name}: no contour found; {details}")
+        # The largest gap that was actually joined.
         gap = max(
             abs(previous.end - piece.start)
             for pieces, _ in loops

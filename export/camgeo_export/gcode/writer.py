@@ -496,6 +496,7 @@ def number_lines(lines: Iterable[str], machine: Machine) -> list[str]:
     if step is None:
         return [part for line in lines for part in line.split("\n")]
     klartext = machine.dialect == "klartext"
+    # What lines begin with that get no number.
     plain = ("\n",) if klartext else (machine.text.comment_open.strip(), "%", "O")
     numbered_lines: list[str] = []
     count = 0 if klartext else 1
@@ -921,6 +922,8 @@ SPELLED = str.maketrans(
 
 def to_ascii(text: str) -> str:
     """`text` in ASCII: special letters and signs spelled out, accents left off, others as "?"."""
+    # Composed first, so that the table also finds letters with combining marks; then decomposed, so
+    # that all other accents can be dropped.
     expanded = unicodedata.normalize("NFC", text).translate(SPELLED)
     parts = unicodedata.normalize("NFKD", expanded)
     plain = "".join(character for character in parts if not unicodedata.combining(character))

@@ -577,6 +577,7 @@ class Decoder(BlockReader):
             return block, [note.strip()] if mark else []
         notes: list[str] = []
         while match := BRACKETS.search(text):
+            # A semicolon before the bracket turns the rest of the line into one comment.
             cut = text.find(";", 0, match.start())
             if cut >= 0:
                 break

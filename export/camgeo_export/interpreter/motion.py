@@ -115,6 +115,7 @@ class Mover(BlockReader):
         if motion == CYCLE:
             state.place, _ = self._target(block)
             return block.values.keys()
+        # Whether I, J or R make a circle without end and without a motion word in the block.
         circles = self._reading.circle == "modal" or "motion" in block.codes
         arms = any(arm in block.values for arm in (*ARMS, "R")) and circles
         if block.arc in ("polar", "pole", "tangent"):
@@ -298,6 +299,7 @@ class Mover(BlockReader):
         if any(self._leads_away(block, axis) for axis in axes):
             self._check_unit(block)
             self._make(block, "rapid", *self._target(block), None)
+        # Without axes all of them move.
         gone = axes or list(AXES)
         z = RETRACTED if "Z" in gone else state.z
         self._make(block, "rapid", UNKNOWN if {"X", "Y"} & set(gone) else state.place, z, None)
@@ -807,6 +809,7 @@ class ArcReader(BlockReader):
         )
         parts = []
         for arm, base in zip(self._plane.arms, (self._start.real, self._start.imag), strict=True):
+            # A block may override the mode for single words, as Sinumerik does by AC and IC.
             is_absolute = not block.relative[arm] if arm in block.relative else absolute
             if arm not in block.values:
                 if is_absolute and arm not in block.relative and absolute:

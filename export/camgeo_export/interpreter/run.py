@@ -394,6 +394,7 @@ class Executor(BlockReader):
         self._used = set(ALWAYS)
         # Most blocks only move, and some set a feed.
         moving = block.codes.keys() <= MOTION and not block.actions
+        # Some controllers read F in the unit that was active before the block.
         late = "unit" in block.codes and self._reading.feed_unit == "before"
         if late:
             self._feed_and_speed(block)
@@ -587,6 +588,7 @@ class Executor(BlockReader):
                 self._report(
                     block, "number", "a dwell in whole milliseconds takes no decimal point", text
                 )
+            # Milliseconds, unless a decimal point turns them into seconds.
             seconds /= 1.0 if number.has_point and form.point_seconds else 1000.0
         if seconds != 0.0 and not SHORTEST_DWELL <= seconds <= LONGEST_DWELL:
             what = f"a dwell of {seconds:g} s: {text} counts in {form.unit} here"

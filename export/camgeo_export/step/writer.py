@@ -149,6 +149,7 @@ def boundary_ring(boundary: Boundary, product: Product, tolerance: float) -> Rin
         contour = _without_flattest(curve, tolerance)
         strands = strands_of(contour).strands
     else:
+        # Arcs near the splines suffice to show what lies inside.
         contour = approximating_arcs(curve, TOPOLOGY_TOLERANCE).contour
         strands = _open(curve)
     gap = max((_circle_gap(strand) for strand in strands if isinstance(strand, Arc)), default=0.0)
@@ -194,6 +195,7 @@ def _circle_gap(arc: Arc) -> float:
     """The distance [mm] of an arc's ends from the circle that the file states for it."""
     if not arc.sweep:
         return 0.0
+    # The radius is the mean of both arms; rounding of the centre adds to their difference.
     return 0.5 * abs(abs(arc.start - arc.centre) - abs(arc.end - arc.centre)) + (
         4.0 * math.ulp(abs(arc.centre))
     )
@@ -453,6 +455,7 @@ class Pen:
         if not strand.sweep:
             vector = self.file.add("VECTOR", "", self._direction(strand.end - strand.start), 1.0)
             return self.file.add("LINE", "", ends.start, vector), True
+        # A CIRCLE runs counter-clockwise, from its first axis on.
         ahead = strand.sweep > 0.0
         first = (strand.start if ahead else strand.end) - strand.centre
         axes = self.placement(strand.centre, ends.z, UPWARDS, first)
@@ -787,6 +790,7 @@ def flag(value: bool) -> Word:
 
 def parameter_text(value: Value) -> str:
     """A parameter as text."""
+    # A Ref is an int and a Word a str, so these come first.
     match value:
         case Ref():
             return f"#{int(value)}"

@@ -183,6 +183,7 @@ def _frame(product: Product, tolerance: float, items: Sequence[Item]) -> ET.Elem
             ET.SubElement(group, "base", {"name": item.name, "displaycolor": item.colour or ""})
     build = ET.Element("build")
     for number, item in enumerate(items):
+        # The colours, if there are any, have taken the first id.
         object_attributes = {
             "id": str(number + 1 + bool(coloured)),
             "type": "model",

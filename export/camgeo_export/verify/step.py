@@ -83,12 +83,14 @@ class StepVerifier:
             part.require_heights()
         except GeometryError as error:
             return (*checks, no_body(error))
+        # The uncertainty that the file states counts if it is stricter than the tolerance.
         shell = shell_checks(solid, min(solid.uncertainty or tolerance, tolerance))
         checks += shell
         if not all(check.ok for check in shell if check.name in TOPOLOGY):
             return tuple(checks)
         bounds = level_bounds(solid)
         ranges, contours = levels(bounds, tolerance)
+        # Heights count from the lowest face.
         base = float(ranges[0, 0]) if len(ranges) else 0.0
         try:
             volume = volume_by_levels(bounds, solid.faces)

@@ -295,6 +295,7 @@ def _check_xml(parts: Mapping[str, bytes]) -> None:
             raise FileError(f"{name}: has a document type declaration, which 3MF forbids")
         if LONG.search(content) is not None:
             raise FileError(f"{name}: has a tag of more than {TAG:,} characters")
+    # Counted before anything is parsed: an element has two tags at most.
     for what, mark, most in (
         ("tag", b"<", 2 * ELEMENTS),
         ("attribute", b"=", ATTRIBUTES),
