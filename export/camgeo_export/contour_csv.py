@@ -58,7 +58,7 @@ class ContourCsvReader:
             raise FileError(f"{name}, line {line}: the same point as in the previous row")
         if len(vertices) < FEWEST or (len(vertices) == FEWEST and not np.any(bulge)):
             raise FileError(
-                f"{name}: {counted(len(vertices), 'point')} enclosing nothing; give three or more"
+                f"{name}: {counted(len(vertices), 'point')} enclose nothing; give at least three"
             )
         contour = Contour.through(vertices, 4.0 * np.arctan(bulge))
         if contour.area == 0.0:

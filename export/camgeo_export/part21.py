@@ -25,7 +25,7 @@ PARAMETERS: Final = 500_000
 """Commas and brackets of a STEP file, which begin or end its parameters."""
 
 NESTED: Final = 8
-"""Lists within lists in a parameter of a STEP file; the deepest that shapes need is two."""
+"""Deepest nesting of lists in a parameter of a STEP file; shapes need no more than two."""
 
 FIRST, LAST = "ISO-10303-21", "END-ISO-10303-21"
 
@@ -53,7 +53,7 @@ CODED: Final = re.compile(
 """A directive in a string, a backslash that is doubled, or one that is wrong."""
 
 RECORDS: Final = 20
-"""Of a header, which has three, and at most four more."""
+"""Most records of a header, which has three, and at most four more."""
 
 BEYOND: Final = 0x110000
 """First number that is no character."""
@@ -101,6 +101,7 @@ def read_exchange(data: bytes, *, whole: bool = True) -> Exchange:
     `camgeo.reading`.
     """
     check_size(len(data), STEP, "the file")
+    # Bounds the number of parameters before anything is parsed: each begins behind one of these.
     count = data.count(b",") + data.count(b"(")
     if count > PARAMETERS:
         raise beyond("the file", f"{count:,} commas and brackets", PARAMETERS, STEP)
@@ -133,7 +134,7 @@ class _Parser:
         for match in TOKEN.finditer(self.text):
             kind = match.lastgroup
             if kind == "wrong":
-                self.fail(f"{self.text[self.end : self.end + 20]!r} is nothing that STEP knows")
+                self.fail(f"{self.text[self.end : self.end + 20]!r} is not a token of STEP")
             self.end = match.end()
             if kind != "space":
                 yield str(kind), match.group()
@@ -168,13 +169,13 @@ class _Parser:
             for token in ("ENDSEC", ";", LAST, ";"):
                 self.take(token)
             if self.kind != "end":
-                self.fail("there is more after its end")
+                self.fail("there is text after the end of the file")
         return Exchange(tuple(header), instances)
 
     def instance(self, instances: dict[int, tuple[Record, ...]]) -> None:
         number = int(self.token[1:])
         if number in instances:
-            self.fail(f"#{number} is there twice")
+            self.fail(f"#{number} appears twice")
         if len(instances) == INSTANCES:
             raise beyond("the file", "more entities", INSTANCES, STEP)
         self.next()
@@ -199,7 +200,7 @@ class _Parser:
         return Record(kind, self.values(NESTED))
 
     def values(self, depth: int) -> tuple[Any, ...]:
-        """The parameters behind an opening bracket."""
+        """The parameters after an opening bracket."""
         if depth == 0:
             self.fail(f"lists are nested more than {NESTED} deep")
         parameters: list[Any] = []
@@ -243,6 +244,7 @@ class _Parser:
         return int(token) if kind == "whole" else value
 
     def string(self, token: str) -> str:
+        # A quote inside a string is doubled.
         text = token[1:-1].replace("''", "'")
         return CODED.sub(self.decoded, text) if "\\" in text else text
 
@@ -252,6 +254,7 @@ class _Parser:
         if wrong:
             self.fail("a string has a backslash that begins no directive")
         if shifted:
+            # The directive means the character 128 places further on, in ISO 8859.
             return chr(ord(shifted) + 128)
         if one:
             return chr(int(one, 16))
@@ -259,8 +262,9 @@ class _Parser:
         if digits is None:
             return "\\" if match.group() == "\\\\" else ""
         codes = [int(digits[k : k + size], 16) for k in range(0, len(digits), size)]
+        # Half of a surrogate pair is no character.
         if any(code >= BEYOND or 0xD800 <= code < 0xE000 for code in codes):
-            self.fail(f"a string has {match.group()[:40]}, which is no character")
+            self.fail(f"a string has {match.group()[:40]}, which is not a character")
         return "".join(map(chr, codes))
 
 
@@ -279,16 +283,16 @@ OTHERS = (
     "MAPPED_ITEM",
     "ITEM_DEFINED_TRANSFORMATION",
 )
-"""Types of shapes, and of places in assemblies, that a file of one solid has none of."""
+"""Types of shapes, and of places in assemblies, that a file of a single solid does not have."""
 
 STEEP = 0.1
-"""Rise of an edge, by its extent in the plane, from which on it is not a level one."""
+"""Rise of an edge over its extent in the plane above which it is not level."""
 
 PREFIXES = {None: 1000.0, "MILLI": 1.0, "CENTI": 10.0, "DECI": 100.0, "MICRO": 1e-3, "KILO": 1e6}
 """Millimetres in a metre with a prefix."""
 
 CONVERTED = 3
-"""Units that may be stated by others, one after the other."""
+"""Most units that may be defined by another one in a row."""
 
 NAMES = {25.4: "inch", 1.0: "mm", 304.8: "foot", 10.0: "cm", 1000.0: "m"}
 """Names of units by their size [mm]."""
@@ -305,8 +309,8 @@ class Edge:
     places : its start and its end [mm].
     strands : its pieces in the plane, from start to end; none if it rises from one height to
         another.
-    off : how far its ends are from its curve [mm].
-    bend : the curve of one that rises along a parabola, in whichever direction.
+    gap : how far its ends are from its curve [mm].
+    bend : its curve if it rises along a parabola, in whichever direction; else None.
     """
 
     number: int
@@ -328,7 +332,7 @@ class Edge:
         return self.ends[0] if one.z < other.z else self.ends[1]
 
     def section_point(self, z: float) -> complex:
-        """Where an edge between two heights is at one of them [mm]."""
+        """The place [mm] at which an edge between two heights crosses the height `z` [mm]."""
         if self.bend is not None:
             return self.bend.section_point(z)
         one, other = self.places
@@ -368,12 +372,12 @@ class Face:
 
     @property
     def label(self) -> str:
-        """Its number and name in messages."""
+        """What the face is called in messages, by its number and name."""
         return f"face #{self.number}" + (f" ({self.name[:40]})" if self.name else "")
 
     @property
     def uses(self) -> tuple[Use, ...]:
-        """Those of all loops."""
+        """The uses of edges in all loops."""
         return tuple(chain.from_iterable(self.loops))
 
     @property
@@ -384,12 +388,12 @@ class Face:
 
     @property
     def is_level(self) -> bool:
-        """Whether it is level."""
+        """Whether the face is level."""
         return isinstance(self.surface, Plane) and abs(self.surface.normal.place) <= ALIGNED
 
     @property
     def is_inclined(self) -> bool:
-        """Whether it is neither level nor upright."""
+        """Whether the face is neither level nor upright."""
         if isinstance(self.surface, Plane):
             normal = self.surface.normal
             return min(abs(normal.place), abs(normal.z)) > ALIGNED
@@ -397,14 +401,15 @@ class Face:
 
     @property
     def is_upward(self) -> bool:
-        """Whether the normal of a level one points upwards."""
+        """Whether the face is level with its normal upwards."""
         return isinstance(self.surface, Plane) and (self.surface.normal.z > 0.0) == self.same
 
     def edge_distance(self, edge: Edge) -> float:
-        """How far [mm] an edge of it is from its surface."""
+        """The largest distance [mm] of one of its edges from its surface."""
         surface = self.surface
         if edge.bend is not None:
-            # By how much a cone misses it is of the fourth degree: it vanishes if five values do.
+            # The distance of a parabola from a cone vanishes with a polynomial of fourth degree,
+            # so it vanishes everywhere if it does at five points.
             points = [edge.bend.evaluate(share) for share in (0.0, 0.25, 0.5, 0.75, 1.0)]
         elif not edge.strands:
             one, other = edge.places
@@ -425,6 +430,7 @@ class Face:
                     for control in strand.controls.tolist()
                 ]
         if isinstance(surface, Extrusion) and not edge.strands:
+            # An upright edge of an extruded spline stands at one end of it.
             ends = (surface.curve.start, surface.curve.end)
             distances.append(min(abs(end - edge.places[0].place) for end in ends))
         return max(distances)
@@ -443,6 +449,8 @@ class Face:
             place = _middle(strand)
             heading = strand.heading(place)
         normal = surface.normal.place if isinstance(surface, Plane) else place - surface.centre
+        # Seen from outside, up is on the left of a heading that is counter-clockwise from the
+        # normal.
         return ((normal.conjugate() * heading).imag > 0.0) == self.same
 
 
@@ -455,7 +463,7 @@ def _extrusion_distance(surface: Extrusion, strand: Strand) -> float:
 
 
 def _middle(arc: Arc) -> complex:
-    """The point in its middle, at which it is compared with surfaces and their senses."""
+    """The middle of an arc, at which it is compared with surfaces and their senses."""
     return complex(arc.points_by_share(np.array([0.5]))[0])
 
 
@@ -482,11 +490,11 @@ class Solid:
 
     @classmethod
     def from_bytes(cls, data: bytes) -> Solid:
-        """The only one of a file; FileError if there are others, or it is not an upright one."""
+        """The only solid in a file; FileError unless there is exactly one, and it is upright."""
         model = Model.from_exchange(read_exchange(data))
         others = model.entities(*OTHERS)
         if others:
-            raise others[0].fault("only files of one solid, in its own place, can be read")
+            raise others[0].fault("only files of one solid, outside of assemblies, can be read")
         solids = model.entities(*SOLIDS)
         if len(solids) != 1:
             raise FileError(f"{len(solids)} solids (MANIFOLD_SOLID_BREP), expected one")
@@ -552,7 +560,7 @@ def _millimetres(model: Model, ref: int) -> float:
         measure = model.entity(entity.ref(1), "LENGTH_MEASURE_WITH_UNIT", "MEASURE_WITH_UNIT")
         factor *= measure.measure(0)
         ref = measure.ref(1)
-    raise FileError(f"#{ref}: units are stated by units more than {CONVERTED} times")
+    raise FileError(f"#{ref}: units are defined by other units more than {CONVERTED} times")
 
 
 def _uncertainty(model: Model, context: int) -> float | None:
@@ -584,9 +592,9 @@ class _Builder:
         return Face(ref, entity.text(0), surface, entity.flag(3), loops)
 
     def _once(self, ref: int) -> None:
-        """Raise FileError if a part of the shell is there for the second time."""
+        """Raise FileError if a part of the shell appears for the second time."""
         if ref in self.used:
-            raise FileError(f"#{ref} is in the shell twice")
+            raise FileError(f"#{ref} appears twice in the shell")
         self.used.add(ref)
 
     def _loop(self, ref: int) -> tuple[Use, ...]:
@@ -598,6 +606,7 @@ class _Builder:
             raise loop.fault("has no edges")
         if bound.flag(2):
             return uses
+        # A bound may be stated against the sense of its loop.
         return tuple(Use(use.edge, not use.forward) for use in uses[::-1])
 
     def _use(self, ref: int) -> Use:
@@ -638,7 +647,7 @@ class Point:
 
 @dataclass(frozen=True, slots=True)
 class Parabola:
-    """A parabola between two heights, of three control points, whole."""
+    """A whole parabola between two heights, by its three control points."""
 
     start: Point
     middle: Point
@@ -655,7 +664,7 @@ class Parabola:
 
     @property
     def _heights(self) -> tuple[float, float]:
-        """The second and the first coefficient of the height in powers of the parameter."""
+        """The coefficients of the square and of the first power of the parameter in the height."""
         low, middle, high = self.start.z, self.middle.z, self.end.z
         return low - 2.0 * middle + high, 2.0 * (middle - low)
 
@@ -672,16 +681,18 @@ class Parabola:
         return low < self.middle.z < high and not low <= self.turning <= high
 
     def section_point(self, z: float) -> complex:
-        """Where it is at a height [mm] between its ends, if it is monotonic."""
+        """The place [mm] at a height `z` [mm] between its ends, if it is monotonic."""
         square, along = self._heights
         height = z - self.start.z
+        # The root of a t^2 + b t = h in the form that holds for a = 0 as well. The slope b at the
+        # start has the sign of the direction, so nothing cancels.
         root = math.sqrt(max(along**2 + 4.0 * square * height, 0.0))
         return self.evaluate(
             2.0 * height / (along + math.copysign(root, self.end.z - self.start.z))
         ).place
 
     def distance_to_ends(self, start: Point, end: Point) -> float:
-        """How far [mm] points are from its ends; infinite if it rises and falls."""
+        """The larger distance [mm] of two points from its ends; infinite if it rises and falls."""
         if not self.is_monotonic:
             return math.inf
         pairs = ((self.start, start), (self.end, end))
@@ -697,7 +708,7 @@ class Parabola:
 Strand = Arc | CubicSpline
 
 ALIGNED = 1e-9
-"""Length across its way by which a direction of length 1 along Z or across it may be off."""
+"""Sine of the angle by which a direction may miss Z or the plane XY."""
 
 RATIONAL = 1e-12
 """Weights that differ by a larger fraction make a spline rational."""
@@ -758,7 +769,7 @@ class Cone:
     ----------
     centre : of the axis.
     radius : at the height `z` [mm].
-    rise : by which the radius grows with the height, at each mm.
+    rise : by how much the radius grows with the height [mm/mm].
     """
 
     centre: complex
@@ -773,8 +784,8 @@ class Cone:
 
 @dataclass(frozen=True, slots=True)
 class Extrusion:
-    """A spline drawn out along Z, upwards for `up` 1 and downwards for -1; the normal is to the
-    right of the curve if upwards.
+    """A spline that is extruded along Z, upwards for the `sense` 1, downwards for -1; the normal is
+    to the right of the curve if upwards.
     """
 
     curve: CubicSpline
@@ -807,8 +818,8 @@ class Geometry:
         return Point(complex(x / size, y / size), z / size)
 
     def axes(self, ref: int) -> tuple[Point, Point]:
-        """Origin and third axis of a placement, which without one stands along Z; where the first
-        one points does not matter here.
+        """Origin and third axis of a placement; without a third axis it is Z. Where the first axis
+        points does not matter here.
         """
         entity = self.model.entity(ref, "AXIS2_PLACEMENT_3D")
         axis, first = (
@@ -821,11 +832,11 @@ class Geometry:
         if first is not None:
             along = (first.place * axis.place.conjugate()).real + first.z * axis.z
             if not abs(along) < 1.0 - ALIGNED:
-                raise entity.fault("has its first axis along its third")
+                raise entity.fault("has a first axis parallel to its third axis")
         return self.point(entity.ref(1)), axis
 
     def curve(self, ref: int) -> Curve:
-        """The curve of an edge; that of a curve on surfaces is its own in space."""
+        """The curve of an edge; of a curve that is given on surfaces too, the one in space."""
         entity = self.model.entity(
             ref, "LINE", "CIRCLE", "B_SPLINE_CURVE_WITH_KNOTS", "SURFACE_CURVE", "SEAM_CURVE"
         )
@@ -838,6 +849,7 @@ class Geometry:
             centre, axis = self.axes(entity.ref(1))
             if abs(axis.place) > ALIGNED:
                 raise entity.fault("is not level: only upright solids can be read")
+            # It runs counter-clockwise about its axis, which may point down.
             return Circle(centre, self._radius(entity), math.copysign(1.0, axis.z))
         return self._spline(entity.number)
 
@@ -849,10 +861,10 @@ class Geometry:
         if entity.kind == "SURFACE_OF_LINEAR_EXTRUSION":
             way = self.direction(self.model.entity(entity.ref(2), "VECTOR").ref(1))
             if abs(way.place) > ALIGNED:
-                raise entity.fault("is not drawn out along Z")
+                raise entity.fault("is not extruded along Z")
             curve = self.curve(entity.ref(1))
             if not isinstance(curve, Spline):
-                raise entity.fault("is not of a spline")
+                raise entity.fault("does not extrude a spline")
             return Extrusion(curve.curve, math.copysign(1.0, way.z))
         origin, axis = self.axes(entity.ref(1))
         if entity.kind == "PLANE":
@@ -863,7 +875,8 @@ class Geometry:
             return Cylinder(origin.place, self._radius(entity))
         angle = entity.real(3) * self.angle
         if not 0.0 < angle < 0.5 * math.pi:
-            raise entity.fault("is no cone between a cylinder and a plane")
+            raise entity.fault("has a half angle that is not between 0 and 90 degrees")
+        # The radius of a cone grows along its axis, which may point down.
         radius = entity.real(2) * self.scale
         return Cone(origin.place, radius, origin.z, math.copysign(math.tan(angle), axis.z))
 
@@ -882,6 +895,8 @@ class Geometry:
     def _spline(self, ref: int) -> Spline | Parabola | Line:
         """A spline with its knots; of several types, as those with weights are, or of one."""
         knots = self.model.entity(ref, "B_SPLINE_CURVE_WITH_KNOTS")
+        # In an instance of several types the parameters are divided among them; in one of a single
+        # type the name comes first, and the knots follow six other parameters.
         if self.model.is_a(ref, "B_SPLINE_CURVE"):
             shape, first = self.model.entity(ref, "B_SPLINE_CURVE"), 0
         else:
@@ -894,6 +909,7 @@ class Geometry:
         points = [self.point(ref) for ref in shape.refs(first + 1)]
         heights = [point.z for point in points] or [0.0]
         if max(heights) - min(heights) > ALIGNED:
+            # Degree, multiplicities and number of control points.
             form = [shape.real(first), *knots.numbers(place), len(points)]
             if form == [2, 3, 3, 3]:
                 return Parabola(*points)
@@ -967,8 +983,10 @@ def _circle_arcs(
     if not min(map(abs, arms)) > 0.0:
         raise FileError("an edge ends in the centre of its circle")
     turned = phase(arms[1] / arms[0]) * turns % (2.0 * math.pi)
+    # An edge whose ends coincide is the whole circle.
     sweep = turned if start != end and turned > 0.0 else 2.0 * math.pi
     count = 1 if sweep <= math.pi * (1.0 + ALIGNED) else 2
+    # Inner ends lie on the circle itself, even if the ends of the edge miss it.
     inner = [
         centre + circle.radius * arms[0] / abs(arms[0]) * cmath.exp(1j * turns * sweep * k / count)
         for k in range(1, count)
@@ -986,8 +1004,8 @@ def _line_distance(line: Line, point: Point) -> float:
 
 
 def rising_gap(line: Curve, start: Point, end: Point, *, same: bool) -> float:
-    """How far [mm] the ends of an edge between two heights are from its line; infinite if it has
-    none, or if the line runs the other way.
+    """How far [mm] the ends of an edge between two heights are from its line or parabola; infinite
+    for any other curve, or if the line runs the other way.
     """
     if isinstance(line, Parabola):
         return line.distance_to_ends(*((start, end) if same else (end, start)))
@@ -997,7 +1015,7 @@ def rising_gap(line: Curve, start: Point, end: Point, *, same: bool) -> float:
 
 
 def surface_distance(surface: Surface, place: complex, z: float) -> float:
-    """Distance [mm] of a point from a surface; of an extrusion see `apart`."""
+    """Distance [mm] of a point from a surface; 0 for an extrusion, see `spline_distance`."""
     if isinstance(surface, Plane):
         offset, normal = place - surface.origin.place, surface.normal
         return abs((offset * normal.place.conjugate()).real + (z - surface.origin.z) * normal.z)
@@ -1010,13 +1028,16 @@ def surface_distance(surface: Surface, place: complex, z: float) -> float:
 
 
 def spline_distance(one: CubicSpline, other: CubicSpline) -> float:
-    """Bound of the distance [mm] between two splines with the same knots; infinite otherwise."""
+    """Bound [mm] on the distance between two splines, by their control points; infinite if they do
+    not have the same knots up to scale.
+    """
     if len(one.knots) != len(other.knots) or len(one.controls) != len(other.controls):
         return math.inf
     scale = (one.knots[-1] - one.knots[0]) / (other.knots[-1] - other.knots[0])
     shifted = one.knots[0] + (other.knots - other.knots[0]) * scale
     if np.max(np.abs(shifted - one.knots)) > RATIONAL * (one.knots[-1] - one.knots[0]):
         return math.inf
+    # With the same knots the difference is a spline too, which its control points enclose.
     return float(np.max(np.abs(one.controls - other.controls)))
 
 
@@ -1036,7 +1057,7 @@ class Entity:
     values: tuple[Any, ...]
 
     def fault(self, message: str) -> FileError:
-        """An error that names it."""
+        """An error that names the instance and its type."""
         return FileError(f"#{self.number}, {self.kind}: {message}")
 
     def _typed_value(self, place: int, kind: type[Kind], what: str) -> Kind:
@@ -1106,11 +1127,11 @@ class Model:
         for number, records in exchange.instances.items():
             for ref in references(records):
                 if ref not in exchange.instances:
-                    raise FileError(f"#{number} refers to #{ref}, which is not there")
+                    raise FileError(f"#{number} refers to #{ref}, which does not exist")
         return cls(exchange.instances)
 
     def entity(self, ref: int, *kinds: str) -> Entity:
-        """An instance as the first of `kinds` that it is; FileError if it is none of them."""
+        """An instance as the first of the `kinds` that it has; FileError if it has none of them."""
         records = {record.kind: record for record in self.instances[ref]}
         for kind in kinds:
             if kind in records:

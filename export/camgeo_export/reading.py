@@ -23,7 +23,8 @@ NUMBER_SLACK: Final = 1e-9
 """Share of its size, or of 1, by which a number of a file may differ on another processor."""
 
 ARC_SLACK: Final = 1e-5
-"""The same where arcs have centres or radii: last digits of the ends of flat ones move them."""
+"""The same for files that state centres or radii of arcs: the last digits of the ends of a flat arc
+move its centre by much more."""
 
 
 def text_tokens(data: bytes, place: str = "") -> Iterator[tuple[str, str]]:

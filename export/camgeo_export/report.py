@@ -37,7 +37,7 @@ ABREAST: Final = 7
 
 SPEEDS: Final = (30, 15, 8, 4, 2)
 SPEED: Final = 8
-"""Seconds of a turn that can be chosen, and those at first."""
+"""Durations of one revolution [s] that can be chosen, and the one that is chosen at first."""
 
 VIEWS: Final = (
     ("left", "Left"), ("right", "Right"), ("up", "Up"), ("down", "Down"),
@@ -62,7 +62,7 @@ NAMES: Final = {
 
 
 def render(report: Report) -> bytes:
-    """The page."""
+    """The page of a report, as HTML."""
     scripts = [bundle("report.js"), *([bundle("solid.js")] if report.solids else [])]
     style = bundle("report.css")
     sections = {
@@ -136,26 +136,28 @@ def _data(report: Report) -> str:
         "solids": [{"places": triangles(data)} for data in report.solids.values()],
     }
     text = json.dumps(_rounded(content), ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+    # These characters could end the script element, or a line in it.
     for character in "<>&\u2028\u2029":
         text = text.replace(character, f"\\u{ord(character):04x}")
     return text
 
 
 def _rounded(value: Any) -> Any:
-    """The same with numbers of at most DIGITS digits."""
+    """`value` with its numbers rounded to `DIGITS` significant digits."""
     if isinstance(value, dict):
         return {key: _rounded(member) for key, member in value.items()}
     if isinstance(value, list):
         return [_rounded(element) for element in value]
     if isinstance(value, float):
         number = float(f"{value:.{DIGITS}g}")
+        # Whole numbers are shorter without a fraction.
         return int(number) if number == int(number) else number
     return value
 
 
 def _mechanism(report: Report) -> str:
     if report.animation is None:
-        return "<p>There is no mechanism to be shown.</p>"
+        return "<p>There is no mechanism to show.</p>"
     note = f" {escape(report.animation.note)}." if report.animation.note else ""
     return (
         '<figure id="mechanism"><figcaption>The disc with pitch curve and base circle, the'
@@ -196,9 +198,13 @@ def _findings(report: Report) -> str:
         + "</tr>"
         for entry in report.advised
     ]
-    heads = ("verdict", "of", "finding", "in words", "next step")
-    cures = [cure.statement for cure in report.check.cures]
-    listed = f"<p>Each of these cures the fault that it names:</p>{_items(cures)}" if cures else ""
+    heads = ("verdict", "subject", "finding", "description", "next step")
+    remedies = [cure.statement for cure in report.check.cures]
+    listed = (
+        f"<p>Each of these remedies removes the fault that it names:</p>{_items(remedies)}"
+        if remedies
+        else ""
+    )
     return _table("Table of findings", heads, rows) + listed
 
 
@@ -254,7 +260,7 @@ def _values(table: Table) -> str:
         ]
         blocks.append(_table(f"Values from {names[0]} to {names[-1]}", (first, *names), rows))
     return (
-        f"<p>A row every {STEP}°; <code>camgeo table</code> has any step.</p><details><summary>"
+        f"<p>One row every {STEP}°; <code>camgeo table</code> gives any step.</p><details><summary>"
         f"{counted(len(table.values), 'row')}</summary>{''.join(blocks)}</details>"
     )
 
@@ -311,7 +317,7 @@ def _certificate(report: Report) -> str:
 
 
 def _table(label: str, heads: Sequence[str], rows: Iterable[str]) -> str:
-    """A table; no other on the page has its `label`."""
+    """A table; `label` must be unique on the page."""
     head = "".join(f'<th scope="col">{escape(heading)}</th>' for heading in heads)
     return (
         f'<div class="wide" tabindex="0" role="region" aria-label="{escape(label)}">'

@@ -45,10 +45,11 @@ WIDEST: Final = 0.5 * math.pi
 half a turn cannot be found."""
 
 DECIMALS: Final = 15
-"""At which what is 0 except for rounding is 0; far below any tolerance."""
+"""Decimals to which coordinates are rounded, so that 0 with a rounding error is written as 0; far
+below any tolerance."""
 
 MARGIN: Final = 1.0
-"""Around the part [mm]."""
+"""Margin around the part [mm]."""
 
 HAIRLINE: Final = "0.01"
 """Width of the lines [mm], which laser cutters take as a cut."""
@@ -75,10 +76,9 @@ class CutSvgWriter:
         curves = [contour for contours in layers.values() for contour in contours]
         pieces = sum(map(len, curves))
         if pieces > SVG_PIECES:
-            total = f"the drawing would have {counted(pieces, 'piece')}"
             raise FileError(
-                f"{total}; at most {SVG_PIECES:,} are allowed in a drawing that is read; a larger"
-                " tolerance needs fewer"
+                f"the drawing would have {counted(pieces, 'piece')}; at most {SVG_PIECES:,} are"
+                " allowed in a drawing that is read; a larger tolerance needs fewer"
             )
         side = math.ceil(max(map(largest_radius, curves)) + MARGIN)
         size = f'width="{2 * side}mm" height="{2 * side}mm"'
@@ -177,13 +177,13 @@ COUNTS: Final = {"M": 2, "L": 2, "H": 1, "V": 1, "A": 7, "Z": 0}
 """Numbers after each letter of a path."""
 
 SILENT: Final = ("title", "desc", "metadata", "defs", "style", "namedview")
-"""Elements that show nothing by themselves; they are passed over with all that they hold."""
+"""Elements that draw nothing by themselves; they are skipped with all their contents."""
 
 ROUND: Final = 1e-9
 """Radii of an arc along x and y, and scales, that differ by a larger fraction are different."""
 
 JOINED: Final = 1e-12
-"""An end as near to the start, as a fraction of the reach, closes a path like Z."""
+"""An end this close to the start, as a fraction of the path's extent, closes a path as Z does."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -209,7 +209,7 @@ class SvgDrawing:
 
 
 def read_drawing(data: bytes, name: str = "the drawing") -> SvgDrawing:
-    """The drawing in the file `name`; FileError if it is not an SVG that is read."""
+    """The drawing in the file `name`; FileError if it is not an SVG that can be read."""
     root = _root(data, name)
     scale = _scale(root, name)
     drawing = SvgDrawing(
@@ -227,7 +227,7 @@ def read_drawing(data: bytes, name: str = "the drawing") -> SvgDrawing:
                     name, counted(pieces, "line or arc", "lines and arcs"), SVG_PIECES, SVG
                 )
     if not drawing.layers:
-        raise FileError(f"{name}: no contour found; read are paths, polygons and circles")
+        raise FileError(f"{name}: no contour found; camgeo reads paths, polygons and circles")
     return drawing
 
 
@@ -235,7 +235,7 @@ def check_xml(data: bytes, name: str) -> None:
     """Raise FileError unless the file may be parsed: UTF-8, without references, not too large."""
     check_size(len(data), SVG, name)
     if b"<!DOCTYPE" in data or b"<!ENTITY" in data:
-        raise FileError(f"{name}: has a document type declaration, which is not read")
+        raise FileError(f"{name}: has a document type declaration, which is not allowed")
     try:
         data.decode("utf-8")
     except UnicodeDecodeError:
@@ -243,6 +243,7 @@ def check_xml(data: bytes, name: str) -> None:
     head = data[:200].lower()
     if b"\0" in data or (b"encoding=" in head and b"utf-8" not in head):
         raise FileError(f"{name}: is not encoded as UTF-8")
+    # Bounds elements and attributes before anything is parsed: an element has two tags at most.
     count = data.count(b"<")
     if count > 2 * SVG_ELEMENTS:
         raise beyond(name, counted(count, "tag"), 2 * SVG_ELEMENTS, SVG)
@@ -295,14 +296,16 @@ def _visible_elements(root: ET.Element, layer: str, name: str) -> Iterator[tuple
             if kind.rpartition("}")[2] in SILENT:
                 continue
             if item.get("transform", "").strip() or "transform" in item.get("style", ""):
-                raise FileError(f"{name}: {kind} has a transformation, which is not read")
+                raise FileError(f"{name}: {kind} has a transformation, which cannot be read")
             if kind == "g":
                 waiting.append((item.get("id", group), item))
             elif kind in ("path", "polygon", "circle"):
                 yield group, item
             else:
-                allowed = "paths, polygons and circles"
-                raise FileError(f"{name}: {kind[:40]} is not read; only {allowed} are")
+                raise FileError(
+                    f"{name}: the element {kind[:40]} cannot be read; allowed are paths, polygons"
+                    " and circles"
+                )
 
 
 def _contours(item: ET.Element, scale: float, name: str) -> Iterator[Contour]:
@@ -327,6 +330,7 @@ def _contours(item: ET.Element, scale: float, name: str) -> Iterator[Contour]:
 def _contour(
     points: Sequence[complex], sweeps: Sequence[float], scale: float, name: str
 ) -> Contour:
+    # y points down in SVG: mirroring it reverses the sense of all arcs.
     vertices: ComplexArray = np.conj(np.array(points, dtype=np.complex128)) * np.complex128(scale)
     if len(points) < 2:
         raise FileError(f"{name}: a contour encloses nothing")
@@ -364,7 +368,8 @@ def _subpaths(words: Sequence[str], name: str) -> Iterator[tuple[list[complex], 
         kind, relative = letter.upper(), letter.islower()
         if kind not in COUNTS or (kind != "M" and not points and kind != "Z"):
             raise FileError(
-                f"{name}: {letter or 'a number'} in a path is not read; M L H V A Z are"
+                f"{name}: {letter or 'a number'} is not allowed at this point of a path, which"
+                " begins with M and goes on with M, L, H, V, A or Z"
             )
         numbers = [_number(word, kind, name) for word in words[place : place + COUNTS[kind]]]
         if len(numbers) < COUNTS[kind]:
@@ -373,6 +378,7 @@ def _subpaths(words: Sequence[str], name: str) -> Iterator[tuple[list[complex], 
         if kind == "Z":
             yield from _close_subpath(points, sweeps, here, start, name, ended=True)
             here, points, sweeps = start, [start], []
+            # No numbers may follow Z.
             letter = ""
             continue
         end = _end(kind, numbers, here if relative else 0j, here)
@@ -404,7 +410,9 @@ def _close_subpath(
     *,
     ended: bool,
 ) -> Iterator[tuple[list[complex], list[float]]]:
-    """A subpath, closed by Z if it `ended` so, or by its own end."""
+    """The subpath as a closed one: `ended` says that Z closes it; otherwise its end must coincide
+    with its start.
+    """
     if not sweeps:
         return
     near = abs(here - start) <= JOINED * max(abs(start), abs(here))
@@ -424,11 +432,12 @@ def _sweep(numbers: Sequence[float], start: complex, end: complex, name: str) ->
     across, down, _, large, positive = numbers[:5]
     radius = abs(across)
     if abs(radius - abs(down)) > ROUND * radius:
-        raise FileError(f"{name}: an arc of an ellipse is not read")
+        raise FileError(f"{name}: an elliptical arc cannot be read; rx and ry must be equal")
     if large not in (0.0, 1.0) or positive not in (0.0, 1.0):
         raise FileError(f"{name}: flags of an arc must be 0 or 1")
     if radius == 0.0:
         return 0.0
+    # Half the angle of the smaller one of the two arcs with these ends.
     half = math.asin(min(1.0, 0.5 * abs(end - start) / radius))
     turned = 2.0 * (math.pi - half if large else half)
     return turned if positive else -turned
@@ -437,7 +446,7 @@ def _sweep(numbers: Sequence[float], start: complex, end: complex, name: str) ->
 def _number(text: str, what: str, name: str) -> float:
     number = parse_number(text)
     if number is None:
-        raise FileError(f"{name}: {what} has {text[:40]!r}, which is not a number of a drawing")
+        raise FileError(f"{name}: {what} has {text[:40]!r}, which is not a number that can be read")
     return number
 
 

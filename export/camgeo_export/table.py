@@ -121,7 +121,7 @@ COLUMNS: Final = (
     *POINTS,
     *("mue", "r_K"),
 )
-"""Those of the first file, named by the program's headings: degrees, mm, degrees, rad, 1, 1/rad,
+"""Columns of the first file, by the program's headings: degrees, mm, degrees, rad, 1, 1/rad,
 mm (from the pivot), mm (from the cam axis), degrees, mm (positive where the pitch curve is convex).
 """
 

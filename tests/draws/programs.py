@@ -326,7 +326,7 @@ CONTROLS: Final[dict[str, tuple[Callable[[], str], Callable[[str], Verdict]]]] =
 
 
 def ours(found: ProgramRun, control: str) -> tuple[int | None, str, int | None]:
-    """The line that we say is refused, why, and the first that is outside what is read."""
+    """The line that we say is refused, why, and the first that is not supported."""
     by_line = sorted(found.findings, key=lambda each: each.line or math.inf)
     unread = next((each.line for each in by_line if each.rule in UNREAD), None)
     for each in by_line:

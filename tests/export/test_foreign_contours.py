@@ -535,7 +535,7 @@ def test_csv_and_measured_points_are_one_table(separator: str, titles: list[str]
         ("0,0\n1,zero\n", r"a.csv, line 2: 'zero': not a number"),
         ("# c\n0,0\n1,inf\n", r"a.csv, line 3: 'inf': not a number"),
         ("0,0\n1,2e9\n", r"a.csv, line 2: '2000000000.0': too large"),
-        ("0,0\n1,0\n", "2 points enclosing nothing"),
+        ("0,0\n1,0\n", "2 points enclose nothing"),
         ("0,0\n0,0\n1,0\n1,1\n", "a.csv, line 2: the same point as in the previous row"),
         ("0,0\n1,0\n2,0\n", "enclose no area"),
     ],

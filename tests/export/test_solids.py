@@ -645,7 +645,7 @@ def test_walls_that_a_tolerance_does_not_keep_apart_are_refused(
 ) -> None:
     """Such bodies failed when they were read back, or one wall was taken for the other."""
     product = StubProduct(given=made(Contact.INNER, spec))
-    with pytest.raises(GeometryError, match=r"a solid within 0\.01 mm does not keep") as refused:
+    with pytest.raises(GeometryError, match=r"a solid within 0\.01 mm cannot separate") as refused:
         writer.write(product, 0.01)
     assert refused.value.key == "part"
     assert all(name in str(refused.value) for name in names)

@@ -498,7 +498,7 @@ def test_what_is_almost_straight_is_a_line_or_refused(monkeypatch: pytest.Monkey
     written = WRITER.write(product(1.25e-7), 1e-3)
     assert written.facts["cylinders"] == 0
     assert WRITER.measure(product(1.25e-7), written.data) <= 1e-3
-    with pytest.raises(ToleranceError, match="too flat for the numbers of the format"):
+    with pytest.raises(ToleranceError, match="too flat for the number format of the file"):
         WRITER.write(product(1.25e-7), 1e-6)
     curved = WRITER.write(product(1.25e-3), 1e-3)
     assert curved.facts["cylinders"] == 1

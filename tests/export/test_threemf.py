@@ -411,7 +411,7 @@ def test_another_plate_is_another_file() -> None:
     fewer = {**PLATE, "output.3mf.plate": PLATE["output.3mf.plate"][:3]}
     for values in (fewer, {}):
         disc, _ = with_values(values)
-        with pytest.raises(FileError, match="other objects"):
+        with pytest.raises(FileError, match="are not those of the scene"):
             WRITER.measure(disc, written)
         assert faults(VERIFIER, disc, written)
 
@@ -663,7 +663,7 @@ FORBIDDEN: Final[dict[str, tuple[Edits, str]]] = {
     "an empty coordinate": (model(' z="1"', ' z=""'), "a vertex has '', which is not a number"),
     "neither mesh nor components": (model(MESH, ""), "the object 2 has 0 meshes"),
     "two meshes": (model(MESH, MESH + MESH), "the object 2 has 2 meshes"),
-    "a component that comes later": (component("2", after=""), "'2', which is no object before it"),
+    "a component that comes later": (component("2", after=""), "'2', which is not an object"),
     "no such component": (component("9"), "'9', which does not exist"),
     "an object within itself": (component("3"), "the object 3 contains itself"),
     "eleven numbers": (
@@ -673,11 +673,11 @@ FORBIDDEN: Final[dict[str, tuple[Edits, str]]] = {
     "materials that are built": (model('<item objectid="2"', '<item objectid="1"'), "'1', which"),
     "an object of type other": (model('"model"', '"other"'), "is of type 'other' .*3.4.3.1"),
     "an object of unknown type": (model('"model"', '"form"'), "'form' is not a type of object"),
-    "two builds": (model(BUILD, BUILD + BUILD), "one element resources, and after it one .*3.4"),
-    "no build": (model(BUILD, ""), "after it one element build"),
-    "two resources": (model("<build>", "<resources/><build>"), "not one element resources"),
+    "two builds": (model(BUILD, BUILD + BUILD), "one element resources, followed by one .*3.4"),
+    "no build": (model(BUILD, ""), "followed by one element build"),
+    "two resources": (model("<build>", "<resources/><build>"), "must have one element resources"),
     "a build that comes before": (
-        model(BUILD, "") + model("<resources>", f"{BUILD}<resources>"), "and after it one element",
+        model(BUILD, "") + model("<resources>", f"{BUILD}<resources>"), "followed by one element",
     ),
     "an extension that is required": (model(" unit", ' requiredextensions="a" unit'), "'a', which"),
 }  # fmt: skip

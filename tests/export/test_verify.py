@@ -193,7 +193,7 @@ def test_edges_are_read_from_all_layers_of_the_part(entity: str, layer: bytes) -
 def test_boundary_left_out_of_a_foreign_drawing(design: Design) -> None:
     checks = checked(DXF_VERIFIER, design.disc, _data(_drawing(design, without=1)))
     assert _failed(checks) == {"contours", "deviation"}
-    assert checks["deviation", "bore"].note == "there is no contour for it"
+    assert checks["deviation", "bore"].note == "the file has no contour for it"
     assert checks["deviation", "outline"].ok
 
 
@@ -924,7 +924,7 @@ def test_a_program_of_someone_else() -> None:
 def test_a_tool_that_the_scene_does_not_have() -> None:
     (check,) = simulated(FOREIGN_PROGRAM.format(tool=7))
     assert check.ok is False
-    assert check.note == "line 7: tool 7 is none of the scene's"
+    assert check.note == "line 7: tool 7 is not a tool of the scene"
 
 
 def test_a_path_that_the_control_computes() -> None:

@@ -227,7 +227,7 @@ def test_a_program_of_the_other_side_does_not_verify() -> None:
     assert failures(disc, as_first) != []
     one_sided = design(scene(FACED.partition("[second_side]")[0])).disc
     (check,) = failing(one_sided, other.encode())
-    assert check.note == "it is for a second side, which the scene does not have"
+    assert check.note == "it mills a second side, which the scene does not have"
     assert failures(disc, first) == []
 
 

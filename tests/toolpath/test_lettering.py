@@ -208,7 +208,7 @@ def test_a_program_is_measured_verified_and_simulated() -> None:
     # A point moved by more than a stroke.
     x = list(re.finditer(r"\nG1 X([0-9.]+) Y", text := data.decode()))[20]
     moved = f"{text[: x.start(1)]}{float(x[1]) + 1.0:.3f}{text[x.end(1) :]}"
-    with pytest.raises(FileError, match="too near to a wall"):
+    with pytest.raises(FileError, match="too close to a wall"):
         WRITER.measure(product, moved.encode())
 
 

@@ -37,8 +37,8 @@ from camgeo.reading import SCENE
 from camgeo_export.designer.session import Jobs, Page, Session
 
 MOST_CONNECTIONS: Final = 64
-"""Most connections at the same time; a page needs two or three. For each one more, the oldest that
-is not a page's socket is closed, so silent ones keep nobody out."""
+"""Most connections at the same time; a page needs two or three. For each further one the oldest
+that is not a page's socket is closed, so silent connections cannot keep others out."""
 
 HEAD: Final = 16_384
 """Most bytes of the headers of a request."""
@@ -104,7 +104,7 @@ def serve(
     Parameters
     ----------
     host, port : where to listen; port 0 for any that is free.
-    tell : called once, with the address and whether only this machine can reach it.
+    announce : called once, with the address and whether only this machine can reach it.
     notes : sentences for the first page.
     browser : whether to open it.
 
@@ -220,7 +220,7 @@ def application(session: Session, address: Address, keys: Keys) -> Guard:
             await session.serve(Page(websocket))
         except WebSocketDisconnect as gone:
             if gone.code == NO_TEXT:
-                await websocket.close(NO_TEXT, "messages are texts")
+                await websocket.close(NO_TEXT, "messages must be text")
         except Exception:
             LOG.exception("a page of the designer has ended with an error in camgeo")
             await websocket.close(BROKEN, "an error in camgeo")
@@ -229,7 +229,7 @@ def application(session: Session, address: Address, keys: Keys) -> Guard:
         name = request.path_params["name"]
         data = session.files.get(name, request.query_params.get("build", ""))
         if data is None:
-            return PlainTextResponse("This file is not of the last build.\n", 404)
+            return PlainTextResponse("This file does not belong to the last build.\n", 404)
         headers = {"content-disposition": _disposition(name)}
         return Response(data, media_type="application/octet-stream", headers=headers)
 
@@ -291,7 +291,7 @@ HEADERS: Final = (
     (b"cross-origin-opener-policy", b"same-origin"),
     (b"cross-origin-resource-policy", b"same-origin"),
 )
-"""Of every reply."""
+"""Headers of every reply."""
 
 LOOPBACK: Final = ("127.0.0.1", "localhost", "::1")
 
@@ -308,12 +308,13 @@ BOUNCE: Final = b"""<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8"><meta http-equiv="refresh" content="0;url=/">
 <title>camgeo</title></head><body><p><a href="/">camgeo design</a></p></body></html>
 """
-"""In place of a redirect if another page led here: browsers send no strict cookie with that."""
+"""The page that is sent instead of a redirect if another page led here: browsers send no strict
+cookie with such a redirect."""
 
 
 @dataclass(frozen=True, slots=True)
 class Keys:
-    """What proves that a browser was let in.
+    """The secrets that prove that a browser may use the designer.
 
     Attributes
     ----------
@@ -423,14 +424,14 @@ class Guard:
         """Status and sentence for a request that is refused, whoever makes it."""
         hosts = headers.get("host", ())
         if len(hosts) != 1 or not self.address.is_meant(hosts[0]):
-            return 421, "The request is meant for another host than this designer."
+            return 421, "The request names a host other than this designer."
         origins = headers.get("origin", ())
         if any(origin.lower() != f"http://{hosts[0].lower()}" for origin in origins):
             return 403, "Pages of other origins have no access to this designer."
         if scope["type"] == "websocket":
             return None if origins else (403, "A WebSocket must name its origin.")
         if scope["method"] not in METHODS:
-            return 405, "Only GET is understood here."
+            return 405, "Only GET and HEAD are allowed here."
         if "transfer-encoding" in headers or headers.get("content-length", ("0",)) != ("0",):
             return 413, "Requests here have no body; this one was not read."
         navigates = headers.get("sec-fetch-mode") == ("navigate",)

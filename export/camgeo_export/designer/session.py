@@ -49,7 +49,7 @@ MOST_EDITS: Final = 200
 
 
 class MessageError(CamgeoError, ValueError):
-    """A message that is not understood.
+    """The error for a message that is not valid.
 
     Attributes
     ----------
@@ -67,9 +67,9 @@ class PageMessage:
 
     Attributes
     ----------
-    kind : what is asked for.
-    id : that the answer carries; None if the page gave none.
-    arguments : of that kind of message.
+    kind : what the page asks for.
+    id : identifier that the answer repeats; None if the page gave none.
+    arguments : those of that kind of message.
     """
 
     kind: str
@@ -169,22 +169,22 @@ ANSWERS: Final[Mapping[str, str]] = {
     "templates": "templates",
     "effects": "effects",
 }
-"""Jobs that a page asks for, and the kind of their answer."""
+"""Jobs that a page asks for, and the kinds of messages that answer them."""
 
 LONG: Final = ("build", "size", "solid")
-"""Jobs that a page is told of when they begin."""
+"""Jobs whose beginning is reported to the page that asks for them."""
 
 WHOLE: Final = ("undo", "redo", "reload", "open", "new")
 """Requests after which pages are sent the text with the state."""
 
 TEXTUAL: Final = ("edits", "effect", "segment", "table")
-"""Changes that need nothing but the text."""
+"""Kinds of changes that need nothing but the text."""
 
 MOST_REQUESTS: Final = 100
-"""Requests that wait to be done."""
+"""Most requests that wait to be carried out."""
 
 MOST_JOBS: Final = 8
-"""Jobs of ANSWERS that wait or are being done."""
+"""Most jobs of `ANSWERS` that wait or are being run."""
 
 
 def parse_message(text: str) -> PageMessage:
@@ -215,7 +215,7 @@ def parse_message(text: str) -> PageMessage:
         if value is None:
             continue
         if not check(value):
-            raise MessageError(f"{key} of {kind} is not what it must be", id_)
+            raise MessageError(f"{key} of {kind} has a value of the wrong kind", id_)
     arguments = {key: value for key, value in message.items() if value is not None}
     for key in NEEDED.get(kind, ()):
         if key not in arguments:
@@ -230,7 +230,7 @@ def _check_change(arguments: Mapping[str, Any], id_: str | int | None) -> None:
     if len(stated) != 1:
         raise MessageError(f"change needs one of {', '.join(CHANGES)}", id_)
     if ("handle" in arguments) != ("to" in arguments):
-        raise MessageError("a handle needs a place to go to, and only that", id_)
+        raise MessageError("the place `to` is needed with a handle, and allowed only with one", id_)
 
 
 def _is_flat(value: Any, depth: int) -> bool:
@@ -253,7 +253,7 @@ def _no_number(name: str) -> float:
 
 
 Compute = Callable[[Job, float], Result]
-"""Does a job within some seconds, in a process of its own; a CamgeoError if it has no result."""
+"""Runs a job for at most some seconds, in a process of its own; CamgeoError if it has no result."""
 
 SECONDS: Final[Mapping[str, float]] = {
     "curves": 10.0,
@@ -304,7 +304,7 @@ def _skip_space(text: str, place: int) -> int:
 
 
 class Jobs:
-    """Does the jobs of a session, each for the text that is on the desk when it begins.
+    """Runs the jobs of a session, each for the text that is on the desk when it begins.
 
     Parameters
     ----------
@@ -343,16 +343,16 @@ class Jobs:
                 self._painted = time.monotonic()
 
     def cancel_overdue(self, kind: str, patience: float, *, unless: str = "") -> None:
-        """End jobs of a kind that were begun more than `patience` seconds ago.
+        """Cancel the jobs of a kind if the oldest began more than `patience` seconds ago.
 
-        Nothing is ended while there is a job `unless`, which the same process does.
+        Nothing is cancelled while there is a job of the kind `unless`, which the same process runs.
         """
         began = self._began.get(kind)
         if began and not self._began.get(unless) and time.monotonic() - began[0] > patience:
             self._cancel(kind)
 
     def close(self) -> None:
-        """Wait for nothing more; threads end when the processes do."""
+        """Stop waiting for jobs; the threads end when the processes do."""
         self._threads.shutdown(wait=False, cancel_futures=True)
 
 
@@ -384,7 +384,7 @@ class Session:
     ----------
     desk : the scene.
     jobs : what computes.
-    notes : sentences that the first page is told.
+    notes : sentences for the first page.
     """
 
     def __init__(self, desk: Desk, jobs: Jobs, notes: Sequence[str] = ()) -> None:
@@ -406,18 +406,18 @@ class Session:
         self._scenes = list(opened.scenes(desk.folder))
         self._formats = writer_names()
         self._unsynced = self._outdated = False
-        self._judging: asyncio.Task[None] | None = None
+        self._finding_task: asyncio.Task[None] | None = None
         self._tasks: set[asyncio.Task[None]] = set()
 
     # -- what pages say ----------------------------------------------------------------------------
 
     @property
     def pages(self) -> int:
-        """How many are connected."""
+        """The number of connected pages."""
         return len(self._pages)
 
     async def serve(self, page: Page) -> None:
-        """Take what a page says, until it is gone."""
+        """Take the messages of a page until it has gone."""
         self._pages.add(page)
         sending = asyncio.create_task(page.send())
         try:
@@ -432,19 +432,19 @@ class Session:
             sending.cancel()
 
     def _hear(self, page: Page, message: PageMessage) -> None:
-        """Answer at once what needs no computing; line up the rest."""
+        """Answer at once what needs no computation, and queue the rest."""
         if message.kind == "hello":
             self._greet(page)
         elif message.kind in ANSWERS:
             if len(self._tasks) >= MOST_JOBS:
-                raise MessageError("too much is computed at once", message.id)
+                raise MessageError("too many computations are running at the same time", message.id)
             self._begin(self._answer(page, message))
         else:
             waiting = self._requests[-1] if self._requests else None
             if waiting is not None and waiting.page is page and message.replaces(waiting.message):
                 self._requests.pop()
             if len(self._requests) >= MOST_REQUESTS:
-                raise MessageError("too much is asked at once", message.id)
+                raise MessageError("too many requests are waiting", message.id)
             self._requests.append(PageRequest(page, message))
             self._wake.set()
             self._jobs.cancel_overdue("curves", PATIENCE)
@@ -478,14 +478,14 @@ class Session:
                 if self._outdated:
                     self._outdated = False
                     await self._paint(None)
-                    self._judge()
+                    self._request_findings()
         finally:
-            for task in (watching, self._judging, *self._tasks):
+            for task in (watching, self._finding_task, *self._tasks):
                 if task is not None:
                     task.cancel()
 
     async def _do(self, request: PageRequest) -> None:
-        """Do one request; what is wrong with it is told to the page that made it."""
+        """Carry out one request; what is wrong with it is reported to the page that made it."""
         try:
             if request.message.kind == "change":
                 await self._change(request)
@@ -511,7 +511,7 @@ class Session:
             data = await asyncio.to_thread(self._changed_here, arguments, error)
             painting = unpainted(error, label=data["label"])
         if "refused" in data or not isinstance(data.get("text"), str):
-            sentence = str(data.get("refused") or "this cannot be changed so")
+            sentence = str(data.get("refused") or "this change is not possible")
             request.page.enqueue(
                 refusal(request.message.id, sentence, faults=data.get("faults", []))
             )
@@ -566,7 +566,7 @@ class Session:
         if (self.desk.text, self.desk.opened) != previous:
             self._revision += 1
             self._unsynced = True
-            self._judge()
+            self._request_findings()
 
     def _new(self, name: str) -> None:
         text = template(name)  # UnknownNameError if there is none
@@ -588,10 +588,10 @@ class Session:
         self._painted = self._revision
         self._show(painting, request)
         if self._findings is None:
-            self._judge()
+            self._request_findings()
 
     def _show(self, painting: bytes, request: PageRequest | None, *, moving: bool = False) -> None:
-        """Show curves of the present text to all pages, or only what moves of them."""
+        """Send the curves of the present text to all pages, only what moves of them if `moving`."""
         head = {"revision": self._revision, "text": self.desk.text, "answers": None}
         if moving:
             self._results["curves"] = {}  # what can be dragged has no faults
@@ -603,13 +603,13 @@ class Session:
             answers = request.message.id if request is not None and page is request.page else None
             page.enqueue(Message(kind, {**head, "answers": answers}, painting))
 
-    def _judge(self) -> None:
+    def _request_findings(self) -> None:
         """Compute the findings once nothing has changed for a while."""
         self._findings = None
         self._results = {kind: self._results[kind] for kind in self._results if kind == "curves"}
         self._jobs.cancel_overdue("findings", PATIENCE, unless="solid")
-        if self._judging is None or self._judging.done():
-            self._judging = asyncio.create_task(self._find())
+        if self._finding_task is None or self._finding_task.done():
+            self._finding_task = asyncio.create_task(self._find())
 
     async def _find(self) -> None:
         revision = -1
@@ -618,7 +618,8 @@ class Session:
             while (left := PAUSE - self._jobs.idle) > 0.0:  # a drag goes on
                 await asyncio.sleep(left)
             revision = self._revision
-            # What has not been painted of it follows: a page shows findings sooner before it.
+            # A text that is not painted yet is painted a little later, so that findings that are
+            # quick to compute are shown first.
             rest = asyncio.get_running_loop().call_later(FIRST, self._wake.set)
             findings = body({"faults": [], "refused": "there is no scene yet"})
             if self.desk.text.strip():
@@ -651,7 +652,7 @@ class Session:
             painting = body({**result.data, "files": self.files.take(result.data.get("files", ()))})
         page.enqueue(Message(ANSWERS[message.kind], head, painting))
 
-    # -- what pages are told -----------------------------------------------------------------------
+    # -- what pages are sent -----------------------------------------------------------------------
 
     def _state(self, *, whole: bool = False) -> Message:
         """The state of the session, `whole` with the text."""
@@ -672,7 +673,7 @@ class Session:
         return Message("state", {**state, "text": desk.text} if whole else state)
 
     def _publish_verdict(self, kind: str, result: Mapping[str, Any], revision: int) -> None:
-        """Tell all pages the verdict, now that a job has a `result`, if that is of this text."""
+        """Send the verdict to all pages, now that a job has a `result`, if it is of this text."""
         if revision != self._revision:
             return
         self._results[kind] = result
@@ -693,7 +694,7 @@ class Session:
         task.add_done_callback(self._tasks.discard)
 
     async def _watch(self) -> None:
-        """Look again and again whether files have changed, and put edits on disk."""
+        """Check at intervals whether files have changed, and put edits on disk."""
         files = NamedFiles()
         while True:
             await asyncio.sleep(EVERY)
@@ -730,7 +731,7 @@ class Files:
         self._build = 0
 
     def take(self, built: Iterable[Mapping[str, Any]]) -> list[dict[str, Any]]:
-        """Replace the files by those of a build; return what pages are told about them."""
+        """Replace the files by those of a build; return what pages need to know about them."""
         self._data = {str(file["name"]): base64.b64decode(file["bytes"]) for file in built}
         self._build += 1
         return [
@@ -797,13 +798,13 @@ LATEST: Final = (
 all, has no more than one of each waiting."""
 
 MOST_WAITING: Final = 50
-"""Other messages that wait for a page; later ones are dropped."""
+"""Most other messages that wait for a page; later ones are dropped."""
 
 RATE: Final = 100.0
 """Messages in a second that are taken from a page; a drag makes sixty. The rest waits there."""
 
 BURST: Final = 200.0
-"""Messages that it may send at once."""
+"""Most messages that a page may send at once."""
 
 NOTHING: Final = b"{}"
 
@@ -811,7 +812,7 @@ EMPTY: Final[Mapping[str, Any]] = {
     "faults": [], "name": "", "unit": "mm", "animation": None, "charts": [], "handles": [],
     "plan": [], "form": [],
 }  # fmt: skip
-"""Curves of no scene."""
+"""The curves of an empty text."""
 
 BECOME: Final[Mapping[str, str]] = {
     "changed": "changed on disk; it is not overwritten unless you ask for it",
@@ -826,8 +827,8 @@ class Message:
 
     Attributes
     ----------
-    kind : of it.
-    head : what is said of the body, or the whole message.
+    kind : of the message.
+    head : members beside the body, or the whole message.
     body : a JSON object with more, as the process that computed it wrote it.
     key : under which the body is; empty if it is on a level with the head.
     """
@@ -850,7 +851,7 @@ class Message:
         return f"{head}{'' if rest.strip() == '}' else ', '}{rest}"
 
     def merge(self, previous: Message) -> Message:
-        """The later one of two messages of a kind, with what only the earlier one says."""
+        """The message with what only the previous one of its kind says."""
         if self.kind == "state":
             return replace(self, head={**previous.head, **self.head})
         if self.kind in ("curves", "moved") and self.head.get("answers") is None:
@@ -864,17 +865,17 @@ def body(members: Mapping[str, Any]) -> bytes:
 
 
 def unpainted(error: Exception, **more: Any) -> bytes:
-    """Curves of a text whose picture cannot be had, and why: that is no fault of the scene."""
+    """Curves of a text whose picture could not be computed, and why: the scene is not at fault."""
     return body({"faults": [], "refused": f"the picture ({error})", **more})
 
 
 def refusal(id_: str | int | None, sentence: str, **more: Any) -> Message:
-    """That the message `id_` is not done, and why."""
+    """The message that the request `id_` is refused, and why."""
     return Message("refused", {"id": id_, "message": sentence, **more})
 
 
 def notice(sentence: str) -> Message:
-    """A sentence for the user."""
+    """A message with a sentence for the user."""
     return Message("told", {"message": sentence})
 
 
@@ -888,7 +889,7 @@ class Page:
         self._left, self._seen = BURST, time.monotonic()
 
     def enqueue(self, message: Message) -> None:
-        """Send a message as soon as the page takes it; of some kinds only the latest."""
+        """Queue a message for the page; of the kinds `LATEST` only the latest one waits."""
         key: object = message.kind if message.kind in LATEST else object()
         previous = self._waiting.pop(key, None)
         if previous is not None:
@@ -898,7 +899,7 @@ class Page:
         self._ready.set()
 
     async def send(self) -> None:
-        """Send what waits, until the page is gone."""
+        """Send the messages that wait, until the page has gone."""
         while True:
             await self._ready.wait()
             self._ready.clear()
@@ -921,7 +922,7 @@ class Page:
 
 @dataclass(frozen=True, slots=True)
 class PageRequest:
-    """A request, and the page that it is from."""
+    """A message of a page that is carried out in turn, and the page."""
 
     page: Page
     message: PageMessage

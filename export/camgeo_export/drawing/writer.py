@@ -100,16 +100,17 @@ LAYERS: Final[dict[Layer, tuple[int, str, int]]] = {
 """Colour, line type and width [1/100 mm] of each layer."""
 
 RARE: Final[frozenset[Layer]] = frozenset(("ENGRAVING",))
-"""Layers that only sheets have which need them."""
+"""Layers that a sheet has only if something is on them."""
 
 HATCHING: Final = 2.5
-"""Distance between the lines of a cut face [mm of paper]."""
+"""Distance between the hatching lines of a cut face [mm of paper]."""
 
 BY_LAYER: Final = 256
 """Colour number of what has the colour of its layer."""
 
 ANSI31: Final = 3.175
-"""The same of the pattern of that name at scale 1, for programs that have patterns of their own."""
+"""Distance between the lines of the pattern ANSI31 at scale 1, for programs that draw it from their
+own definition."""
 
 SIZES: Final = {
     "dimtxt": LETTERS,
@@ -118,7 +119,8 @@ SIZES: Final = {
     "dimexo": EXTENSION_GAP,
     "dimgap": LIFTED,
 }
-"""Of dimensions [mm of paper]: text, arrows, extension lines beyond and before, gap."""
+"""Sizes of dimensions [mm of paper]: text, arrows, extension lines beyond the dimension line and
+before the edge, gap below the text."""
 
 TEXTS: Final = {
     "dimzin": 8,  # no zeros at the end
@@ -131,10 +133,10 @@ TEXTS: Final = {
     "dimlwd": 25,
     "dimlwe": 25,
 }
-"""Of dimensions: how their texts and lines stand, and how wide lines are [1/100 mm]."""
+"""Form of dimensions: how their texts and lines are placed, and how wide lines are [1/100 mm]."""
 
 SHEET_GAP: Final = 20.0
-"""Between sheets side by side [mm of paper]."""
+"""Distance between sheets side by side [mm of paper]."""
 
 JUSTIFIED: Final = {"left": "LEFT", "centre": "CENTER", "right": "RIGHT"}
 
@@ -177,7 +179,7 @@ class _Drawing:
         self._factor, self._shift = 1.0, 0j
 
     def tables(self) -> None:
-        """Line types, layers, text and dimension style, and the scale of patterns."""
+        """Add line types, layers, text and dimension style, and the scale of patterns."""
         self._document.linetypes.add(DASHED, list(HIDDEN), description="hidden edges")
         self._document.header["$LTSCALE"] = self._paper
         marks = (mark for view in self._sheet.views for mark in view.marks)
@@ -196,7 +198,7 @@ class _Drawing:
             style.set_dxf_attrib(name, value)
 
     def extents(self, count: int) -> None:
-        """What programs show when the drawing is opened: all sheets."""
+        """Set what programs show when the drawing is opened: all sheets."""
         sheet = self._sheet
         low = self._xy(0j, 1.0 / sheet.scale, corners([sheet])[0])
         wide = (count * (sheet.width + SHEET_GAP) - SHEET_GAP) * self._paper
@@ -210,7 +212,7 @@ class _Drawing:
         view.dxf.aspect_ratio = 4.0 / 3.0
 
     def add(self, mark: Mark, factor: float, shift: complex) -> None:
-        """A mark of a view or of the sheet, enlarged and moved [mm of the part]."""
+        """Add a mark of a view or of the sheet, enlarged and moved [mm of the part]."""
         self._factor, self._shift = factor, shift
         self._add(mark)
 
@@ -336,7 +338,7 @@ POINT: Final = 25.4 / 72.0
 """Unit of a PDF [mm]."""
 
 TURN: Final = 0.25 * math.pi
-"""Most that a cubic of a PDF turns, which then leaves its arc by less than 1e-5 of the radius."""
+"""Largest angle of an arc [rad] that one cubic of a PDF replaces, within 1e-5 of the radius."""
 
 Pieces = list[tuple[complex, complex, float, complex]]
 """Start and end in whole grains, angle turned [rad], centre of an arc."""
@@ -428,6 +430,8 @@ def _pieces(stroke: Chain) -> Pieces:
         if start != end:
             centre = 0j
             if sweep:
+                # On the bisector of the chord, half the chord over the tangent of half the sweep
+                # from it.
                 centre = 0.5 * (one + other) + 0.5j * (other - one) / math.tan(0.5 * sweep)
             pieces.append((start, end, sweep, centre))
     return pieces
@@ -435,6 +439,8 @@ def _pieces(stroke: Chain) -> Pieces:
 
 def pdf(pages: Sequence[Strokes]) -> bytes:
     """A document with a page for each."""
+    # Objects 1 to 3 are catalogue, page tree and information; a page has two more, itself and its
+    # contents.
     kids = " ".join(f"{4 + 2 * number} 0 R" for number in range(len(pages)))
     objects = [
         b"<< /Type /Catalog /Pages 2 0 R >>",
@@ -490,6 +496,7 @@ def _pdf_stroke(stroke: Chain) -> Iterator[str]:
             continue
         count = math.ceil(abs(sweep) / TURN)
         turn = sweep / count
+        # Arms of the cubic that meets the arc in its ends, their tangents and its middle.
         reach = 4.0 / 3.0 * math.tan(0.25 * turn)
         turned = np.exp(1j * turn * np.arange(count + 1))
         points = [start, *(centre + (start - centre) * factor for factor in turned[1:-1]), end]
@@ -516,12 +523,12 @@ def _pdf_outline(outline: Outline) -> Iterator[str]:
 # -- strokes --------------------------------------------------------------------------------------
 # What is drawn on a page: lines and arcs by their widths, letters and other filled areas.
 #
-# Lines are taken from the sheet itself, with its arcs; texts and dimensions are taken apart by
-# ezdxf's drawing add-on. Everything is black.
+# Lines come from the sheet itself, with its arcs; texts and dimensions are decomposed by the
+# drawing add-on of ezdxf. Everything is black.
 
 
 GRAIN: Final = 0.005
-"""Of coordinates on a page [mm]: they are whole multiples."""
+"""Unit of coordinates on a page [mm], which are whole multiples of it."""
 
 
 RECTANGLE = 4
@@ -529,7 +536,7 @@ RECTANGLE = 4
 
 
 WRITTEN: Final = frozenset(("TEXT", "DIMENSION"))
-"""Entities that ezdxf takes apart."""
+"""Entities that ezdxf decomposes."""
 
 Outline = tuple[tuple[str, tuple[complex, ...]], ...]
 """A filled outline: commands "M", "L", "Q", "C" and "Z" with their points, in grains."""
@@ -554,11 +561,11 @@ class Strokes:
     places: list[tuple[int, complex]] = field(default_factory=list)
 
     def add(self, width: int, stroke: Chain) -> None:
-        """A line of some width [1/100 mm]."""
+        """Add a line of some width [1/100 mm]."""
         self.lines.setdefault(width, []).append(stroke)
 
     def fill(self, outline: Iterable[tuple[str, tuple[complex, ...]]]) -> int:
-        """A filled outline [grains], whose number is returned."""
+        """Add a filled outline [grains]; return its number."""
         commands = list(outline)
         origin = commands[0][1][0]
         shape = tuple(
@@ -582,7 +589,7 @@ def know_the_font() -> None:
 
 
 def sheet_strokes(document: Drawing, sheet: Sheet) -> Strokes:
-    """What is drawn on a sheet; `document` has it alone."""
+    """What is drawn on a sheet; `document` has no other sheet."""
     strokes = Strokes(sheet.width, sheet.height)
     views = [(view.marks, view.origin, sheet.scale) for view in sheet.views]
     frame = (sheet.marks, 0j, 1.0)
@@ -633,6 +640,7 @@ def hatching(face: Hatched, step: float) -> Iterator[tuple[complex, complex]]:
     """
     x0, x1 = float(face.corners.real.min()), float(face.corners.real.max())
     y0, y1 = float(face.corners.imag.min()), float(face.corners.imag.max())
+    # Lines at 45 degrees are sqrt(2) times as far apart along an axis.
     along = step * math.sqrt(2.0)
     for number in range(math.ceil((y0 - x1) / along), math.floor((y1 - x0) / along) + 1):
         rise = number * along
@@ -644,10 +652,11 @@ def hatching(face: Hatched, step: float) -> Iterator[tuple[complex, complex]]:
 
 
 def _inside(corners: ComplexArray, rise: float, start: float, end: float) -> tuple[float, float]:
-    """What of the line y = x + `rise`, x from `start` to `end`, lies in a convex polygon that runs
-    counter-clockwise.
+    """The range of x in which the line y = x + `rise`, x from `start` to `end`, lies inside a
+    convex polygon that runs counter-clockwise; empty, with its start not below its end, if outside.
     """
     for one, other in zip(corners.tolist(), np.roll(corners, -1).tolist(), strict=True):
+        # Distance of the line from the side, times its length: at x = 0, and its change with x.
         normal = 1j * (other - one)  # inwards
         at_zero = ((complex(0.0, rise) - one) * normal.conjugate()).real
         pace = normal.real + normal.imag
@@ -668,7 +677,7 @@ def _polygon(points: list[complex]) -> Iterator[tuple[str, tuple[complex, ...]]]
 
 
 class _StrokeBackend(Backend):
-    """Takes texts and dimensions as lines and outlines."""
+    """Turns texts and dimensions into lines and outlines; a backend of ezdxf's drawing add-on."""
 
     def __init__(self, strokes: Strokes, low: complex, factor: float) -> None:
         super().__init__()
@@ -679,14 +688,14 @@ class _StrokeBackend(Backend):
         return (complex(point.x, point.y) - self._low) * self._factor
 
     def draw_line(self, start: Vec2, end: Vec2, properties: BackendProperties) -> None:
-        """A line of a dimension."""
+        """Add a line of a dimension."""
         ends = np.array([self._grain_point(start), self._grain_point(end)], np.complex128)
         self._strokes.add(
             round(100.0 * properties.lineweight), Chain(ends, np.zeros(2), "DIMENSION")
         )
 
     def draw_filled_paths(self, paths: Iterable[BkPath2d], properties: BackendProperties) -> None:
-        """Letters, each by itself."""
+        """Add letters, each as an outline that later ones of the same shape share."""
         for path in paths:
             if not len(path):
                 continue
@@ -722,20 +731,20 @@ class _StrokeBackend(Backend):
         yield "Z", ()
 
     def draw_filled_polygon(self, points: BkPoints2d, properties: BackendProperties) -> None:
-        """An arrow."""
+        """Add an arrow."""
         self._strokes.fill(_polygon([self._grain_point(point) for point in points.vertices()]))
 
     def draw_point(self, pos: Vec2, properties: BackendProperties) -> None:
-        """Points of dimensions are not drawn."""
+        """Draw nothing: points of dimensions are not visible."""
 
     def draw_image(self, image_data: ImageData, properties: BackendProperties) -> None:
-        """There is none."""
+        """Draw nothing: sheets have no images."""
 
     def set_background(self, color: Color) -> None:
-        """Paper has its own."""
+        """Set nothing: the background is that of the paper."""
 
     def clear(self) -> None:
-        """Nothing is kept."""
+        """Clear nothing: each backend is used once."""
 
 
 # -- writer ---------------------------------------------------------------------------------------
@@ -839,7 +848,7 @@ DIAMETER_SIGN: Final = 3
 """Type of a dimension of a diameter, in the lowest bits of group 70."""
 
 KIND: Final = 7
-"""Those bits."""
+"""The bits of group 70 that hold the type of a dimension."""
 
 
 def measure(product: Product, data: bytes) -> float:
@@ -850,7 +859,7 @@ def measure(product: Product, data: bytes) -> float:
     """
     drawing = read_drawing(data)
     if drawing.scale() != MM_PER[product.unit]:
-        raise FileError(f"$INSUNITS does not say {product.unit}")
+        raise FileError(f"$INSUNITS does not state {product.unit}")
     edges = tuple(item for item in drawing.items if item.layer in EDGES)
     contours = replace(drawing, items=edges).contours(None)  # an edge may be hidden in part
     largest = deviation(contours, product.drawn.part.boundaries)
@@ -863,14 +872,14 @@ def measure(product: Product, data: bytes) -> float:
 
 
 def _stated_length(item: Item) -> float:
-    """What a dimension says that it measures, in units of the drawing."""
+    """The measurement that a dimension states, in units of the drawing."""
     if item.text(1) not in ("", "<>"):
         raise item.fault(f"has the text {item.text(1)!r} instead of what it measures")
     return item.number(42)
 
 
 def measured_length(item: Item) -> float:
-    """What the definition points of a dimension measure, in units of the drawing."""
+    """The distance of a dimension's definition points that it measures, in units of the drawing."""
     if int(item.number(70)) & KIND == DIAMETER_SIGN:
         return abs(item.point(10) - item.point(15))
     along = cmath.rect(1.0, math.radians(item.number(50, 0.0)))

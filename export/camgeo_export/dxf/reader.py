@@ -1,8 +1,8 @@
 """Reader of closed contours from any DXF drawing, whichever program wrote it.
 
 It reads what a drawing shows: lines, arcs, circles, ellipses, polylines with bulges and splines, in
-blocks too, on layers that are on; open pieces are chained at their end points. What closes nothing
-is left, and told.
+blocks too, on layers that are on; open pieces are chained at their end points. Pieces that close
+nothing are left out and reported.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ PAPER: Final = 67
 """Group codes of names, layers, variables of the header, and of what is in paper space."""
 
 MOST_CODES: Final = 1_000
-"""Ways to write a group code that are remembered."""
+"""Most spellings of group codes that are remembered."""
 
 PIECES: Final = (b"VERTEX", b"SEQEND")
 """Entities that belong to the POLYLINE before them."""
@@ -98,7 +98,7 @@ class Item:
 
     @classmethod
     def from_tags(cls, name: str, tags: list[Tag]) -> Item:
-        """Of its tags, from the one that names its kind to the last of its vertices."""
+        """The entity of its tags, from the one that names its kind to the last of its vertices."""
         firsts = [*(place for place, tag in enumerate(tags) if tag.code == 0), len(tags)]
         entity, *parts = (
             cls(name, tags[low].value, tags[low].line, tuple(tags[low + 1 : high]))
@@ -109,7 +109,7 @@ class Item:
 
     @property
     def layer(self) -> str:
-        """Its layer, 0 if it names none."""
+        """The layer of the entity, "0" if it names none."""
         return self.text(8, "0")
 
     def fault(self, message: str) -> EntityError:
@@ -157,6 +157,7 @@ class Items:
         return len(self.places) // 3
 
     def __iter__(self) -> Iterator[Item]:
+        # Three numbers at a time, from a single iterator.
         numbers = iter(self.places)
         for start, end, line in zip(numbers, numbers, numbers, strict=True):
             lines = self.data[start : end - 1].decode("utf-8", "replace").split("\n")
@@ -170,7 +171,7 @@ of the layers that entities are on, by their lower case; record and entities of 
 
 
 def read_contents(data: bytes, name: str, progress: Progress = lambda _: None) -> Contents:
-    """The contents of the file `name`; `progress` is told from time to time how far it has come.
+    """The contents of the file `name`; `progress` is called from time to time with a sentence.
 
     Raises FileError with the line if it is not a DXF file in text, or ends before its end.
     """
@@ -195,6 +196,7 @@ def read_contents(data: bytes, name: str, progress: Progress = lambda _: None) -
     if kind != "EOF":
         raise FileError(f"{name}: not a complete DXF file: no EOF at its end")
     spelled = {_text(layer).lower(): _text(layer) for layer in sorted(written)}
+    # The record of a layer decides how its name is spelled.
     spelled |= {record.text(2).lower(): record.text(2) for record in layers}
     names = {_text(layer).lower(): spelled[_text(layer).lower()] for layer in written}
     pairs = (pair for item in header for pair in pairwise(item.tags))
@@ -241,6 +243,7 @@ def _tags(data: bytes, name: str, progress: Progress) -> Iterator[tuple[int, int
     """Line of the value, place, group code and value of each tag."""
     known: dict[bytes, int] = {}
     line = place = 0
+    # A code and a value at a time, from a single iterator.
     lines = iter(io.BytesIO(data))
     for written, value in zip(lines, lines, strict=False):
         code = known.get(written)
@@ -278,19 +281,20 @@ RATIONAL: Final = 1e-12
 """Weights that differ by a larger fraction make a spline rational."""
 
 NEAR: Final = 1e-7
-"""Distance [mm] within which cubics follow what is none."""
+"""Distance [mm] within which cubics approximate other curves."""
 
 LOOKS: Final = np.array([0.25, 0.5, 0.75])
 """Parameters at which a cubic is compared with the spline that it follows."""
 
 END_SHARE: Final = 1e-9
-"""Share of a span before its end at which its own last derivative is taken."""
+"""Share of a span before its end at which its last derivative is taken: at the end itself the next
+span begins."""
 
 MOST_FIT: Final = 1_000
-"""Points through which a spline is fitted: memory grows with their square."""
+"""Most points through which a spline is fitted: memory grows with their square."""
 
 MOST_SPANS: Final = 20_000
-"""Cubics along one curve."""
+"""Most cubics along one curve."""
 
 TILTED: Final = 1e-9
 """Largest part along x or y of an extrusion that still points along z."""
@@ -302,7 +306,7 @@ MESH: Final = 16 | 64
 """Bits of group 70 of a POLYLINE that is a mesh."""
 
 FRAME: Final = 16
-"""Bit of group 70 of a VERTEX that is none of the curve but steers its splines."""
+"""Bit of group 70 of a VERTEX that is not on the curve but a control point of its splines."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -325,7 +329,7 @@ class Placement:
         return self.turn * z + self.mirror * z.conjugate() + self.shift
 
     def compose(self, inner: Placement) -> Placement:
-        """First the `inner` map, then this one."""
+        """The map that applies the `inner` one first, then this one."""
         turn = self.turn * inner.turn + self.mirror * inner.mirror.conjugate()
         mirror = self.turn * inner.mirror + self.mirror * inner.turn.conjugate()
         return Placement(turn, mirror, self.point(inner.shift))
@@ -357,8 +361,8 @@ class Placement:
         return self.point(arc.centre + arm), self.turn * way + self.mirror * way.conjugate()
 
     def oriented(self, item: Item) -> Placement:
-        """The same after the axes of an entity, of which x may point the other way (extrusion 0, 0,
-        -1); EntityError if they are tilted.
+        """The placement for an entity in axes of its own, of which x points the other way if its
+        extrusion is (0, 0, -1); EntityError if they are tilted.
         """
         x, y, z = (item.number(code, default) for code, default in ((210, 0), (220, 0), (230, 1)))
         if max(abs(x), abs(y), abs(abs(z) - 1.0)) > TILTED:
@@ -387,6 +391,7 @@ def entity_strands(item: Item, place: Placement) -> tuple[list[Strand], bool]:
             raise item.fault("has an axis of no length")
         side = ratio * Placement().oriented(item).sense
         half = 0.5 * major
+        # Maps the unit circle: 1 goes to the end of the major axis, i to that of the minor one.
         place = place.compose(Placement(half * (1.0 + side), half * (1.0 - side), item.point(10)))
     else:
         place = place.oriented(item)
@@ -405,6 +410,7 @@ def _arcs(item: Item) -> list[Arc]:
         ends = (math.radians(item.number(50, 0.0)), math.radians(item.number(51, 0.0)))
     if radius <= 0.0:
         raise item.fault("has no radius above 0")
+    # Equal angles mean the whole circle.
     sweep = (ends[1] - ends[0]) % TURN
     if sweep and item.kind != "CIRCLE":
         first, last = (centre + cmath.rect(radius, angle) for angle in ends)
@@ -414,7 +420,7 @@ def _arcs(item: Item) -> list[Arc]:
 
 
 def _polyline(item: Item) -> list[Arc]:
-    """Its pieces, without those of zero length."""
+    """The pieces of a polyline, without those of zero length."""
     flags = int(item.number(70, 0.0))
     rows: list[list[float]] = []
     if item.kind == "POLYLINE":
@@ -425,6 +431,7 @@ def _polyline(item: Item) -> list[Arc]:
                 rows.append([vertex.number(10), vertex.number(20), vertex.number(42, 0.0)])
     else:
         for tag in item.tags:
+            # Group 10 begins a vertex, to which 20 and 42 add y and the bulge.
             if tag.code == 10:
                 rows.append([item.value(tag), 0.0, 0.0])
             elif tag.code in (20, 42) and rows:
@@ -442,7 +449,7 @@ def _polyline(item: Item) -> list[Arc]:
 
 
 def _require_count(item: Item, code: int, count: int, *noun: str) -> None:
-    """EntityError unless as many are found as group `code` states, if it does."""
+    """Raise EntityError if group `code` states a number other than `count`."""
     if item.number(code, count) != count:
         raise item.fault(f"has {counted(count, *noun)}, not as many as it states")
 
@@ -510,7 +517,7 @@ def _through(item: Item, points: ComplexArray, ways: Sequence[complex]) -> Cubic
 
     distinct = points[np.diff(points, append=np.nan) != 0.0].tolist()
     if not 2 <= len(distinct) <= MOST_FIT:
-        raise item.fault(f"has no control points, nor 2 to {MOST_FIT:,} to be fitted through")
+        raise item.fault(f"has neither control points nor 2 to {MOST_FIT:,} fit points")
     both = [(way.real, way.imag) for way in ways] if len(ways) == 2 and all(ways) else None
     spline = fit_points_to_cad_cv([(z.real, z.imag) for z in distinct], both)
     controls = np.array([complex(control.x, control.y) for control in spline.control_points])
@@ -535,6 +542,7 @@ def _followed(
             for places in (t[:-1].tolist(), (t[1:] - END_SHARE * width).tolist())
         )
         ends[0] = np.append(starts[0, 1:], jet(float(t[-1]))[0])
+        # Cubics whose first and last legs are a third of the derivatives at their ends.
         pieces = np.stack(
             (starts[0], starts[0] + starts[1] * width / 3.0,
              ends[0] - ends[1] * width / 3.0, ends[0]), axis=1,
@@ -544,7 +552,8 @@ def _followed(
         far = np.max(np.abs(bezier_points(pieces, LOOKS) - there), axis=1) > 0.8 * near
         t = np.sort(np.concatenate((t, (t[:-1] + 0.5 * width)[far])))
         if len(t) > MOST_SPANS:
-            raise GeometryError(f"it turns too sharply to be followed within {NEAR:g} mm")
+            raise GeometryError(f"it bends too sharply to be approximated within {NEAR:g} mm")
+    # With triple knots each span is one of the cubics.
     places = np.arange(len(pieces) + 1.0)
     inner = np.append(pieces[:, :3].ravel(), pieces[-1, 3])
     return CubicSpline(np.concatenate(([0.0], np.repeat(places, 3), places[-1:])), inner)
@@ -597,13 +606,13 @@ NEARLY: Final = 1e-3
 their middles by less than the second one, of a length and its square."""
 
 DEEPEST: Final = 32
-"""Blocks within blocks."""
+"""Deepest nesting of blocks."""
 
 EVERY: Final = 100_000
 """Entities after which progress is reported again."""
 
 MOST_PLACES: Final = 3
-"""Of what is left for one reason, places that are named."""
+"""Most places that a note names of the pieces that are left out for one reason."""
 
 
 def gap_steps(most: float) -> tuple[float, ...]:
@@ -698,6 +707,7 @@ class Drawing:
             if all(leftover.why == DOUBLE for leftover in left):
                 break
             progress(f"{self.name}, pieces joined with gaps up to {gap:g} mm")
+            # A larger gap counts only if it leaves less.
             attempt = chain_runs(open_runs, gap)
             loops, left = attempt if len(attempt[1]) < len(left) else (loops, left)
         whole = (run for run, (end, start) in zip(runs, ends, strict=True) if end == start)
@@ -715,6 +725,7 @@ class Drawing:
             plain_notes = [note.removeprefix(f"{self.name}: ") for note in notes]
             details = "; ".join(plain_notes) or f"supported: {', '.join(CURVES)}, INSERT"
             raise FileError(f"{self.name}: no contour found; {details}")
+        # The largest gap that was actually joined.
         gap = max(
             abs(previous.end - piece.start)
             for pieces, _ in loops
@@ -747,7 +758,7 @@ class Drawing:
 
 
 PLACED: Final = 100_000
-"""Entities of a drawing that come from blocks, each as often as it is inserted."""
+"""Most entities of a drawing that come from blocks, each counted as often as it is inserted."""
 
 
 @dataclass(slots=True)
@@ -756,10 +767,11 @@ class _Visible:
 
     Attributes
     ----------
-    off : layers that are not shown, in lower case.
-    hidden, unread : how many entities of which layer, of which kind are not shown, not read.
-    faults : of entities that cannot be used.
-    count : of entities in blocks.
+    hidden_layers : layers that are not shown, in lower case.
+    hidden : how many entities of each layer are not shown.
+    unread : how many entities of each kind are shown but not read.
+    faults : errors of entities that cannot be used.
+    count : how many entities have come from blocks.
     """
 
     drawing: Drawing
@@ -801,9 +813,10 @@ class _Visible:
         layer: str | None = None,
         enclosing: tuple[str, ...] = (),
     ) -> Iterator[tuple[Item, Placement]]:
-        """The entities that are shown with their places, those of blocks in place of these.
+        """The entities that are shown, with their places; those of blocks in place of insertions.
 
-        `layer` is that of the insertion of the block with the `items`, `within` names all around.
+        `layer` is that on which the block with the `items` is inserted, `enclosing` the names of
+        the blocks around it.
         """
         for item in self.drawing.items if items is None else items:
             item_layer = item.layer.lower()
@@ -836,6 +849,7 @@ class _Visible:
         for row, column in (divmod(number, columns) for number in range(columns * rows)):
             step = complex(column * item.number(44, 0.0), row * item.number(45, 0.0))
             corner = item.point(10) + turn * step
+            # Scaling by x and y along the axes is z -> (x + y) / 2 z + (x - y) / 2 conj(z).
             block_place = Placement(turn * (0.5 * (x + y)), turn * (0.5 * (x - y)), corner).compose(
                 base
             )
@@ -900,7 +914,7 @@ def _contours(loops: Sequence[Loop], *, doubles: bool) -> tuple[list[AnyContour]
 
 
 def _same(one: AnyContour, middle: complex, other: AnyContour, place: complex) -> bool:
-    """Whether two contours lie on each other, to all appearances."""
+    """Whether two contours have the same area, length and middle, and so lie on each other."""
     return (
         abs(one.area - other.area) <= ALIKE * one.length**2
         and abs(one.length - other.length) <= ALIKE * one.length
@@ -950,25 +964,25 @@ JOINED: Final = 1e-12
 once as a point."""
 
 LEAST: Final = 1e-30
-"""Gap [mm] of a drawing of no reach."""
+"""Gap [mm] of a drawing whose ends are all at the origin."""
 
 SAMPLES: Final = np.arange(1, 8) / 8.0
-"""Shares of a curved piece at which faces are told from each other; no geometry comes from them."""
+"""Shares of a curved piece whose points distinguish faces; no geometry is computed from them."""
 
 PAIRS: Final = 10_000_000
-"""Pairs of ends that are close to each other."""
+"""Most pairs of ends that are close to each other."""
 
 PATHS: Final = 10_000
-"""Chains between places where several pieces meet."""
+"""Most chains between places where several pieces meet."""
 
 NONE: Final = -1
-"""In place of the end that follows another one."""
+"""Stands for the end that follows another one where there is none."""
 
 LOOSE: Final = "has a loose end"
 BRANCH: Final = "meets more than one other piece"
 DOUBLE: Final = "is drawn a second time"
 EMPTY: Final = "encloses nothing"
-"""Why a run is left."""
+"""Reasons why a run is left out."""
 
 
 class EntityRun(NamedTuple):
@@ -1006,6 +1020,7 @@ def chain_runs(runs: Sequence[EntityRun], gap: float) -> tuple[list[Loop], list[
     """The closed chains of open `runs`, whose ends are joined if they are at most `gap` apart [mm],
     or the same but for rounding; and what is left.
     """
+    # Ends 2 k and 2 k + 1 are those of run k, so `end ^ 1` is the other end of the same run.
     both = [end for run in runs for end in (run.pieces[0].start, run.pieces[-1].end)]
     if not both:
         return [], []
@@ -1027,6 +1042,7 @@ def chain_runs(runs: Sequence[EntityRun], gap: float) -> tuple[list[Loop], list[
             left += [Leftover(runs[entry // 2], both[end], LOOSE) for entry in order]
     closed_ways = [way for way in ways if following[way[0]] != NONE]
     others = {k: way for k, way in enumerate(ways) if following[way[0]] == NONE}
+    # One place for each node, that of its last end: the polygonizer needs ends that are equal.
     spots = np.empty_like(ends)
     spots[nodes] = ends
     rings = _outer_rings({k: _path(runs, way, spots[nodes]) for k, way in others.items()})
@@ -1067,6 +1083,7 @@ def _doubles(runs: Sequence[EntityRun], nodes: IntArray, gap: float) -> BoolArra
     """(n,) which of the `runs` (n,) lie on another one: the same ends, the same middle."""
     marks = np.array([sum(map(_middle, run.pieces)) / len(run.pieces) for run in runs])
     ends = np.sort(nodes.reshape(-1, 2), axis=1)
+    # Runs with the same ends become neighbours, ordered by their middles.
     order = np.lexsort((marks.imag, marks.real, ends[:, 1], ends[:, 0]))
     same = np.all(ends[order[1:]] == ends[order[:-1]], axis=1)
     doubles = np.zeros(len(runs), dtype=np.bool_)
@@ -1145,9 +1162,11 @@ def _rings(paths: Mapping[int, ComplexArray]) -> list[Ring]:
     if len(paths) > PATHS:
         raise beyond("the drawing", f"{len(paths):,} chains between crossings", PATHS, DRAWING)
     long = {k: path for k, path in paths.items() if len(path) > 1}
+    # The first step of a path in either direction tells which path a border follows.
     heads = {(path[0], path[1]): (k, True) for k, path in long.items()}
     heads |= {(path[-1], path[-2]): (k, False) for k, path in long.items()}
     lines = [shapely.LineString(np.column_stack((z.real, z.imag))) for z in long.values()]
     rings = shapely.get_exterior_ring(shapely.get_parts(shapely.polygonize(lines)))
+    # Rows (x, y) as x + iy.
     borders = (shapely.get_coordinates(ring) @ (1.0, 1.0j) for ring in rings)
     return [[heads[step] for step in pairwise(z.tolist()) if step in heads] for z in borders]

@@ -95,7 +95,7 @@ class DxfWriter:
         circles = [item for item in drawing.items if item.layer == "BASE_CIRCLE"]
         pitch = drawing.contours("PITCH_CURVE") if product.drawn.has_pitch_curve else ()
         if len(pitch) > 1 or len(circles) != 1:
-            raise FileError("the drawing must have one base circle, and one pitch curve at most")
+            raise FileError("the drawing must have one base circle and at most one pitch curve")
         x, y, radius = (circles[0].number(code) * scale for code in (10, 20, 40))
         largest = max(largest, abs(complex(x, y)) + abs(radius - product.drawn.base_radius))
         for contour in pitch:
@@ -105,7 +105,7 @@ class DxfWriter:
 
 
 def _limit(pieces: int) -> None:
-    """Raise FileError if a drawing of so many pieces would not be read back."""
+    """Raise FileError if a drawing of that many pieces could not be read back."""
     if LINES * pieces > DRAWING_LINES:
         raise FileError(
             f"the drawing would have {counted(pieces, 'piece')} of at least {LINES} lines of text;"
@@ -236,6 +236,7 @@ def _strands(space: Modelspace, contour: SplineContour, scale: float, layer: str
             )
             spline.dxf.flags = PLANAR  # ezdxf sets it to 0 on creation
         elif strand.sweep:
+            # An ARC runs counter-clockwise, so a clockwise one is stated from its end.
             ends = (strand.start, strand.end) if strand.sweep > 0.0 else (strand.end, strand.start)
             first, last = (math.degrees(phase(end - strand.centre)) for end in ends)
             centre, radius = _xy(strand.centre, scale), strand.radius / scale
@@ -259,7 +260,7 @@ WRITER = DxfWriter()
 
 
 MARGIN = 0.05
-"""Of the view, on each side, as a fraction of the larger side of the drawing."""
+"""Margin of the view on each side, as a fraction of the larger side of the drawing."""
 
 ASPECT = 4.0 / 3.0
 """Width of the view over its height. The view is as high as the drawing is wide, so a window of any
@@ -299,7 +300,7 @@ def _extremes(contour: Contour | SplineContour) -> ComplexArray:
 def _piece_extremes(
     starts: ComplexArray, sweeps: FloatArray, centres: ComplexArray
 ) -> ComplexArray:
-    """The starts, and where arcs run along an axis."""
+    """The starts of the pieces, and the points at which arcs run parallel to an axis."""
     bent = sweeps != 0.0
     arc_starts, centres, sweeps = starts[bent], centres[bent], sweeps[bent]
     arm = arc_starts - centres
@@ -312,11 +313,13 @@ def _piece_extremes(
 
 
 def _cubic_extremes(pieces: ComplexArray) -> ComplexArray:
-    """The ends of (n, 4) Bezier pieces, and where they run along an axis."""
+    """The ends of (n, 4) Bezier pieces, and the points at which they run parallel to an axis."""
     points = [pieces[:, 0], pieces[:, 3]]
     for values in (pieces.real, pieces.imag):
         a, b, c = np.diff(values, axis=1).T
-        # The derivative is a (1 - t)^2 + 2 b t (1 - t) + c t^2.
+        # The derivative is proportional to a (1 - t)^2 + 2 b t (1 - t) + c t^2. Its roots in the
+        # form a / (a - b +- root) also hold where the square of t vanishes; those outside of the
+        # piece are replaced by its ends.
         root = np.sqrt(np.maximum(b * b - a * c, 0.0))
         for bottom in (a - b + root, a - b - root):
             share = np.where(bottom == 0.0, 0.0, a) / np.where(bottom == 0.0, 1.0, bottom)
@@ -410,6 +413,6 @@ def _check(drawing: Drawing, product: Product) -> None:
         if item.kind not in kinds.get(item.layer, ()):
             raise FileError(f"{item.kind} on layer {item.layer} is not part of the drawing")
     if drawing.scale() != MM_PER[product.unit]:
-        raise FileError(f"$INSUNITS does not say {product.unit}")
+        raise FileError(f"$INSUNITS does not state {product.unit}")
     if drawing.value("$MEASUREMENT") != MEASUREMENT[product.unit]:
-        raise FileError(f"$MEASUREMENT does not say {product.unit}")
+        raise FileError(f"$MEASUREMENT does not state {product.unit}")

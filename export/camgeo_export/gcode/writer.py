@@ -65,7 +65,7 @@ class GcodeWriter:
         whole = product.milled.whole
         if whole is None:
             watched = product.milled.safe(toolpath, tolerance)
-        else:  # of all programs it is told with the first
+        else:  # findings on the whole job are reported with its first program
             watched = () if product.program else whole.safe(whole.toolpath(shares.fit), tolerance)
         cuts = [operation.cut for operation in toolpath.operations]
         _check_tools(cuts, machine)
@@ -110,7 +110,7 @@ class GcodeWriter:
 
 
 def program_setup(product: Product, spec: GcodeSpec, machine: Machine) -> Setup:
-    """What the scene asks of the program; SceneError for what the machine does not have."""
+    """What the scene asks of the program; SceneError if it asks for what the machine lacks."""
     offset = spec.work_offset or next(iter(machine.work_offsets))
     allowed = {
         "coolant": machine.coolant.kinds,
@@ -132,6 +132,7 @@ def program_setup(product: Product, spec: GcodeSpec, machine: Machine) -> Setup:
     words = machine.work_offsets[offset]
     milled, away = product.milled, spec.tool_change_height
     first_programs = 0 if milled.first is None else len(milled.first.programs)
+    # Main disc and pair alternate, so the further programs of one disc are numbered two apart.
     number = spec.program_number + product.position + 2 * (first_programs + (product.program or 0))
     assert milled.spec is not None  # for there are cuts
     blank = milled.zero.box(milled.spec.stock, milled.part)
@@ -149,17 +150,17 @@ def program_setup(product: Product, spec: GcodeSpec, machine: Machine) -> Setup:
 
 
 def _short(length: float) -> float:
-    """A share of the budget, to four digits."""
+    """A share of the budget [mm], rounded to four significant digits."""
     return float(f"{length:.4g}")
 
 
 def _check_tools(cuts: list[Cut], machine: Machine) -> None:
     tools = dict.fromkeys(cut.tool.number for cut in cuts)
     if len(tools) > 1 and not machine.tool_change.change:
-        named = " and ".join(map(str, tools))
-        message = f"a program cannot change tools there, but tools {named} are needed"
-        allowed = "write one for each of them, or use a profile with tool_change.change"
-        raise machine.error(f"{message}: {allowed}")
+        raise machine.error(
+            f"a program cannot change tools, but tools {' and '.join(map(str, tools))} are needed:"
+            " write a program for each of them, or use a profile with tool_change.change"
+        )
 
 
 def _check_limits(lines: list[str], program: Program, machine: Machine) -> None:
@@ -183,7 +184,7 @@ WRITER = GcodeWriter()
 
 
 LONGEST_NAME: Final = 24
-"""Characters of a program's name that controllers show."""
+"""Most characters of a program's name that controllers show."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -196,7 +197,7 @@ class Setup:
     unit : of length.
     work_offset : words that select it.
     coolant : one of the machine's kinds, with tools that do not state theirs.
-    spin_up : dwell behind the start of the spindle [s].
+    spin_up_time : dwell after the start of the spindle [s].
     number : of the program, on controllers that number them.
     away : Z at which tools are changed and the operator works [mm], where the machine's retract is
         a height; None for the clearance height.
@@ -260,7 +261,9 @@ class Program:
         self.lines += self._commented(comments)
 
     def operation(self, operation: Operation, following: Operation | None) -> None:
-        """One operation, from its comments to its last move, and away if the operator comes."""
+        """Write one operation, from its comments to its last move, and retract if the operator has
+        to work next.
+        """
         first = self._tool is None
         note = self._compensate(operation)
         grid, zero = self.speller.grid, self.setup.zero
@@ -287,7 +290,9 @@ class Program:
             self._retract(self._away if leaves else self.height)
 
     def _compensate(self, operation: Operation) -> str:
-        """Make the words of its compensation; what the operator has to know of it, or nothing."""
+        """Prepare the words of its radius compensation; return what the operator must know about
+        it, or an empty text.
+        """
         self._nominal, self.speller.switches = "", {}
         words, limit = self.machine.compensation, self.limits.get(operation.name)
         if words is None or limit is None:
@@ -304,7 +309,7 @@ class Program:
         return limit.sentence(words, partial(length_text, unit=self.setup.unit))
 
     def end(self) -> None:
-        """Away from the part, everything off."""
+        """Write the end of the program: retract, and switch everything off."""
         machine = self.machine
         self._stop_coolant()
         self._retract(self._away)
@@ -314,7 +319,7 @@ class Program:
         self.lines += fill_blocks(machine.program.end, name=self.setup.title, unit=unit)
 
     def _state(self, tool: Tool, *, halting: bool) -> None:
-        """Modal state and tool; the cutter is above the part, or its place is unknown.
+        """Write modal state and tool; the cutter is above the part, or its place is unknown.
 
         `halting` says whether the operator comes next: then the spindle is off.
         """
@@ -341,7 +346,7 @@ class Program:
             self.lines += self._offset()
 
     def _start(self, place: Point, comments: Iterable[str] = ()) -> None:
-        """Spindle on, to the clearance height, coolant on.
+        """Switch the spindle on, move to the clearance height, and switch the coolant on.
 
         A machine that goes across first is above everything, and goes down above `place` with the
         spindle turning; others first leave the work, which the cutter may touch.
@@ -360,7 +365,7 @@ class Program:
             self.lines += comments
 
     def _turn(self) -> None:
-        """The spindle on, up to its speed."""
+        """Switch the spindle on, and wait until it is up to speed."""
         machine, tool = self.machine, self._tool
         assert tool is not None
         self.lines += fill_blocks(machine.spindle.clockwise, speed=self._speed(tool))
@@ -370,7 +375,7 @@ class Program:
             self.lines += fill_blocks(machine.dwell.blocks, dwell=time)
 
     def _down(self) -> None:
-        """To the clearance height."""
+        """Move to the clearance height."""
         if self._moving_offset:
             self.lines += self._offset()
             self.speller.reached(self.height)
@@ -379,7 +384,7 @@ class Program:
             self.lines += self.speller.take()
 
     def _start_coolant(self) -> None:
-        """Coolant on, if tool or scene want any."""
+        """Switch the coolant on if the tool or the scene asks for it."""
         assert self._tool is not None
         coolant = self._tool.coolant or self.setup.coolant
         if coolant != "off":
@@ -387,7 +392,9 @@ class Program:
             self._wet = True
 
     def _halt(self, stop: Stop) -> None:
-        """Everything off for the operator, and back to where the cutter was, from above."""
+        """Stop for the operator with everything off, then return from above to where the cutter
+        was.
+        """
         place = self.speller.place
         self.lines += self.speller.take()
         self._stop_coolant()
@@ -399,12 +406,12 @@ class Program:
         self._start((place.real, place.imag, self.height))
 
     def _wait(self, stop: Stop) -> None:
-        """For the operator, who may move the machine."""
+        """Wait for the operator, who may move the machine."""
         self.lines += (*self._commented([stop.note]), *self.machine.program.stop)
         self.speller.restart()
 
     def _retract(self, z: float) -> None:
-        """Up to the machine's retract, or to the height `z` [mm] if it is not there."""
+        """Retract as the machine does, or to the height `z` [mm] unless the cutter is there."""
         if self._plain_retract and self.speller.level(z) == self.speller.printed_position[2]:
             return
         self.lines += fill_blocks(self.machine.retract.blocks, z=self.speller.height(z))
@@ -483,12 +490,13 @@ def fill_blocks(blocks: Iterable[str], **words: str) -> list[str]:
 def number_lines(lines: Iterable[str], machine: Machine) -> list[str]:
     """`lines` with the numbers that the profile asks for: on blocks alone, in klartext on all.
 
-    A block of several lines becomes as many, with one number.
+    A block of several lines gets one number, in its first line.
     """
     step = machine.text.line_numbers
     if step is None:
         return [part for line in lines for part in line.split("\n")]
     klartext = machine.dialect == "klartext"
+    # What lines begin with that get no number.
     plain = ("\n",) if klartext else (machine.text.comment_open.strip(), "%", "O")
     numbered_lines: list[str] = []
     count = 0 if klartext else 1
@@ -530,8 +538,8 @@ class Speller:
     arcs, lines : cutting blocks written so far.
     switches : words of the controller's compensation, by what they switch it to on the machine.
     reach : largest magnitude of a coordinate so far, in steps of the grid.
-    place : exact one of the cutter in the plane [mm].
-    at : where it is as printed, in steps; None where that is not known.
+    place : exact place of the cutter in the plane [mm].
+    printed_position : where it is as printed, in steps; None where that is not known.
     """
 
     grid: Grid
@@ -555,11 +563,11 @@ class Speller:
         return blocks
 
     def forget(self) -> None:
-        """A block of the program's own has moved the cutter along Z, nobody knows where to."""
+        """Note that a block of the profile has moved the cutter along Z to an unknown height."""
         self.printed_position = (*self.printed_position[:2], None)
 
     def restart(self) -> None:
-        """State place and feed again in the next blocks, as a program may be started here."""
+        """Repeat place and feed in the next blocks, as a program may be restarted here."""
         self.printed_position = (None, None, self.printed_position[2])
         self._feed = ""
 
@@ -572,7 +580,7 @@ class Speller:
         return self.grid.steps(height - self.zero.z)
 
     def reached(self, height: float) -> None:
-        """A block of the program's own has moved the cutter to Z `height` [mm]."""
+        """Note that a block of the profile has moved the cutter to Z `height` [mm]."""
         self.printed_position = (*self.printed_position[:2], self.level(height))
         self._exact_z = height
 
@@ -641,6 +649,7 @@ class Speller:
         sweep = arc_sweep(arm, end - centre, ccw=move.ccw)
         feed = self._feed_text(move.feed)
         helix = self._steps(move.end)[2] != self.printed_position[2]
+        # r (1 - cos(sweep / 2)), in the form that does not cancel for flat arcs.
         sagitta = 2.0 * radius * math.sin(0.25 * sweep) ** 2
         chords = not self.budget.arcs or sagitta <= self.budget.chord
         chords = chords or (helix and not self.machine.arcs.helical)
@@ -720,6 +729,8 @@ class Speller:
 
 def _chord_ends(radius: float, sweep: float, sagitta: float) -> list[float]:
     """Ends of the fewest equal chords within `sagitta` of the arc, as fractions of it up to 1."""
+    # A chord over the angle a has the sagitta 2 r sin(a / 4)^2; 1e-9 keeps rounding from adding a
+    # chord to a quotient that is whole.
     ratio = math.sqrt(min(1.0, 0.5 * sagitta / radius))
     count = max(1, math.ceil(abs(sweep) / (4.0 * math.asin(ratio)) - 1e-9))
     return [(index + 1) / count for index in range(count)]
@@ -760,7 +771,7 @@ class Iso:
 
 
 class Klartext(Iso):
-    """Heidenhain's conversational blocks; the centre has a block of its own."""
+    """Blocks in Heidenhain's conversational format, where the centre has its own block."""
 
     signed = True
 
@@ -769,16 +780,16 @@ class Klartext(Iso):
         self._side = "R0"
 
     def rapid(self, end: Coordinates) -> str:
-        """As L with FMAX."""
+        """A traverse to `end`, as L with FMAX."""
         return _spelled("L", _words(end), "R0 FMAX")
 
     def line(self, end: Coordinates, feed: str, switch: str = "") -> str:
-        """As L, which repeats the side of the compensation."""
+        """A straight cut, as L, which repeats the side of the compensation."""
         self._side = switch or self._side
         return _spelled("L", _words(end), self._side, _feed(feed))
 
     def arc(self, end: Coordinates, centre: Coordinates, feed: str, *, ccw: bool) -> list[str]:
-        """As C, behind a CC for another centre."""
+        """A circular cut, as C, after a CC if the centre is another one."""
         blocks = []
         if (block := _spelled("CC", _words(centre))) != self._centre:
             blocks.append(block)
@@ -855,7 +866,7 @@ def program_comments(
 
 
 def side_sentence(product: Product) -> str:
-    """Which side of the part a program mills, and how the work lies; empty if there is but one."""
+    """Which side of the part a program mills, and how the work lies; empty if there is only one."""
     milled = product.milled
     if milled.first is not None:
         return f"{SECOND} the work is {TURNING_NOTE[milled.zero.turned]}"
@@ -863,7 +874,7 @@ def side_sentence(product: Product) -> str:
 
 
 def _part_location(zero: Zero, unit: LengthUnit) -> Iterator[str]:
-    """Where the part is, seen from another zero than its own."""
+    """Where the part lies in the program's coordinates, if their zero is not that of the part."""
     if not zero.is_of_the_part:
         axis, top = zero.to_program(0j), 0.0 - zero.z
         places = [number(mm / MM_PER[unit]) for mm in (axis.real, axis.imag, top)]
@@ -911,6 +922,8 @@ SPELLED = str.maketrans(
 
 def to_ascii(text: str) -> str:
     """`text` in ASCII: special letters and signs spelled out, accents left off, others as "?"."""
+    # Composed first, so that the table also finds letters with combining marks; then decomposed, so
+    # that all other accents can be dropped.
     expanded = unicodedata.normalize("NFC", text).translate(SPELLED)
     parts = unicodedata.normalize("NFKD", expanded)
     plain = "".join(character for character in parts if not unicodedata.combining(character))
@@ -959,7 +972,7 @@ class Grid:
 
 
 def number(value: float, decimals: int = FEED_DECIMALS) -> str:
-    """A feed or a speed with as many digits as it has, but at most `decimals` behind the point."""
+    """A feed or a speed without trailing zeros, with at most `decimals` digits after the point."""
     return f"{value:.{decimals}f}".rstrip("0").rstrip(".")
 
 
@@ -974,13 +987,14 @@ LEAST_FIT = 0.1
 """Least share of the tolerance left for the fit where numbers are coarse."""
 
 SLACK = 1e-6
-"""Of shares: messages name a tolerance with six digits."""
+"""Tolerated error of a share: messages name tolerances with six digits, and such a one must do."""
 
 LINE_SHARE = 0.3
 """Share of the tolerance for chords on a machine that gets lines alone."""
 
 TRUSTED_SHARE = 0.5
-"""A controller whose own arcs take more of the tolerance than this gets lines instead of them."""
+"""Largest share of the tolerance that a controller's own arcs may take: one that needs more gets
+lines."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -1032,6 +1046,6 @@ def budget(machine: Machine, unit: LengthUnit, tolerance: float) -> Budget:
         raise ToleranceError(f"{decimals} decimals in a program are too coarse", tolerance, least)
     if fit <= 0.0:
         raise ToleranceError(
-            "nothing of the tolerance is left for the fit", tolerance, tolerance - fit
+            "no part of the tolerance is left for the fit", tolerance, tolerance - fit
         )
     return Budget(tolerance, decimals, rounding, chord, blending, fit, interpolation, arcs)

@@ -1,5 +1,5 @@
-"""What the interpreter goes by: a machine profile prepared for looking words up, the modal state,
-the meanings of words, and lines decoded into blocks.
+"""What the interpreter is based on: a machine profile prepared for looking up words, the modal
+state, the meanings of words, and lines decoded into blocks.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from camgeo_export.interpreter.moves import Findings
 
 @dataclass(frozen=True, slots=True)
 class Controller:
-    """A profile as the interpreter asks for it.
+    """A machine profile, prepared for the interpreter.
 
     Attributes
     ----------
@@ -115,13 +115,13 @@ class State:
     ----------
     modes : meaning that is active, by modal group; a group without one was never set.
     scale : mm in a unit of the program; NaN before it is stated.
-    at, z : position; NaN where it is unknown.
+    place, z : position; NaN where it is unknown.
     pole : centre that klartext sets with a block of its own.
     feed : programmed, 0 if none was, or if a change of the feed's mode has cancelled it.
     chosen, tool : numbers of the tool that is prepared, and of the one in the spindle.
-    offset : number of the tool whose length is in force; 0 if none is.
-    measured : the tool that was in the spindle when a length was last put into force; 0 after a
-        change.
+    offset : number of the tool whose length is active; 0 if none is.
+    measured : the tool that was in the spindle when a length was last activated; 0 after a change
+        of the tool.
     radius_offset : number of the radius offset of the compensation.
     stated_radius : of the compensation, where the program states it itself; NaN if it does not.
     oversize : what the program adds to the radius of the tool table [mm].
@@ -129,17 +129,17 @@ class State:
     blending, naive_cam : how far the path may leave the programmed one; infinite without a bound.
     operation : the last one named by a comment.
     left_compensation : line of the block that ended compensation, until the next motion; 0 after.
-    used_coolant : in the present tool's time.
-    dry : line of the first cut in it without coolant, and its depth below the stock.
+    used_coolant : whether coolant has flowed since the tool came into the spindle.
+    dry : line of the tool's first cut below the top of the stock without coolant; 0 if none.
     ended : whether the program has ended.
     step : last printed decimal [mm].
     heading : of the last move, of length 1.
-    lost : whether it was told that a cut begins at an unknown position, and none began elsewhere.
+    lost : whether a cut from an unknown position was reported, and none from a known one followed.
     rounding : radius of the corner at which the last move ends; 0 for a sharp one.
     cycle : word of the cycle of holes that is active; empty if none is.
     hole : words of the cycle of holes that is active [mm], which its blocks need not repeat.
     above : height before the cycle of holes began; NaN outside one.
-    z_before : last height that was known, in the lengths of its time.
+    last_z : last known height, in the tool length that was active then.
     cut_blending, cut_naive_cam : largest ones during a cut; -1 before the first.
     cut_scale : mm in a unit at the first cut.
     """
@@ -184,7 +184,7 @@ class State:
         return 1.0 if math.isnan(self.scale) else self.scale
 
     def lose(self) -> None:
-        """Go on from a block that cannot be read: nobody knows where it ends."""
+        """Go on after a block that cannot be read: where it ends is unknown."""
         self.place, self.z, self.heading = UNKNOWN, math.nan, UNKNOWN
 
     def mode(self, group: str) -> str:
@@ -199,18 +199,18 @@ class State:
 
     @property
     def has_length(self) -> bool:
-        """Whether a length was put into force for the tool in the spindle."""
+        """Whether a length offset is active for the tool in the spindle."""
         return self.tool in (self.offset, self.measured)
 
     @property
     def coolant(self) -> str:
-        """What flows: "flood", "mist", "through" or "off"."""
+        """The kind of coolant that flows: "flood", "mist", "through" or "off"."""
         meaning = self.mode("coolant")
         return "off" if meaning in ("", "coolant off") else meaning
 
     @property
     def side(self) -> str:
-        """Of the path on which compensation keeps the cutter: "left", "right" or ""."""
+        """The side of the path on which compensation keeps the cutter: "left", "right" or ""."""
         meaning = self.mode("compensation")
         return (
             meaning.removeprefix("compensation ") if meaning not in ("", "compensation off") else ""
@@ -247,7 +247,7 @@ GROUPS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
         "none": ("no effect",),
     }
 )
-"""Meanings by modal group. Those of "once" and "none" are no modes."""
+"""Meanings by modal group. Those of "once" and "none" are not modal."""
 
 MODAL_GROUPS: Final[Mapping[str, str]] = MappingProxyType(
     {meaning: group for group, meanings in GROUPS.items() for meaning in meanings}
@@ -285,8 +285,8 @@ COMMON: Final[Mapping[str, str]] = MappingProxyType(
 """The common meaning of a word, its number without leading zeros."""
 
 CYCLE: Final = "a cycle"
-"""Motion of the blocks of a cycle, which is found and not run: their places in the plane are known,
-and the height is taken for that at which it began."""
+"""Motion of the blocks of a cycle, which is reported and not run: their places in the plane are
+known, and the height is taken for that at which the cycle began."""
 
 KNOWN: Final[Mapping[str, str]] = MappingProxyType(
     {
@@ -302,7 +302,7 @@ KNOWN: Final[Mapping[str, str]] = MappingProxyType(
         "M19": "an angle of the spindle", "M98": "a subprogram", "M99": "the end of a subprogram",
     }
 )  # fmt: skip
-"""What further words are for, for messages: none of them is read."""
+"""What further words mean, for messages: none of them is supported."""
 
 CYCLES: Final = ("holes", "bores")
 """Motions of a hole that is left at a traverse, and of one that is left at the feed up to R."""
@@ -377,7 +377,7 @@ class Block:
     broken: bool = False
 
     def at_line(self, line: int) -> Block:
-        """The same block at another line, with values of its own."""
+        """A copy of the block for another line, with values that can be changed."""
         return Block(
             line,
             self.codes,
@@ -401,7 +401,7 @@ class Block:
 
 
 class BlockReader:
-    """Reads blocks for a controller, on its state, and adds to the findings what is wrong."""
+    """Reads blocks for a controller in its present state, and reports what is wrong with them."""
 
     def __init__(self, controller: Controller, state: State, findings: Findings) -> None:
         self._controller = controller
@@ -456,12 +456,12 @@ LONGEST: Final = 60
 FLOW: Final = re.compile(
     r"[#\[\]]|\bR\d+\s*=|\b(?:IF|WHILE|GOTO[BFCS]?|FOR|LOOP|DEF|PROC|SUB|ENDSUB|CALL|DO|REPEAT)\b"
 )
-"""Parameters, expressions and control of flow."""
+"""Parameters, expressions and flow control."""
 
 
 @dataclass(slots=True)
 class Words:
-    """One line taken apart.
+    """The words of one line.
 
     Attributes
     ----------
@@ -493,7 +493,7 @@ def parse_words(line: int, block: str, extended: bool, findings: Findings) -> Wo
     if not extended and PLAIN.fullmatch(joined := "".join(block.split())):
         return parse_words(line, joined, extended, findings)
     if FLOW.search(block):
-        what = "parameters, expressions and control of flow are outside what is read"
+        what = "parameters, expressions and flow control are not supported by camgeo"
         findings.add(line, "unsupported", what, excerpt(block))
         return None
     if not extended:
@@ -532,8 +532,9 @@ def _extended(words: Words, block: str, findings: Findings) -> bool:
 def _add_word(words: Words, letter: str, text: str, findings: Findings) -> bool:
     value = parse_number(text)
     if value is None:
-        what = f"the word {(letter + text)[:40]} has more than {DIGITS} digits or is beyond"
-        findings.add(words.line, "number", f"{what} {COORDINATE:g}")
+        word = (letter + text)[:40]
+        what = f"the word {word} has more than {DIGITS} digits or is beyond {COORDINATE:g}"
+        findings.add(words.line, "number", what)
         return False
     words.words.append((letter, Number(value, text)))
     return True
@@ -576,13 +577,14 @@ class Decoder(BlockReader):
             return block, [note.strip()] if mark else []
         notes: list[str] = []
         while match := BRACKETS.search(text):
+            # A semicolon before the bracket turns the rest of the line into one comment.
             cut = text.find(";", 0, match.start())
             if cut >= 0:
                 break
             notes.append(match[1].strip())
             text = f"{text[: match.start()]} {text[match.end() :]}"
             if notes and text.count("(") and match.start() > text.find("("):
-                self._findings.add(line, "comment", "a comment in brackets holds another")
+                self._findings.add(line, "comment", "a comment in brackets contains another one")
                 return text.partition("(")[0], notes
         block, mark, note = text.partition(";")
         if mark:
@@ -590,7 +592,9 @@ class Decoder(BlockReader):
         for bracket in "()":
             if bracket in block and not (bracket == "(" and self._reading.open_comment):
                 what = (
-                    "a comment does not end in its line" if bracket == "(" else "a bracket too many"
+                    "a comment does not end in its line"
+                    if bracket == "("
+                    else "a closing bracket without an opening one"
                 )
                 self._findings.add(line, "comment", what, bracket)
             if bracket in block:
@@ -598,8 +602,8 @@ class Decoder(BlockReader):
         return block, notes
 
     def read_block(self, line: int, text: str) -> Block | None:
-        """The block in a line of an ISO dialect; None if it cannot be read. What cannot be run in
-        it is found and left out.
+        """The block in a line of an ISO dialect; None if it cannot be read. What cannot be run of
+        it is reported and left out.
         """
         words = parse_words(line, text, self._controller.extended, self._findings)
         if words is None:
@@ -616,7 +620,7 @@ class Decoder(BlockReader):
                 self._code(block, codes[-1])
                 continue
             if letter == "N" and place and self._reading.number_first:
-                what = f"N{number.text} behind other words"
+                what = f"N{number.text} after other words"
                 self._report(block, "line-number", what, allowed="at the start of the block")
             self._value(block, letter, number)
         if len(codes) > 1:
@@ -633,7 +637,7 @@ class Decoder(BlockReader):
         return block
 
     def _check_alone(self, block: Block, codes: list[str]) -> None:
-        """Find words of which a block may have one, that are not of one modal group."""
+        """Report words that exclude each other in a block though their modal groups differ."""
         for words in self._controller.alone:
             conflicting = [word for word in dict.fromkeys(codes) if word in words]
             if len(conflicting) > 1:
@@ -642,7 +646,7 @@ class Decoder(BlockReader):
                 return
 
     def _code(self, block: Block, word: str) -> None:
-        """Put the G or M word `word` into a block; what the controller lacks is found."""
+        """Put the G or M word `word` into a block; report it if the controller does not have it."""
         meaning = self._controller.meanings.get(word)
         if meaning is None:
             name = self._controller.machine.name
@@ -651,7 +655,7 @@ class Decoder(BlockReader):
             if KNOWN.get(word) == CYCLE:
                 block.codes["motion"], block.words["motion"] = CYCLE, word
             if word in self._controller.accepted:
-                self._report(block, "unsupported", f"{word}{use} is outside what is read")
+                self._report(block, "unsupported", f"{word}{use} is not supported by camgeo")
             else:
                 self._report(block, "unknown-word", f"{name} has no {word}{use}".rstrip(","))
             return
@@ -662,9 +666,9 @@ class Decoder(BlockReader):
         key = meaning if group == "once" else group
         if key in place:
             if block.words[key] == word:
-                self._report(block, "repeated-word", f"{word} is there twice")
+                self._report(block, "repeated-word", f"{word} appears twice")
             else:
-                what = f"{block.words[key]} and {word} are both of the group {group}"
+                what = f"{block.words[key]} and {word} are both of the modal group {group}"
                 self._report(block, "conflict", what, allowed="one of them in a block")
             return
         place[key] = meaning
@@ -680,7 +684,7 @@ class Decoder(BlockReader):
                 return
             if letter not in ADDRESSES:
                 block.broken = True
-                self._report(block, "unsupported", f"{letter}= is outside what is read")
+                self._report(block, "unsupported", f"{letter}= is not supported by camgeo")
                 return
             letter = ADDRESSES[letter]
         elif letter not in self._controller.letters:
@@ -688,12 +692,12 @@ class Decoder(BlockReader):
             self._report(block, "unknown-word", f"{name} has no words that begin with {letter}")
             return
         elif letter not in READ:
-            what = f"words that begin with {letter} are outside what is read"
+            what = f"words that begin with {letter} are not supported by camgeo"
             block.broken = True
             self._report(block, "unsupported", what)
             return
         if letter in block.values:
-            self._report(block, "repeated-word", f"the word {letter} is there twice")
+            self._report(block, "repeated-word", f"the word {letter} appears twice")
             return
         self._check_reach(block, letter, number)
         if letter in WHOLE and (number.value < 0.0 or (number.value % 1.0 and letter != "D")):
@@ -703,7 +707,7 @@ class Decoder(BlockReader):
         block.values[letter] = number
 
     def _check_reach(self, block: Block, letter: str, number: Number) -> None:
-        """Find a coordinate that is larger than the controller reads."""
+        """Report a coordinate that is larger than the controller reads."""
         largest = self._controller.machine.numbers.largest
         if letter in COORDINATES and abs(number.value) > largest:
             allowed = f"at most {largest:.10g} in magnitude"
@@ -725,7 +729,7 @@ class Decoder(BlockReader):
             block.words["machine position"] = name
         else:
             block.broken = True
-            self._report(block, "unsupported", f"{name} is outside what is read")
+            self._report(block, "unsupported", f"{name} is not supported by camgeo")
 
     def _smoothing(self, block: Block, arguments: str) -> None:
         """Sinumerik's CYCLE832: tolerance, kind of machining, version of the call."""
@@ -748,7 +752,7 @@ class Decoder(BlockReader):
         block.values["tolerance"] = Number(value, parts[0])
 
     def _check_points(self, block: Block) -> None:
-        """Coordinates without a decimal point, where the controller counts them in increments."""
+        """Report coordinates without a decimal point that the controller counts in increments."""
         increment = self._controller.machine.numbers.increment
         if increment is None:
             return
@@ -761,8 +765,10 @@ class Decoder(BlockReader):
                 and number.value != 0.0
             ):
                 word = f"{letter}{number.text}"
-                what = f"{word} without a decimal point counts in {increment.mm:g} mm"
-                what = f"{what} or {increment.inch:g} inch"
+                what = (
+                    f"{word} without a decimal point counts in {increment.mm:g} mm or"
+                    f" {increment.inch:g} inch"
+                )
                 self._report(block, "decimal-point", what, allowed=f"{word}.0")
 
 
@@ -825,7 +831,7 @@ UNREAD: Final = re.compile(r"(APPR|DEP|RND|CHF|FN|LBL|CALL|FL|FC|FCT|FLT|Q|SEL|T
 """First words of what is known, but not read."""
 
 STILL: Final = frozenset({"FN", "LBL", "Q", "SEL"})
-"""Those of them that move nothing."""
+"""Those of the known but unread words that move nothing."""
 
 
 class Klartext(Decoder):
@@ -846,7 +852,8 @@ class Klartext(Decoder):
             return self._program(line, match)
         if not self._begun:
             self._begun = True
-            self._findings.add(line, "frame", "a program begins with BEGIN PGM, its name and MM")
+            what = "the program does not begin with BEGIN PGM, its name and MM"
+            self._findings.add(line, "frame", what)
         if FORM.fullmatch(rest):
             return []
         if match := CALL.fullmatch(rest):
@@ -855,7 +862,7 @@ class Klartext(Decoder):
             return self._read_cycle(line, match)
         if PARAMETER.fullmatch(rest):
             if not self._cycle:  # of which it would be one on a line of its own
-                what = "parameters, expressions and control of flow are outside what is read"
+                what = "parameters, expressions and flow control are not supported by camgeo"
                 self._findings.add(line, "unsupported", what, excerpt(rest))
             return []
         self._cycle = ""
@@ -902,14 +909,14 @@ class Klartext(Decoder):
             self._findings.add(
                 line,
                 "unsupported",
-                "a tool called by name: its number is not known",
+                "a tool is called by its name, so its number is not known",
                 excerpt(number),
             )
             return block
         block.values["T"] = Number(float(number[:9]), number)
         block.codes["tool"], block.words["tool"] = "tool change", "TOOL CALL"
         if match[2] != "Z":
-            what = "TOOL CALL without Z as the axis of the tool"
+            what = "TOOL CALL without Z as the tool axis"
             self._findings.add(line, "plane", what, allowed="TOOL CALL n Z")
         return block
 
@@ -938,7 +945,7 @@ class Klartext(Decoder):
             self._findings.add(line, "unreadable", "cannot be read", excerpt(rest))
             return []
         if number not in ("9", "32"):
-            self._findings.add(line, "unsupported", f"cycle {number} is outside what is read")
+            self._findings.add(line, "unsupported", f"cycle {number} is not supported by camgeo")
         return []
 
     def _path(self, line: int, function: str, words: str) -> list[Block]:
@@ -952,7 +959,8 @@ class Klartext(Decoder):
         else:
             block.codes["motion"] = "counter-clockwise arc" if sense == "+" else "clockwise arc"
             if not sense and motion == "circle" and not self._signed(block):
-                self._findings.add(line, "arc-form", "a circle without its sense", "", "DR+ or DR-")
+                what = "a circle without a direction of rotation"
+                self._findings.add(line, "arc-form", what, "", "DR+ or DR-")
         block.arc = arc
         fast = block.names.pop("fast", "")
         if fast and motion == "line":
@@ -985,7 +993,7 @@ class Klartext(Decoder):
         state.pole = complex(parts["X"], parts["Y"])
 
     def _words(self, line: int, text: str) -> Block:
-        """The words of a path function; what cannot be read of them is found."""
+        """The words of a path function; what cannot be read of them is reported."""
         block = Block(line)
         position, end = 0, len(text.rstrip())
         while position < end:
@@ -1008,7 +1016,7 @@ class Klartext(Decoder):
         return block
 
     def _feed_of_tool(self, block: Block) -> None:
-        """F AUTO: the feed that TOOL CALL states."""
+        """Take F AUTO: the feed that TOOL CALL states."""
         if self._tool_feed is None:
             what = "F AUTO without a feed F in TOOL CALL"
             self._report(block, "missing-word", what, allowed="TOOL CALL n Z S F")
@@ -1016,7 +1024,7 @@ class Klartext(Decoder):
             block.values["F"] = self._tool_feed
 
     def _compensate(self, block: Block, side: str) -> None:
-        """R0, RL or RR: each block repeats what is active."""
+        """Take R0, RL or RR: each block repeats what is active, so only a change is a code."""
         meaning = SIDES[side]
         if meaning != (self._state.mode("compensation") or "compensation off"):
             block.codes["compensation"], block.words["compensation"] = meaning, side
@@ -1024,7 +1032,7 @@ class Klartext(Decoder):
     def _word(self, block: Block, letter: str, text: str) -> None:
         value = parse_number(text)
         if value is None:
-            self._report(block, "number", f"the number {text[:40]} cannot be one of a program")
+            self._report(block, "number", f"the number {text[:40]} is too long or too large")
             return
         if letter == "M":
             word = normal("M", text)
@@ -1033,7 +1041,7 @@ class Klartext(Decoder):
             return
         name = letter.removeprefix("I") if letter != "I" else letter
         if name in block.values:
-            self._report(block, "repeated-word", f"the word {name} is there twice")
+            self._report(block, "repeated-word", f"the word {name} appears twice")
             return
         if letter.startswith("I"):
             block.relative[name] = True
@@ -1048,7 +1056,7 @@ class Klartext(Decoder):
             self._state.lose()
         if unread:
             self._findings.add(
-                line, "unsupported", f"{unread[1]} is outside what is read", excerpt(text)
+                line, "unsupported", f"{unread[1]} is not supported by camgeo", excerpt(text)
             )
         else:
             self._findings.add(line, "unreadable", "cannot be read", excerpt(text))

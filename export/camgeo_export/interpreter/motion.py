@@ -44,17 +44,17 @@ NEEDED: Final = (
 the program before is not known."""
 
 MOST_HOLES: Final = 1_000
-"""Of one block of a cycle."""
+"""Most holes of one block of a cycle."""
 
 PROGRAM_MOVES: Final = 500_000
-"""Of a program, of which cycles and arcs in other planes than XY make many in a block."""
+"""Most moves of a program: cycles, and arcs in other planes than XY, make many in a block."""
 
 Step = tuple[Kind, complex, float]
 """What a move is, and where it ends [mm]."""
 
 
 class Mover(BlockReader):
-    """Makes moves of blocks, and judges them.
+    """Makes moves of blocks, and checks them.
 
     Attributes
     ----------
@@ -75,7 +75,7 @@ class Mover(BlockReader):
         self._printed: set[tuple[int, float]] = set()
 
     def enter(self, block: Block) -> None:
-        """Compensation was switched on."""
+        """Begin compensation, which the block has switched on."""
         if block.codes.get("motion") in ARCS:
             self._report(
                 block, "compensation", "compensation begins with an arc", allowed="a straight move"
@@ -83,7 +83,7 @@ class Mover(BlockReader):
         self._compensator = Compensator(self._findings)
 
     def skip(self, block: Block) -> None:
-        """Go on from the end of a block that is not run."""
+        """Go on after a block that is not run, from where it ends."""
         if block.codes.get("motion") == CYCLE:  # each block with coordinates runs it again
             self._state.modes["motion"] = CYCLE
             self._state.place, _ = self._target(block)
@@ -91,7 +91,7 @@ class Mover(BlockReader):
             self._state.lose()
 
     def end_cycle(self, block: Block) -> None:
-        """Blocks with coordinates run a cycle no longer, or nothing at all."""
+        """End a cycle: blocks with coordinates run it no longer, and with "motion off" nothing."""
         ends = block.codes["cycle"] == "motion off" and "motion" not in block.codes
         if ends or self._state.mode("motion") in (CYCLE, *CYCLES):
             self._state.modes["motion"] = ""
@@ -115,6 +115,7 @@ class Mover(BlockReader):
         if motion == CYCLE:
             state.place, _ = self._target(block)
             return block.values.keys()
+        # Whether I, J or R make a circle without end and without a motion word in the block.
         circles = self._reading.circle == "modal" or "motion" in block.codes
         arms = any(arm in block.values for arm in (*ARMS, "R")) and circles
         if block.arc in ("polar", "pole", "tangent"):
@@ -123,7 +124,7 @@ class Mover(BlockReader):
             self._check_bare(block)
             return frozenset()
         if not motion:
-            self._report(block, "no-motion", "coordinates before a kind of motion")
+            self._report(block, "no-motion", "coordinates before any motion word")
             motion = "rapid"
         self._check_unit(block)
         if "machine position" in block.actions:
@@ -144,7 +145,7 @@ class Mover(BlockReader):
         if motion in ARCS:
             kind = "arc"
             end_and_arc = self._arcs.read(block, end, z_end, ccw=motion == ARCS[1])
-            if end_and_arc is None:  # what it is cannot be told: the path goes on from its end
+            if end_and_arc is None:  # it is not known: the path goes on from its end
                 state.place, state.z = end, z_end
                 return
             end, arc = end_and_arc
@@ -166,7 +167,7 @@ class Mover(BlockReader):
         if previous.kind == kind == "line" and flat:
             fillet = fillet_arc(previous.start, previous.end, end, radius)
         if fillet is None:
-            what = "a rounding other than between two lines in the plane that have room for it"
+            what = "a rounded corner that is not between two lines in the plane, or too large"
             self._report(block, "unsupported", what)
             return
         first, last, arc = fillet
@@ -188,7 +189,7 @@ class Mover(BlockReader):
         """Make the holes of a block of a cycle."""
         state = self._state
         if state.mode("plane") not in ("", "plane XY"):
-            what = f"holes in the {state.mode('plane')}: only those along Z are read"
+            what = f"holes in the {state.mode('plane')}: only those along Z are supported"
             self._report(block, "unsupported", what)
             state.lose()
             return
@@ -204,7 +205,7 @@ class Mover(BlockReader):
                 self._make(block, kind, place, height, None)
 
     def _holes(self, block: Block, end: complex) -> list[Step] | None:
-        """The moves of a block of a cycle that ends over `end`; None if they cannot be told.
+        """The moves of a block of a cycle that ends over `end`; None if they are not known.
 
         They are LinuxCNC's (interp_cycles.cc, convert_cycle_xy).
 
@@ -236,7 +237,7 @@ class Mover(BlockReader):
         r = state.hole["R"] + (above if incremental else 0.0)
         bottom = state.hole["Z"] + (r if incremental else 0.0)
         if r < bottom:
-            what = f"{state.cycle} with R, Z {r:g} mm, below the bottom of the hole"
+            what = f"{state.cycle} retracts to R at Z {r:g} mm, below the bottom of the hole"
             self._report(block, "conflict", what, allowed=f"Z {bottom:g} mm or more")
             return None
         step = end - state.place if incremental else 0j
@@ -248,6 +249,7 @@ class Mover(BlockReader):
         clear = r if state.mode("return") == "return to R" else above
         for k in range(count):
             place = end + k * step
+            # The first hole is approached at the present height if that is above R.
             height = height if k == 0 and height > r else clear
             steps += [("rapid", place, height), ("rapid", place, r), ("line", place, bottom)]
             if state.mode("motion") == "bores":
@@ -267,6 +269,7 @@ class Mover(BlockReader):
             if axis not in block.values:
                 continue
             value = self._coordinate(block, axis)
+            # Each number of decimals is looked at once: programs may have millions of coordinates.
             printed = (block.values[axis].decimals, scale)
             if printed not in self._printed:
                 self._printed.add(printed)
@@ -288,7 +291,7 @@ class Mover(BlockReader):
         return state.pole + cmath.rect(radius, math.radians(angle))
 
     def _home(self, block: Block) -> Set[str]:
-        """To the reference, by way of the position that the block states."""
+        """Move to the reference, by way of the position that the block states."""
         state = self._state
         axes = [axis for axis in AXES if axis in block.values]
         if state.side:
@@ -296,6 +299,7 @@ class Mover(BlockReader):
         if any(self._leads_away(block, axis) for axis in axes):
             self._check_unit(block)
             self._make(block, "rapid", *self._target(block), None)
+        # Without axes all of them move.
         gone = axes or list(AXES)
         z = RETRACTED if "Z" in gone else state.z
         self._make(block, "rapid", UNKNOWN if {"X", "Y"} & set(gone) else state.place, z, None)
@@ -312,7 +316,7 @@ class Mover(BlockReader):
         return block.value(axis) * self._state.unit != coordinate
 
     def _machine_position(self, block: Block, motion: str) -> Set[str]:
-        """To a position in the machine's own coordinates: Z is at its top there."""
+        """Move to a position in the machine's own coordinates, where Z is at its top."""
         state, word = self._state, block.words["machine position"]
         add = self._findings.add
         if motion != "rapid" and not (motion == "line" and "cut" in self._reading.machine_position):
@@ -329,7 +333,7 @@ class Mover(BlockReader):
         return STRAIGHT
 
     def _make(self, block: Block, kind: Kind, end: complex, z_end: float, arc: Arc | None) -> None:
-        """Make a move, judge it, and go on from its end; FileError for one too many."""
+        """Make a move, check it, and go on from its end; FileError if there are too many moves."""
         state = self._state
         if len(self.moves) >= PROGRAM_MOVES:
             raise beyond(
@@ -376,13 +380,13 @@ class Mover(BlockReader):
     def _check_unit(self, block: Block) -> None:
         state = self._state
         if math.isnan(state.scale) and any(block.value(axis) for axis in (*AXES, *ARMS, "R")):
-            what = "coordinates before their unit is stated: taken as mm"
+            what = "coordinates before a unit is stated: mm is assumed"
             words = self._controller.machine.unit
             self._report(block, "unit", what, allowed=f"{words.mm} or {words.inch}")
             state.scale = 1.0
 
     def _check_decimals(self, block: Block, axis: str, decimals: int) -> None:
-        """More decimals than the controller reads are found once."""
+        """Report more decimals than the controller reads, once in a program."""
         most = self._controller.machine.numbers.most_decimals
         allowed = most.inch if self._state.mode("unit") == "inch" else most.mm
         if decimals > allowed and not self._fine:
@@ -392,13 +396,13 @@ class Mover(BlockReader):
             self._report(block, "decimals", what, text, f"at most {allowed}")
 
     def _check_bare(self, block: Block) -> None:
-        """A block without coordinates must not ask for a motion that needs them."""
+        """Report a block without coordinates that asks for a motion that needs them."""
         motion = block.codes.get("motion", "")
         if motion == "line" and not self._state.feed > 0.0:
             word = block.words["motion"]
             self._report(block, "no-feed", f"{word} without a feed F")
         if motion in ARCS:
-            self._report(block, "missing-word", "an arc without its end and its centre")
+            self._report(block, "missing-word", "an arc without its end point and its centre")
         elif motion in CYCLES:
             self._report(block, "missing-word", f"{block.words['motion']} without coordinates")
         elif block.words.get("machine position") == "G53" and not (
@@ -407,7 +411,7 @@ class Mover(BlockReader):
             self._report(block, "missing-word", "G53 without coordinates")
 
     def _check_frame(self, block: Block) -> None:
-        """Find, once, what was not stated before the first cut."""
+        """Report, once, what was not stated before the first cut."""
         if self._framed:
             return
         self._framed = True
@@ -444,15 +448,15 @@ class Mover(BlockReader):
 
 
 # -- hazards --------------------------------------------------------------------------------------
-# Dangers of single moves, told from the move and the state in which it is made.
+# Dangers of single moves, judged by the move and the state in which it is made.
 
 
 SLACK: Final = 1e-9
-"""Heights are compared as printed; what lies between is rounding of the change of units [mm]."""
+"""Rounding by the conversion of units [mm]: heights are compared as they are printed."""
 
 
 class Hazards:
-    """Judges moves one after another."""
+    """Checks moves for dangers, one after another."""
 
     def __init__(self, controller: Controller, bench: WorkData, findings: Findings) -> None:
         self._controller = controller
@@ -461,11 +465,11 @@ class Hazards:
         self._reported: set[str] = set()
 
     def check(self, move: CutterMove, state: State) -> None:
-        """Find what is dangerous in a move."""
+        """Report what is dangerous in a move."""
         if move.kind == "rapid":
             self._rapid(move)
             if move.z_end != move.z_start and math.isfinite(move.z_end) and state.tool:
-                what = "a traverse along Z before the length of the tool is in force"
+                what = "a traverse along Z before a tool length offset is active"
                 self._length(move, state.has_length, what)
         else:
             self._cut(move, state)
@@ -475,6 +479,8 @@ class Hazards:
         low = min(move.z_start, move.z_end)
         if math.isnan(move.z_start) or math.isnan(move.z_end):
             low = math.nan
+        # NaN differs from itself: an unknown place that stays unknown at the reference is no
+        # motion.
         across = move.end != move.start and not (
             cmath.isnan(move.end) and cmath.isnan(move.start) and math.isinf(move.z_end)
         )
@@ -513,18 +519,18 @@ class Hazards:
         if controller.changes_tools:
             self._once(move, "no-tool", move.tool > 0, "a cut before a tool is in the spindle")
             in_force = move.offset > 0 and state.has_length
-            self._length(move, in_force, "a cut without the length of the tool in force")
+            self._length(move, in_force, "a cut without an active tool length offset")
         if move.coolant == "off" and min(move.z_start, move.z_end) < self._bench.stock_top:
             state.dry = state.dry or move.line
 
     def _length(self, move: CutterMove, holds: bool, what: str) -> None:
-        """Find that no length of the tool holds, where the controller needs one."""
+        """Report that no tool length offset is active, if the controller needs one."""
         needed = self._controller.changes_tools and self._controller.length_letter
         self._once(move, "tool-length", holds or not needed, what)
 
     def _once(self, move: CutterMove, rule: str, holds: bool, what: str) -> None:
-        """Find what does not hold, the first time of several in a row: each further cut breaks it
-        too, until it is mended.
+        """Report what does not hold, the first time of several in a row: each further cut breaks
+        the rule too, until it is kept again.
         """
         if holds:
             self._reported.discard(rule)
@@ -542,7 +548,7 @@ NO_ARC: Final = 5e-7
 config.h): its printed ends are the same point, nearly."""
 
 NEARLY_FULL: Final = math.radians(1.0)
-"""An arc that lacks less to a full circle is a short one the wrong way round, probably."""
+"""An arc that is short of a full circle by less is probably meant as a short one the other way."""
 
 CHORDS: Final = 1e-3
 """How far chords of an arc in another plane than XY may be off it [mm]."""
@@ -587,7 +593,7 @@ class Plane:
 
 
 PLANES: Final = {"plane XY": Plane(0, 1, 2), "plane ZX": Plane(2, 0, 1), "plane YZ": Plane(1, 2, 0)}
-"""By what G17, G18 and G19 mean; in each G3 turns from the first axis to the second."""
+"""Planes by what G17, G18 and G19 mean; in each G3 turns from the first axis to the second."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -611,6 +617,7 @@ def arc_by_centre(
 ) -> Arc:
     """The arc about a centre; where its ends coincide it is a full circle."""
     first, last = start - centre, end - centre
+    # Towards growing angles, from 0 to a revolution.
     turn = phase(last / first) % TURN if first and last else 0.0
     if start == end or not (first and last):
         turn = TURN
@@ -621,13 +628,13 @@ def arc_by_centre(
 
 
 def arc_by_radius(start: complex, end: complex, radius: float, *, ccw: bool, turns: int = 0) -> Arc:
-    """The arc of a radius, with a negative one the larger; half a circle where it is too small.
-
-    How much too small is the mismatch.
+    """The arc of a radius; the larger one if the radius is negative, half a circle if it is too
+    small, in which case the mismatch states by how much.
     """
     chord = end - start
     half, size = 0.5 * abs(chord), abs(radius)
     height = math.sqrt(max(size * size - half * half, 0.0))
+    # The centre of an arc of less than half a revolution is on the side to which it turns.
     left = ccw if radius > 0.0 else not ccw
     side = 1j if left else -1j
     centre = 0.5 * (start + end) + side * chord / abs(chord) * height
@@ -637,8 +644,9 @@ def arc_by_radius(start: complex, end: complex, radius: float, *, ccw: bool, tur
 
 
 def tangent_arc(start: complex, end: complex, heading: complex) -> Arc | None:
-    """The arc that goes on from a heading; None if that leads straight to the end, or back."""
+    """The arc that begins in a heading; None if that leads straight to the end, or back."""
     chord = end - start
+    # The chord makes half the angle of the arc with the tangent at its start.
     turn = 2.0 * phase(chord / heading) if chord and heading else 0.0
     if abs(math.sin(0.5 * turn)) < 1e-9:
         return None
@@ -654,6 +662,7 @@ def fillet_arc(
     if cmath.isnan(way) or cmath.isnan(onward) or not (way and onward):
         return None
     turn = phase(onward / way)
+    # Distance of the tangent points from the corner.
     cut = radius * math.tan(0.5 * abs(turn))
     if not 0.0 < cut <= min(abs(way), abs(onward)):
         return None
@@ -667,7 +676,9 @@ def chord_ends(start: complex, end: complex, arc: Arc) -> list[complex]:
     """Ends of chords along an arc, from its radius at the start to that at its end."""
     first, last = start - arc.centre, end - arc.centre
     size = max(abs(first), abs(last), CHORDS)
+    # A chord over the angle a has the sagitta r (1 - cos(a / 2)).
     count = math.ceil(abs(arc.sweep) / max(2.0 * math.acos(1.0 - CHORDS / size), SHORTEST))
+    # A difference of the radii is spread evenly over the chords.
     grown = (abs(last) / abs(first) - 1.0) / max(count, 1)
     points = [
         arc.centre + first * (1.0 + k * grown) * cmath.exp(1j * arc.sweep * k / count)
@@ -686,7 +697,8 @@ ARC_SLACK = 1e-9
 MOST_TURNS = 1_000
 
 MUCH = 100.0
-"""Of a difference of radii, that is refused of an arc of any size."""
+"""Multiple of the smallest limit on the difference of an arc's radii, above which it is refused
+whatever its size."""
 
 HALF = 0.5 * TURN
 """Sweep up to which a profile divides arcs where the controller takes larger ones [rad]."""
@@ -763,7 +775,7 @@ class ArcReader(BlockReader):
             if centre is None:
                 return None
             if centre in (start, end) or min(abs(start - centre), abs(end - centre)) < least:
-                self._report(block, "no-arc", "an arc with its centre at its start or its end")
+                self._report(block, "no-arc", "an arc whose centre is at its start or its end")
                 return None
             return arc_by_centre(start, end, centre, ccw=ccw, turns=self._turns(block))
         if "R" not in block.values:
@@ -776,7 +788,7 @@ class ArcReader(BlockReader):
             return None
         radius = self._coordinate(block, "R")
         if start == end:
-            what = "an arc of which only the radius is stated, that ends where it begins"
+            what = "an arc stated by its radius alone that ends where it begins"
             self._report(block, "no-arc", what, allowed="its centre")
             return None
         arc = arc_by_radius(start, end, radius, ccw=ccw, turns=self._turns(block))
@@ -797,6 +809,7 @@ class ArcReader(BlockReader):
         )
         parts = []
         for arm, base in zip(self._plane.arms, (self._start.real, self._start.imag), strict=True):
+            # A block may override the mode for single words, as Sinumerik does by AC and IC.
             is_absolute = not block.relative[arm] if arm in block.relative else absolute
             if arm not in block.values:
                 if is_absolute and arm not in block.relative and absolute:
@@ -816,7 +829,7 @@ class ArcReader(BlockReader):
         if count is None:
             return 0
         if count.value < 1.0 or count.value % 1.0 or count.value > MOST_TURNS:
-            what = "P of an arc, its number of turns, must be whole"
+            what = "P of an arc, its number of revolutions, must be a whole number"
             self._report(block, "number", what, count.text, f"1 to {MOST_TURNS}")
             return 0
         return int(count.value) - 1
@@ -827,7 +840,7 @@ class ArcReader(BlockReader):
         if "PA" in block.values and block.relative.get("PA"):
             sweep = math.radians(abs(block.value("PA"))) * (1.0 if ccw else -1.0)
             if (block.value("PA") > 0.0) != ccw:
-                self._form(block, "the sign of the angle is not that of the direction", "")
+                self._form(block, "the sign of the angle contradicts the direction of rotation", "")
             end = state.pole + (state.place - state.pole) * cmath.exp(1j * sweep)
             return end, Arc(state.pole, sweep, 0.0)
         return end, arc_by_centre(state.place, end, state.pole, ccw=ccw)
@@ -835,16 +848,16 @@ class ArcReader(BlockReader):
     def _tangent(self, block: Block, end: complex) -> Arc | None:
         heading = self._state.heading
         if cmath.isnan(heading):
-            self._report(block, "no-arc", "a tangential arc without a move before it")
+            self._report(block, "no-arc", "a tangential arc that no move precedes")
             return None
         return tangent_arc(self._state.place, end, heading)
 
     def _difference(self, stated: float | None) -> float:
-        """A limit of what is read, or where none is known that of what is written [mm]."""
+        """A limit of what is read [mm]; if none is known, that of what is written."""
         return self._controller.machine.arcs.radius_tolerance if stated is None else stated
 
     def _check(self, block: Block, end: complex, arc: Arc) -> None:
-        """Whether the controller takes the arc."""
+        """Report an arc that the controller does not accept."""
         limit = self._reading.radius_difference
         inch = self._state.mode("unit") == "inch"
         stated = None if limit is None else limit.inch if inch else limit.mm
@@ -874,7 +887,7 @@ class ArcReader(BlockReader):
             add(block.line, "arc-sweep", what, allowed=f"at most {limits.largest_sweep:g} degrees")
 
     def _form(self, block: Block, what: str, allowed: str, form: str = "") -> bool:
-        """Find the form of an arc; whether the controller takes it nevertheless."""
+        """Report the form of an arc; return whether the controller accepts it nevertheless."""
         refused = form in self._reading.arc_forms
         self._report(block, "no-arc" if refused else "arc-form", what, allowed=allowed)
         return not refused

@@ -32,11 +32,11 @@ LEAST_LENGTH = 30.0
 """Least length of a run that is closed with a gap, as a multiple of the gap."""
 
 NEAR: Final = 2_000_000
-"""Pairs of moves, the end of one near the start of the other, that may close a path."""
+"""Most pairs of moves, the end of one near the start of the other, that may close a path."""
 
 
 PATHS: Final = 10_000
-"""Closed paths of a program."""
+"""Most closed paths of a program."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -87,7 +87,7 @@ class CutterMove:
 
     @property
     def course(self) -> Arc:
-        """Its line or arc in the plane."""
+        """The line or arc of the move in the plane."""
         return Arc(self.start, self.end, self.sweep, self.centre)
 
 
@@ -99,7 +99,7 @@ class Event:
     ----------
     kind : "tool change", "spindle off", "stop", "dwell" or "end".
     word : that does it.
-    at, z : position [mm]; NaN where unknown, infinite at the reference.
+    place, z : position [mm]; NaN where unknown, infinite at the reference.
     tool : number of the one in the spindle, after a change of it.
     seconds : of a dwell.
     line : in the file, counted from 1.
@@ -145,6 +145,7 @@ def nearly_closed(run: list[CutterMove], gap: float) -> list[Loop]:
     along = np.cumsum([0.0, *(move.course.length for move in run)])
     tree = shapely.STRtree(np.asarray(shapely.points(starts.real, starts.imag)))
     last, first = _near(tree, np.asarray(shapely.points(ends.real, ends.imag)), gap)
+    # A run that is hardly longer than the gap always ends near its start.
     long = (last >= first) & (along[last + 1] - along[first] >= LEAST_LENGTH * gap)
     if not np.any(long):
         return []
@@ -155,7 +156,7 @@ def nearly_closed(run: list[CutterMove], gap: float) -> list[Loop]:
 
 
 def _near(tree: STRtree, points: np.ndarray[Any, Any], gap: float) -> tuple[IntArray, IntArray]:
-    """Numbers of `points` and of those in the `tree` that lie within `gap` [mm] of them.
+    """Pairs of `points` and points of the `tree` within `gap` [mm] of each other, by their numbers.
 
     Raises FileError if there are too many such pairs: then the moves of the program are far shorter
     than the gap.
@@ -224,12 +225,12 @@ def closed_paths(moves: Iterable[CutterMove], gap: float = 0.0) -> list[Loop]:
 
 
 TANGENT: Final = 1e-3
-"""Change of direction [rad] up to which two moves go on in one another: printed arcs kink so."""
+"""Change of direction [rad] up to which two moves are tangent: printed arcs have such kinks."""
 
 RIGHT: Final = 0.5 * math.pi
 
 SLACK: Final = 1e-9
-"""Of a share of a move."""
+"""Tolerated error of a place along a move, as a share of its length."""
 
 
 class Compensator:
@@ -242,7 +243,7 @@ class Compensator:
         self._begun = 0.0
 
     def take(self, move: CutterMove, side: str, radius: float) -> None:
-        """Judge a move under compensation.
+        """Check a move under compensation.
 
         `radius` is that of the cutter [mm], negative for the other side, NaN if it is not known.
         """
@@ -260,7 +261,7 @@ class Compensator:
             return
         if move.kind == "arc" and parallel.room <= 0.0:
             size = abs(move.start - move.centre)
-            what = "an inner arc that is not larger than the cutter"
+            what = "an inner arc whose radius is not larger than that of the cutter"
             self._findings.add(
                 move.line, "gouge", what, f"radius {size:g} mm", f"above {radius:g} mm"
             )
@@ -271,7 +272,7 @@ class Compensator:
         self._previous = parallel
 
     def leave(self, move: CutterMove, radius: float) -> None:
-        """Judge the first move after compensation, with the `radius` [mm] as in `take`."""
+        """Check the first move after compensation, with the `radius` [mm] as in `take`."""
         radius = abs(radius)
         if move.kind == "arc":
             what = "an arc right after the end of compensation"
@@ -289,7 +290,7 @@ class Compensator:
             )
 
     def _corner(self, following: Parallel) -> None:
-        """Judge the corner between the move before and this one, if it is an inner one."""
+        """Check the corner between the previous move and this one, if it is an inner one."""
         previous, begun = self._previous, self._begun
         self._begun = 0.0
         if previous is None or previous.move.end != following.move.start:
@@ -302,7 +303,7 @@ class Compensator:
         point = meeting(previous, following)
         if point is not None:
             left, self._begun = previous.share(point), following.share(point)
-            # Parallels that meet at a small angle do so elsewhere where they are rounded.
+            # Rounding shifts where parallels meet, by more the smaller their angle is.
             allowance = 2.0 * rounding / math.sin(min(turn, RIGHT))
             one, other = (SLACK + allowance / parallel.length for parallel in (previous, following))
             if begun - one <= left <= 1.0 + one and -other <= self._begun <= 1.0 + other:
@@ -310,7 +311,7 @@ class Compensator:
         self._begun = 0.0
         what = "an inner corner that the cutter cannot reach without gouging"
         shorter = min(previous.length, following.length)
-        value = f"a move of {shorter:g} mm at a turn of {math.degrees(turn):.0f} deg"
+        value = f"a move of {shorter:g} mm at a change of direction of {math.degrees(turn):.0f} deg"
         self._findings.add(
             following.move.line,
             "gouge",
@@ -330,7 +331,7 @@ class Compensator:
 
 
 FAR: Final = 4.0
-"""Parallels of neighbours that meet farther from their corner than this many radii do not."""
+"""Radii from a corner beyond which the parallels of its moves are not taken to meet."""
 
 Radius = Callable[[CutterMove], float]
 """Offset of a compensated move [mm]; negative for the other side, NaN if it is not known."""
@@ -353,7 +354,7 @@ def centre_path(moves: Sequence[CutterMove], radius: Radius) -> tuple[CutterMove
 
 
 def check_compensation(moves: Sequence[CutterMove], radius: Radius, findings: Findings) -> None:
-    """Find what controls refuse in compensated moves, and what would gouge, with these offsets."""
+    """Report compensated moves that controllers refuse, or that would gouge, with these offsets."""
     for run, following in _runs(moves):
         if not run:
             continue
@@ -367,7 +368,7 @@ def check_compensation(moves: Sequence[CutterMove], radius: Radius, findings: Fi
 def _runs(
     moves: Iterable[CutterMove],
 ) -> Iterator[tuple[list[CutterMove], CutterMove | None]]:
-    """Stretches of compensated moves, each with the move after it; single other moves likewise."""
+    """Runs of compensated moves, each with the move after it; other moves with an empty run."""
     run: list[CutterMove] = []
     for move in moves:
         if move.compensation:
@@ -450,13 +451,14 @@ class Parallel:
 
     @property
     def length(self) -> float:
-        """Of the programmed move."""
+        """The length of the programmed move."""
         return self.move.course.length
 
     @property
     def room(self) -> float:
         """Radius of an arc's parallel; not above 0 where the cutter does not fit into it."""
         move = self.move
+        # The cutter is inside an arc if it is on the side of its centre.
         inner = self.side if move.sweep > 0.0 else -self.side
         return abs(move.start - move.centre) - inner * self.radius
 
@@ -477,7 +479,7 @@ class Parallel:
         turned = phase((centre - move.centre) / (move.start - move.centre))
         sign = 1.0 if move.sweep > 0.0 else -1.0
         along = (sign * turned) % TURN
-        # Just before the start counts as that, not as a turn less.
+        # A point just before the start counts as negative, not as almost a revolution ahead.
         along = along - TURN if along > 0.5 * (abs(move.sweep) + TURN) else along
         return along / abs(move.sweep)
 
@@ -508,6 +510,7 @@ def meeting(previous: Parallel, following: Parallel) -> complex | None:
 
 def _lines(previous: Parallel, following: Parallel) -> list[complex]:
     way, other = previous.heading(0j), following.heading(0j)
+    # Cramer's rule, with cross products of directions of length 1.
     across = (way.conjugate() * other).imag
     if abs(across) < 1e-12:  # straight on, or straight back
         return []
@@ -531,6 +534,7 @@ def _circles(centre: complex, radius: float, other: complex, size: float) -> lis
     distance = abs(gap)
     if distance == 0.0:
         return []
+    # Along the line of the centres: the distance of the common chord from the first one.
     along = (radius * radius - size * size + distance * distance) / (2.0 * distance)
     square = radius * radius - along * along
     if square < 0.0:
@@ -585,7 +589,7 @@ class ProgramRun:
         return next((move for move in self.moves if move.compensation), None)
 
     def in_the_part(self, zero: Zero) -> ProgramRun:
-        """The same in the coordinates of the part, in which the program's `zero` is somewhere."""
+        """The program in the coordinates of the part; `zero` is the program's zero in them."""
         z, to_part, turned = zero.z, zero.to_part, bool(zero.turned)
         if not (zero.place or z or turned):
             return self
@@ -608,11 +612,11 @@ class ProgramRun:
         return replace(self, moves=moved, events=events)
 
     def centred(self, radius: Radius) -> ProgramRun:
-        """The same along the cutter's centre, with what `radius` says of compensated moves."""
+        """The program along the cutter's centre; `radius` gives offsets of compensated moves."""
         return replace(self, moves=centre_path(self.moves, radius), central=True)
 
     def refuse(self, *concerns: str) -> None:
-        """Raise FileError with the first finding that concerns one of these, or anything."""
+        """Raise FileError with the first finding of these concerns, or of any if none is given."""
         for finding in self.findings:
             if not concerns or finding.concerns in concerns:
                 raise FileError(str(finding))
@@ -629,7 +633,7 @@ before it cuts and when it ends; limits of the controller."""
 
 RULES: Final[Mapping[str, str]] = MappingProxyType(
     {
-        # A block that the controller cannot run, or that is outside what is read.
+        # A block that the controller cannot run, or that is not supported.
         "unreadable": WORDS,
         "unknown-word": WORDS,
         "unsupported": WORDS,
@@ -688,7 +692,7 @@ RULES: Final[Mapping[str, str]] = MappingProxyType(
 
 
 class Enough(Exception):
-    """As many findings as were asked for: the program is not read further."""
+    """As many findings as were asked for: the program is read no further."""
 
 
 class Findings:

@@ -31,7 +31,7 @@ from camgeo_export.interpreter.moves import (
 )
 
 MOST: Final = 1_000
-"""Findings of one program; after as many it is not read further."""
+"""Most findings of one program; when they are reached, it is read no further."""
 
 OPERATION: Final = "operation "
 """A comment that begins with it names the operation that follows."""
@@ -91,7 +91,7 @@ def run(
 
 
 def _program_lines(data: bytes, machine: Machine) -> Iterator[str]:
-    """The lines of a program as the controller tells them apart."""
+    """The lines of a program as the controller separates them."""
     return text_lines(data, newline=CARRIAGE_RETURNS[machine.reading.carriage_return])
 
 
@@ -157,7 +157,7 @@ class _Program:
         self._before_block = len(self._comments)
 
     def _check_dialect(self, number: int, block: str, klartext: bool) -> None:
-        """A program in the other dialect is found once, at its first block; raises Enough."""
+        """Report a program in the other dialect, once, at its first block; then raise Enough."""
         if self._blocks > 1:
             return
         if klartext and G_WORDS.match(block):
@@ -183,7 +183,7 @@ class _Program:
             return
         if block.startswith("/"):
             self._findings.add(
-                number, "unsupported", "a block that a switch of the controller skips"
+                number, "unsupported", "a block that a switch of the controller makes it skip"
             )
             block = block.lstrip("/0123456789 ")
         if (known := self._known.get(block)) is not None:
@@ -200,7 +200,7 @@ class _Program:
         self._executor.run(decoded)
 
     def _note(self, note: str, alone: bool) -> None:
-        """What a comment says of the program."""
+        """Take from a comment what it says of the program."""
         state = self._state
         if alone:
             self._comments.append(note)
@@ -214,7 +214,7 @@ class _Program:
             state.chosen = state.tool = state.offset = int(match[1])
 
     def _control(self, number: int, block: str) -> None:
-        """`%` begins a program, and ends it if it began one."""
+        """Take a `%`, which begins a program, and ends it if one has begun."""
         percent, name = self._machine.reading.percent, self._machine.name
         if percent == "none":
             self._findings.add(number, "unknown-word", f"{name} does not take %")
@@ -227,17 +227,17 @@ class _Program:
             self._findings.add(number, "unknown-word", what)
         elif self._percent and not self._state.ended and self._blocks:
             self._state.ended = True
-            self._findings.add(number, "no-end", "% ends the program before M2 or M30 does")
+            self._findings.add(number, "no-end", "% ends the program before M2 or M30")
         self._percent += 1
 
     def finish(self) -> None:
-        """Judge the end of the program."""
+        """Check the end of the program."""
         if not self._state.ended:
-            what = "the program does not end"
+            what = "the program has no end"
             ends = "END PGM" if self._machine.dialect == "klartext" else "M2 or M30"
             self._findings.add(0, "no-end", what, allowed=ends)
         elif not self._mover.moves:
-            self._findings.add(0, "nothing", "the program moves nothing")
+            self._findings.add(0, "nothing", "the program contains no move")
         for event in self._executor.events:
             low = event.z < self._bench.free
             if low and event.kind in ("tool change", "stop", "spindle off"):
@@ -246,7 +246,7 @@ class _Program:
                 self._findings.add(event.line, "low-stop", f"{event.word} {where}", "", allowed)
 
     def result(self, complete: bool) -> ProgramRun:
-        """What there is."""
+        """The program as far as it was read."""
         state = self._state
         return ProgramRun(
             state.scale if math.isnan(state.cut_scale) else state.cut_scale,
@@ -262,7 +262,7 @@ class _Program:
 
 
 class GcodeLinter:
-    """The interpreter as `camgeo lint` asks for it."""
+    """The interpreter in the form that `camgeo lint` needs."""
 
     def lint(self, data: bytes, machine: Machine, bench: WorkData) -> Linted:
         """All findings; FileError for data beyond the limits of a program."""
@@ -287,12 +287,12 @@ UNCOUNTED: Final = re.compile(r"\([^)]*+\)?+|;.*+|\s++", re.ASCII)
 """Comments and blanks of a line."""
 
 CARRIAGE_RETURNS: Final = {"blank": "\n", "end": None, "unknown": None}
-"""How the lines of a program are told apart, by what the controller does with a carriage return
-alone: as `io.TextIOWrapper` has it."""
+"""The separator of lines for `io.TextIOWrapper`, by what the controller does with a carriage return
+alone."""
 
 
 def check_line(line: int, text: str, machine: Machine, findings: Findings) -> bool:
-    """Find what the controller cannot read of a line as a text; whether it is read at all."""
+    """Report what the controller cannot read of a line as a text; return whether it is read."""
     form = machine.text
     long = len(text) > LONGEST_LINE
     code = machine.reading.counted == "code" and not long
@@ -321,7 +321,7 @@ def check_line(line: int, text: str, machine: Machine, findings: Findings) -> bo
 
 
 def check_ends(data: bytes, machine: Machine, findings: Findings) -> None:
-    """Find what of a program's bytes the controller takes otherwise than an editor shows."""
+    """Report bytes of a program that the controller takes otherwise than an editor shows them."""
     if data.startswith(BOM_UTF8) and not machine.reading.byte_order_mark:
         findings.add(
             1, "characters", "the program begins with a byte order mark", allowed="printable ASCII"
@@ -330,10 +330,12 @@ def check_ends(data: bytes, machine: Machine, findings: Findings) -> None:
         return
     head, alone, _ = data.replace(b"\r\n", b"\n").partition(b"\r")
     if alone:
-        does = {"blank": "which this controller reads over: the block goes on behind it"}
-        what = does.get(machine.reading.carriage_return, "of which it is not known what it does")
-        line = 1 + head.count(b"\n")
-        findings.add(line, "line-end", f"a carriage return without a line feed, {what}")
+        what = (
+            "a carriage return without a line feed, which this controller takes for a blank"
+            if machine.reading.carriage_return == "blank"
+            else "a carriage return without a line feed, whose effect on this controller is unknown"
+        )
+        findings.add(1 + head.count(b"\n"), "line-end", what)
 
 
 # -- blocks ---------------------------------------------------------------------------------------
@@ -365,7 +367,7 @@ SHORTEST_DWELL, LONGEST_DWELL = 0.05, 60.0
 """Seconds that a dwell may reasonably take; others are in another unit, probably."""
 
 SIMPLE: Final = ("plane", "distance", "centres", "cycle", "return")
-"""Groups of which a word changes nothing but the mode."""
+"""Modal groups whose words change nothing but the mode."""
 
 
 class Executor(BlockReader):
@@ -392,6 +394,7 @@ class Executor(BlockReader):
         self._used = set(ALWAYS)
         # Most blocks only move, and some set a feed.
         moving = block.codes.keys() <= MOTION and not block.actions
+        # Some controllers read F in the unit that was active before the block.
         late = "unit" in block.codes and self._reading.feed_unit == "before"
         if late:
             self._feed_and_speed(block)
@@ -410,12 +413,12 @@ class Executor(BlockReader):
             self._flow(block)
         for letter in block.values:
             if letter not in self._used and letter != "tolerance":
-                what = f"nothing in the block takes the word {letter}"
+                what = f"no function of the block uses the word {letter}"
                 self._report(block, "unused-word", what, block.values[letter].text)
 
     @property
     def _ends_late(self) -> bool:
-        """Whether words that switch spindle and coolant off take effect behind the motion."""
+        """Whether words that switch spindle and coolant off take effect after the motion."""
         return self._controller.machine.dialect == "klartext"
 
     def _modes(self, block: Block) -> None:
@@ -441,13 +444,13 @@ class Executor(BlockReader):
         self._path_mode(block)
 
     def _check_compensated(self, block: Block, groups: tuple[str, ...]) -> None:
-        """Find what the controller does not change under compensation."""
+        """Report what the controller does not change under compensation."""
         for group in groups:
             if self._state.side and group in block.codes and group in self._reading.compensated:
                 self._report(block, "compensation", f"{block.words[group]} under compensation")
 
     def _check_order(self, block: Block) -> None:
-        """Blocks that controllers run in different orders."""
+        """Report blocks whose words controllers run in different orders."""
         stopping = [
             block.words[group]
             for group in ("spindle", "coolant")
@@ -456,12 +459,12 @@ class Executor(BlockReader):
         cutting = block.codes.get("motion", self._state.mode("motion")) not in ("", "rapid")
         moving = any(axis in block.values for axis in AXES)
         if stopping and moving and cutting and self._controller.machine.dialect != "klartext":
-            what = f"{stopping[0]} in a block that cuts: controllers differ in what comes first"
+            what = f"{stopping[0]} in a block that cuts: controllers differ in their order"
             self._report(block, "order", what, allowed="a block of its own")
         unit = block.codes.get("unit", self._state.mode("unit"))
         changes = "F" in block.values and unit != (self._state.mode("unit") or unit)
         if changes and self._reading.feed_unit == "before":
-            what = f"F with {block.words['unit']}: it counts in the unit before, not in the new one"
+            what = f"F with {block.words['unit']} counts in the previous unit, not in the new one"
             self._report(block, "order", what, allowed="F in the next block")
 
     # -- words, in the order of execution ---------------------------------------------------------
@@ -485,7 +488,9 @@ class Executor(BlockReader):
                 state.feed = 0.0  # in another unit from here on
             state.modes["feed mode"] = mode
             if mode == "inverse time":
-                self._report(block, "unsupported", f"{block.words['feed mode']} is not read")
+                self._report(
+                    block, "unsupported", f"{block.words['feed mode']} is not supported by camgeo"
+                )
         timed = self._controller.dwell_letters if "dwell" in block.actions else ""
         if "S" in block.values and "S" not in timed:
             state.speed = block.value("S")
@@ -505,7 +510,7 @@ class Executor(BlockReader):
     def _check_feed(self, block: Block) -> None:
         dynamics = self._controller.machine.dynamics
         if dynamics is not None and self._state.feed > dynamics.rapid_feed:
-            what = "the feed is faster than the traverses of the machine"
+            what = "the feed exceeds the rapid traverse rate of the machine"
             self._report(
                 block, "feed", what, f"{self._state.feed:g} mm/min",
                 f"at most {dynamics.rapid_feed:g} mm/min",
@@ -520,9 +525,9 @@ class Executor(BlockReader):
         if not (changes or ("T" in block.values and not self._controller.changes_tools)):
             return
         if changes and not state.chosen:
-            self._report(block, "missing-word", "a change of the tool without its number T")
+            self._report(block, "missing-word", "a tool change without the tool number T")
         if changes and state.side:
-            self._report(block, "compensation", "a change of the tool under compensation")
+            self._report(block, "compensation", "a tool change under compensation")
         self._leave_tool()
         state.tool, state.measured = state.chosen, 0
         lasting = self._controller.length_letter == "D" and state.offset > 0
@@ -533,16 +538,16 @@ class Executor(BlockReader):
             self._event(block, "tool change")
 
     def _leave_tool(self) -> None:
-        """Judge the coolant of the tool that leaves the spindle."""
+        """Check the coolant of the tool that leaves the spindle."""
         state = self._state
         if state.dry and state.used_coolant:
             self._findings.add(
-                state.dry, "coolant", "a cut without the coolant that the tool has elsewhere"
+                state.dry, "coolant", "a cut without coolant, which this tool uses elsewhere"
             )
         state.dry, state.used_coolant = 0, False
 
     def _spindle(self, block: Block, *, switching_off: bool) -> None:
-        """Switch the spindle, if the block switches it `off`, or on."""
+        """Switch the spindle if the block does: off if `switching_off`, else on."""
         spindle = block.codes.get("spindle")
         if spindle is None or (spindle == "spindle off") != switching_off:
             return
@@ -557,7 +562,7 @@ class Executor(BlockReader):
         self._state.modes["spindle"] = spindle
 
     def _coolant(self, block: Block, *, switching_off: bool) -> None:
-        """Switch the coolant, if the block switches it `off`, or on."""
+        """Switch the coolant if the block does: off if `switching_off`, else on."""
         coolant = block.codes.get("coolant")
         if coolant is not None and (coolant == "coolant off") == switching_off:
             self._state.modes["coolant"] = block.codes["coolant"]
@@ -583,6 +588,7 @@ class Executor(BlockReader):
                 self._report(
                     block, "number", "a dwell in whole milliseconds takes no decimal point", text
                 )
+            # Milliseconds, unless a decimal point turns them into seconds.
             seconds /= 1.0 if number.has_point and form.point_seconds else 1000.0
         if seconds != 0.0 and not SHORTEST_DWELL <= seconds <= LONGEST_DWELL:
             what = f"a dwell of {seconds:g} s: {text} counts in {form.unit} here"
@@ -613,7 +619,7 @@ class Executor(BlockReader):
         elif "D" in block.values:
             if block.value("D") % 1.0:
                 text = block.values["D"].text
-                self._report(block, "number", f"D{text} is no number of an offset")
+                self._report(block, "number", f"D{text} is not the number of an offset")
             state.radius_offset = int(max(block.value("D"), 0.0))
         elif not state.radius_offset:
             state.radius_offset = state.tool
@@ -632,12 +638,12 @@ class Executor(BlockReader):
             self._used |= set("HZ")
             number = int(max(block.value("H", state.tool), 0.0))
             if state.tool and number != state.tool:
-                what = f"the length of tool {number} is put into force with tool {state.tool}"
+                what = f"the length of tool {number} is activated with tool {state.tool}"
                 self._report(block, "tool-length", what, allowed=f"H{state.tool}")
             self._activate_length(number)
 
     def _activate_length(self, number: int) -> None:
-        """Put a tool's length into force: where the spindle was, Z is another number now."""
+        """Activate the length of a tool: the same height of the spindle is another Z after that."""
         state = self._state
         if not self._controller.changes_tools:
             number = state.tool  # Z was set with it

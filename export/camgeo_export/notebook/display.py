@@ -42,7 +42,7 @@ class Rendering:
     ----------
     html : safe to be put into a page.
     figure : the picture; None if there is none.
-    told : a description of the picture.
+    description : of the picture, as its alternative text.
     below : HTML below it.
     """
 
@@ -73,7 +73,7 @@ def display(value: Displayed) -> dict[str, str | bytes]:
 
 @singledispatch
 def make_rendering(value: object) -> Rendering:
-    """How one kind of object is shown."""
+    """The rendering of an object, by its kind."""
     raise TypeError(f"{type(value).__name__} is not displayed")
 
 
@@ -165,7 +165,7 @@ def _(value: Law) -> Rendering:
 
 @make_rendering.register
 def _(value: Answer) -> Rendering:
-    """Its text, and its picture if answers of this kind have one."""
+    """The text of an answer, and its picture if answers of this kind have one."""
     words = preformatted(answer.text(value))
     if not answer.has(value, "figure"):
         return Rendering(words)
@@ -176,7 +176,11 @@ def _(value: Answer) -> Rendering:
 def _(value: Check) -> Rendering:
     rows = [(entry.subject, entry.finding, entry.step) for entry in advised(value)]
     items = "".join(f"<li>{escape(cure.statement)}</li>" for cure in value.cures)
-    listed = f"<p>Each of these cures the fault that it names:</p><ul>{items}</ul>" if items else ""
+    listed = (
+        f"<p>Each of these remedies removes the fault that it names:</p><ul>{items}</ul>"
+        if items
+        else ""
+    )
     return Rendering(heading(value.scene.name) + findings(rows) + listed + _as_text(value))
 
 
@@ -305,15 +309,15 @@ DIGITS: Final = 6
 """Significant digits of its numbers."""
 
 NUMBERS: Final = "text-align:right;font-variant-numeric:tabular-nums;white-space:nowrap"
-"""Of a table; its cells inherit it."""
+"""Style of a table of numbers; its cells inherit it."""
 
 TEXTS: Final = ' style="text-align:left;vertical-align:top"'
-"""Of each cell: front ends align cells to the right."""
+"""Style of each cell with text: front ends align cells to the right by default."""
 
 ALIGNED: Final = (
     "font-family:monospace;white-space:pre;word-break:normal;overflow-x:auto;line-height:1.3"
 )
-"""Of text in columns, which front ends would wrap and set like sentences."""
+"""Style of text in columns, which front ends would wrap and set like sentences."""
 
 BADGE: Final = "padding:0 .4em;border-radius:.2em;white-space:nowrap;font-weight:bold"
 
@@ -330,7 +334,7 @@ BADGES: Final[dict[Verdict, tuple[str, str]]] = {
 
 
 def paragraph(text: str) -> str:
-    """A text."""
+    """A text as a paragraph."""
     return f"<p>{escape(text)}</p>"
 
 
@@ -391,7 +395,7 @@ def findings(judged: Iterable[tuple[str, Finding, str]]) -> str:
         (badge(finding.verdict), *map(escape, (subject, finding.name, finding.sentence, step)))
         for subject, finding, step in judged
     ]
-    heads = ("verdict", "of", "finding", "in words", "next step")
+    heads = ("verdict", "subject", "finding", "description", "next step")
     columns = [k for k in range(len(heads)) if any(row[k] for row in cells)]
     rows = [[row[k] for k in columns] for row in cells]
     return html_table([heads[k] for k in columns], rows, numbers=False)

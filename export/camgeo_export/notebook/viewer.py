@@ -25,7 +25,7 @@ def viewer(design: Design) -> Viewer:
         if error.name not in ("anywidget", "traitlets"):
             raise
         raise CamgeoError(
-            "the view in a notebook needs anywidget, and it is not installed;"
-            ' `pip install "camgeo[notebook]"` brings it'
+            "the view in a notebook needs anywidget, which is not installed; install it with"
+            ' `pip install "camgeo[notebook]"`'
         ) from None
     return Viewer(design)

@@ -35,12 +35,12 @@ LEAST_SHARE = 0.2
 """Share of the tolerance below which rounding leaves too little for the chords."""
 
 LEAST_CHAMFER_SHARE = 1e-3
-"""The same where the edge of a chamfer is farther off than that of its wall: around a hole it has
-a larger radius, and chords that are off by more.
+"""The same where the edge of a chamfer deviates more than its wall: around a hole the edge has the
+larger radius, so its chords deviate more.
 """
 
 BENT = 0.25
-"""Share of what chords may use that is left for the bent corners of chamfers between two steps."""
+"""Share of the chords' tolerance reserved for bent corners of chamfers between two steps."""
 
 Rounding = Callable[[FloatArray], FloatArray]
 
@@ -65,8 +65,9 @@ def body(part: Part, tolerance: float, rounding: Rounding) -> Body:
     """The part as a body whose edges lie within `tolerance` [mm] of its boundaries.
 
     `rounding` turns coordinates [mm] into those which the file can hold. Raises GeometryError with
-    the key of a height that the scene does not give or that is within the tolerance, or with "part"
-    if walls are; FileError if the body would have more facets than `camgeo.reading` allows.
+    the key of a height that the scene does not give or that is below the tolerance, or with the key
+    "part" if walls come closer than the tolerance; FileError if the body would have more facets
+    than `camgeo.reading` allows.
     """
     part.require_steps(tolerance)
     levels = part.levels
@@ -100,7 +101,7 @@ def body(part: Part, tolerance: float, rounding: Rounding) -> Body:
 
 
 def limit_facets(facets: int, has: str = "the body would have") -> None:
-    """Raise FileError if a file of so many facets would not be read back."""
+    """Raise FileError if a file of that many facets could not be read back."""
     if facets > FACETS:
         raise FileError(
             f"{has} {counted(facets, 'facet')}; at most {FACETS:,} are allowed in a file that is"
@@ -116,6 +117,8 @@ def _rings(
     """
     edges = {bevel.edge.name: bevel for bevel in part.bevels if bevel.boundary == boundary}
     share = FIT_SHARE * tolerance
+    # Rounding moves vertices only after the fit. If both exceed the tolerance, the fit is repeated
+    # with what rounding has left, scaled by how much of its share it has used.
     while True:
         if boundary.corner_radius is None or not edges:
             outlines, deviations = _polygons(boundary, edges, share)
@@ -131,21 +134,25 @@ def _rings(
         share = FIT_SHARE * min(left, share * left / largest)
         if FIT_SHARE * left < LEAST_SHARE * tolerance or share < LEAST_CHAMFER_SHARE * tolerance:
             raise ToleranceError(
-                f"the numbers of the format are too coarse for the {boundary.name}",
+                f"the number format of the file is too coarse for the {boundary.name}",
                 tolerance,
                 moved / (1.0 - LEAST_SHARE),
             )
+    # Rounding may make neighbours coincide. Such a vertex is dropped from all polygons, so that
+    # they still correspond vertex by vertex.
     distinct = np.all([polygon != np.roll(polygon, 1) for polygon in points.values()], axis=0)
     polygons = {name: polygon[distinct] for name, polygon in points.items()}
     return {name: polygon[::-1] if boundary.hole else polygon for name, polygon in polygons.items()}
 
 
 Polygons = tuple[dict[str, ComplexArray], dict[str, float]]
-"""Polygons (n,) complex [mm] of boundaries by their names, and how far [mm] each is off."""
+"""Polygons (n,) complex [mm] of boundaries by their names, and the deviation [mm] of each."""
 
 
 def _polygons(boundary: Boundary, edges: Mapping[str, Bevel], share: float) -> Polygons:
-    """A boundary within `share` [mm], and the edges of its chamfers as parallels of its polygon."""
+    """The polygons of a boundary within `share` [mm], and of the edges of its chamfers, which are
+    parallels of that polygon.
+    """
     fit = boundary.polyline(share)
     exact = fit.contour.vertices
     outlines = {boundary.name: exact}
@@ -158,7 +165,9 @@ def _polygons(boundary: Boundary, edges: Mapping[str, Bevel], share: float) -> P
 
 
 def _mitred(boundary: Boundary, edges: Mapping[str, Bevel], share: float) -> Polygons:
-    """A boundary with corners, the edges of its chamfers, and the steps to each of them."""
+    """The polygons of a boundary with corners, of the edges of its chamfers, and of the steps
+    between them.
+    """
     bounds = {boundary.name: boundary}
     for name, bevel in edges.items():
         shift = bevel.width if boundary.hole else -bevel.width
@@ -176,7 +185,7 @@ def _mitred(boundary: Boundary, edges: Mapping[str, Bevel], share: float) -> Pol
 
 
 def _step(name: str, number: int) -> str:
-    """What a step to the edge of a chamfer is called."""
+    """The name of a step between a wall and the edge of its chamfer."""
     return f"step {number} to the {name}"
 
 
@@ -193,7 +202,7 @@ class _Strip(NamedTuple):
 
 
 def _strips(band: Band, rings: Mapping[str, ComplexArray]) -> Iterator[_Strip]:
-    """A band, a chamfer in as many steps as it has rings."""
+    """The strips of facets of a band; those of a chamfer are as many as its steps."""
     downwards = band.lower is not band.wall
     edge = band.lower if downwards else band.upper
     steps = takewhile(lambda name: name in rings, (_step(edge.name, k) for k in count(1)))
@@ -207,7 +216,7 @@ def _strips(band: Band, rings: Mapping[str, ComplexArray]) -> Iterator[_Strip]:
 
 
 def _parallel(polygon: ComplexArray, shift: float) -> ComplexArray:
-    """The polygon whose sides lie `by` [mm] to the left of those of a counter-clockwise one."""
+    """The polygon whose sides lie `shift` [mm] to the left of those of a counter-clockwise one."""
     sides = np.roll(polygon, -1) - polygon
     normals = 1j * sides / np.abs(sides)
     preceding = np.roll(normals, 1)
@@ -289,6 +298,7 @@ class _Mesh:
         lie over those of the former, by the shorter diagonals.
         """
         lower_next, upper_next = np.roll(lower, -1), np.roll(upper, -1)
+        # The ends of the diagonal of each quadrilateral, which both of its facets share.
         one, other = lower, upper_next
         if skew:
             points = np.concatenate(self.points)
@@ -327,8 +337,9 @@ class _Mesh:
 
 
 PIECE = 2000
-"""Points of a face above which it is divided. Of the face of a disc with a bore, ears of as many
-take twice the time per point that those of 250 take, which is about what division adds."""
+"""Points of a face above which it is divided. On the face of a disc with a bore, cutting ears off
+that many points takes twice the time per point that 250 points take, which is about what division
+adds."""
 
 STARTS, QUARTERS = 8, 4
 """Vertices at which a diagonal is looked for, evenly over a ring, and the parts of the ring in each
@@ -367,6 +378,7 @@ def triangulate(rings: list[ComplexArray], most: int = PIECE) -> IntArray:
     triangles (a further outer ring has two less). `most` points are triangulated at once.
     """
     points, tilted = np.concatenate(rings), np.concatenate(_tilted(rings))
+    # Positions of the points of each ring among those of all.
     indices = np.split(np.arange(len(points)), np.cumsum([len(ring) for ring in rings])[:-1])
     flat = np.column_stack((tilted.real, tilted.imag))
     if len(points) <= most:
@@ -416,7 +428,7 @@ def _faces(outers: list[IntArray], holes: list[IntArray], points: ComplexArray) 
 
 
 def _divided(face: _Face, points: ComplexArray, tilted: ComplexArray) -> list[_Face]:
-    """Two faces with the same points, or none if no diagonal was found."""
+    """The face divided into two with the same points; empty if no diagonal was found."""
     if not face.holes:
         return _across(face, points, tilted)
     return _through_hole(face, points, tilted) or _across(face, points, tilted)
@@ -462,6 +474,7 @@ def _through_hole(face: _Face, points: ComplexArray, tilted: ComplexArray) -> li
         there, here = points[face.outer[[i, j]]], points[hole[[k, m]]]
         if i == j or not _are_disjoint(there[0], here[0], there[1], here[1]):
             continue
+        # Cut along both bridges, the ring and the hole make two rings.
         parts = [
             np.concatenate((_along(face.outer, i, j), _along(hole, m, k))),
             np.concatenate((_along(face.outer, j, i), _along(hole, k, m))),
@@ -472,7 +485,7 @@ def _through_hole(face: _Face, points: ComplexArray, tilted: ComplexArray) -> li
 
 
 def _evenly(count: int) -> list[int]:
-    """Positions of some vertices of a ring of so many."""
+    """Positions of at most `STARTS` vertices, evenly spread over a ring of `count` vertices."""
     return sorted({count * k // STARTS for k in range(STARTS)})
 
 
@@ -492,7 +505,8 @@ def _along(ring: IntArray, i: int, j: int) -> IntArray:
 
 
 def _area(ring: ComplexArray) -> float:
-    """Of a polygon, positive counter-clockwise."""
+    """Signed area of a polygon, positive if it runs counter-clockwise."""
+    # From the first vertex, which keeps rounding small where the polygon lies far from the origin.
     arms = ring - ring[0]
     return 0.5 * float(np.sum((np.conj(arms) * np.roll(arms, -1)).imag))
 
@@ -500,6 +514,7 @@ def _area(ring: ComplexArray) -> float:
 def _turns_left(ring: ComplexArray) -> bool:
     """Whether a ring is proved counter-clockwise by its area, the rounding of the sum included."""
     reach = float(np.max(np.abs(ring - ring[0])))
+    # Each of the n terms is at most reach^2 and is carried through at most n roundings.
     return _area(ring) > len(ring) ** 2 * ROUNDING * reach**2
 
 
@@ -540,13 +555,13 @@ def _side(
 
 
 Nearest = Callable[[str, str], tuple[float, complex] | None]
-"""Of the rings of two boundaries, by their names: how near they come [mm], and where; None if that
-is farther than the tolerance."""
+"""Gives the smallest distance [mm] of the rings of two boundaries, by their names, and its place;
+None if that distance exceeds the tolerance."""
 
 
 def require_gaps(part: Part, nearest: Nearest, tolerance: float) -> None:
     """Raise GeometryError with key "part" and the place if two walls, or edges at one height, come
-    within `tolerance` [mm], that of the rings: no file of it tells them apart.
+    within `tolerance` [mm], that of the rings: a file with that tolerance cannot separate them.
     """
     groups: list[Iterable[Boundary]] = [layer.boundaries for layer in part.layers]
     groups += [level.boundaries for level in part.levels]
@@ -555,15 +570,15 @@ def require_gaps(part: Part, nearest: Nearest, tolerance: float) -> None:
         if (closest := nearest(one, other)) is not None:
             distance, place = closest
             raise GeometryError(
-                f"a solid within {tolerance:g} mm does not keep the {one} and the {other} apart:"
-                f" {distance:.3g} mm are left near ({place.real:.5g}, {place.imag:.5g}) mm; take a"
-                " smaller tolerance",
+                f"a solid within {tolerance:g} mm cannot separate the {one} and the {other}, which"
+                f" are {distance:.3g} mm apart near ({place.real:.5g}, {place.imag:.5g}) mm; choose"
+                " a smaller tolerance",
                 key="part",
             )
 
 
 def polygon_gaps(rings: Mapping[str, ComplexArray], tolerance: float) -> Nearest:
-    """Of polygons (n,) [mm]."""
+    """The smallest distances of rings that are polygons (n,) complex [mm]."""
     lines = {
         name: shapely.LinearRing(np.column_stack((ring.real, ring.imag)))
         for name, ring in rings.items()
@@ -581,7 +596,7 @@ def polygon_gaps(rings: Mapping[str, ComplexArray], tolerance: float) -> Nearest
 
 
 def contour_gaps(contours: Mapping[str, Contour], tolerance: float) -> Nearest:
-    """Of contours of lines and arcs, in closed form."""
+    """The smallest distances of rings that are contours of lines and arcs, in closed form."""
     boxes = {name: _box(contour) for name, contour in contours.items()}
 
     def nearest(one: str, other: str) -> tuple[float, complex] | None:
@@ -598,7 +613,8 @@ def contour_gaps(contours: Mapping[str, Contour], tolerance: float) -> Nearest:
 
 
 def _box(contour: Contour) -> shapely.Polygon:
-    """Around the contour: no piece is farther from its ends than its arc is high."""
+    """A box around the contour: no point of a piece is farther from its chord than the sagitta."""
+    # r (1 - cos(sweep / 2)), in the form that does not cancel for flat arcs; 0 for lines.
     high = np.where(
         contour.sweeps != 0.0, 2.0 * contour.radii * np.sin(0.25 * contour.sweeps) ** 2, 0.0
     )

@@ -51,9 +51,9 @@ class StepWriter:
     def write(self, product: Product, tolerance: float) -> Written:
         """The solid, in the unit of the product, within `tolerance` [mm].
 
-        Raises GeometryError with the key of a height that the scene does not give or that is within
-        the tolerance, or with "part" if walls are; FileError if the file would be larger
-        than `camgeo.reading` allows.
+        Raises GeometryError with the key of a height that the scene does not give or that is below
+        the tolerance, or with the key "part" if walls come closer than the tolerance; FileError if
+        the file would be larger than `camgeo.reading` allows.
         """
         part = product.drawn.part
         part.require_steps(tolerance)
@@ -145,7 +145,7 @@ FLATTEST = 1e7
 the circle by the rounding of its centre."""
 
 SAGITTA = 0.01
-"""Share of the tolerance by which such an arc may leave its chord."""
+"""Share of the tolerance by which an arc that is drawn as a line may leave its chord."""
 
 
 def boundary_ring(boundary: Boundary, product: Product, tolerance: float) -> Ring:
@@ -160,12 +160,13 @@ def boundary_ring(boundary: Boundary, product: Product, tolerance: float) -> Rin
         contour = _without_flattest(curve, tolerance)
         strands = as_spline_contour(contour).strands
     else:
+        # Arcs near the splines suffice to show what lies inside.
         contour = approximating_arcs(curve, TOPOLOGY_TOLERANCE).contour
         strands = _open(curve)
     gap = max((_circle_gap(strand) for strand in strands if isinstance(strand, Arc)), default=0.0)
     if gap > UNCERTAINTY:
         raise ToleranceError(
-            f"arcs of the {boundary.name} are too flat for the numbers of the format",
+            f"arcs of the {boundary.name} are too flat for the number format of the file",
             UNCERTAINTY,
             gap,
         )
@@ -193,7 +194,7 @@ def _without_flattest(contour: Contour, tolerance: float) -> Contour:
 
 
 def _open(curve: SplineContour) -> tuple[Strand, ...]:
-    """Its strands; one that is closed in itself in two parts, as an edge has two ends."""
+    """The strands of a curve; a single closed spline is divided, as an edge must have two ends."""
     (strand, *others) = curve.strands
     if others or not isinstance(strand, CubicSpline):
         return curve.strands
@@ -202,9 +203,10 @@ def _open(curve: SplineContour) -> tuple[Strand, ...]:
 
 
 def _circle_gap(arc: Arc) -> float:
-    """How far [mm] its ends are from the circle that the file states."""
+    """The distance [mm] of an arc's ends from the circle that the file states for it."""
     if not arc.sweep:
         return 0.0
+    # The radius is the mean of both arms; rounding of the centre adds to their difference.
     return 0.5 * abs(abs(arc.start - arc.centre) - abs(arc.end - arc.centre)) + (
         4.0 * math.ulp(abs(arc.centre))
     )
@@ -250,6 +252,7 @@ def flat_faces(level: Level, rings: dict[str, Ring]) -> list[FlatFace]:
     around = {name: _around(name, names, rings) for name in names}
     faces = []
     for name in names:
+        # Inside an even number of others a ring bounds a face, inside an odd number a hole.
         if len(around[name]) % 2 == 0:
             inner = [one for one in names if around[one] == {*around[name], name}]
             faces.append(FlatFace((name, *inner), upwards=(name in ends) != (name in holes)))
@@ -257,7 +260,7 @@ def flat_faces(level: Level, rings: dict[str, Ring]) -> list[FlatFace]:
 
 
 def _around(name: str, names: Sequence[str], rings: dict[str, Ring]) -> set[str]:
-    """The names of the rings around one of them."""
+    """The names of the rings that enclose the ring `name`."""
     place = complex(rings[name].contour.vertices[0])
     return {one for one in names if one != name and winding_number(rings[one].contour, place)}
 
@@ -272,6 +275,7 @@ def require_one_body(part: Part, faces: dict[float, list[FlatFace]]) -> None:
         one, other = (
             groups[z, next(face for face in faces[z] if name in face.names)] for z, name in feet
         )
+        # A wall connects its two faces, and with them all that is connected already.
         if one is not other:
             one |= other
             groups |= dict.fromkeys(other, one)
@@ -304,7 +308,7 @@ class Shell:
         self.faces: list[Ref] = []
 
     def add(self) -> Ref:
-        """The shell; raises GeometryError if it would be several."""
+        """Add the shell; GeometryError if the part would need several."""
         flat = {level.z: flat_faces(level, self.rings) for level in self.part.levels}
         require_one_body(self.part, flat)
         for bands in wall_bands(self.part):
@@ -319,7 +323,7 @@ class Shell:
         return self.pen.file.add("CLOSED_SHELL", "", self.faces)
 
     def _bevelled(self, bands: Sequence[Band]) -> None:
-        """The faces of a wall with chamfers, from below, and all edges between them."""
+        """Add the faces of a wall with chamfers, from below, and all edges between them."""
         ends = [(bands[0].lower.name, bands[0].z0), *((band.upper.name, band.z1) for band in bands)]
         rows = [add_row(self.pen, self.rings[name].strands, z - self.bottom) for name, z in ends]
         for band, (lower, upper) in zip(bands, pairwise(rows), strict=True):
@@ -339,7 +343,7 @@ class Shell:
             self.edges[end] = row.edges
 
     def _wall(self, wall: Band) -> None:
-        """The faces along a boundary, and the edges above and below."""
+        """Add the faces along a boundary, and their edges above and below."""
         name, file = wall.wall.name, self.pen.file
         strands = self.rings[name].strands
         heights = (wall.z0 - self.bottom, wall.z1 - self.bottom)
@@ -366,7 +370,9 @@ class Shell:
         self.edges |= {(name, wall.z0): lower, (name, wall.z1): upper}
 
     def _flat(self, level: Level, face: FlatFace, ends: set[str]) -> None:
-        """One flat face; its walls have the edges of rings that end here in reverse."""
+        """Add one flat face. A wall that ends here uses their common edges backwards, so the face
+        uses them forwards; along a wall that begins here it is the other way round.
+        """
         loops = []
         for name in face.names:
             edges = [(edge, name in ends) for edge in self.edges[name, level.z]]
@@ -460,6 +466,7 @@ class Pen:
         if not strand.sweep:
             vector = self.file.add("VECTOR", "", self._direction(strand.end - strand.start), 1.0)
             return self.file.add("LINE", "", ends.start, vector), True
+        # A CIRCLE runs counter-clockwise, from its first axis on.
         ahead = strand.sweep > 0.0
         first = (strand.start if ahead else strand.end) - strand.centre
         axes = self.placement(strand.centre, ends.z, UPWARDS, first)
@@ -541,7 +548,7 @@ class Pen:
         )
 
     def _direction(self, along: complex) -> Ref:
-        """Of any length in, of length 1 out."""
+        """The direction of a vector in the plane, of any length; the file states it of length 1."""
         unit = along / abs(along)
         return self.file.add("DIRECTION", "", (unit.real, unit.imag, 0.0))
 
@@ -556,7 +563,7 @@ class Pen:
 
 
 def mean_radius(arc: Arc) -> float:
-    """The radius [mm] that both ends are nearest to."""
+    """The mean distance [mm] of both ends from the centre."""
     return 0.5 * (abs(arc.start - arc.centre) + abs(arc.end - arc.centre))
 
 
@@ -569,7 +576,7 @@ def mean_radius(arc: Arc) -> float:
 
 
 SHARPEST = 1e-3
-"""Turn [rad] at a joint up to which an arc of the parallel still ends on its circle."""
+"""Change of direction [rad] at a joint up to which arcs of the parallel end on their circles."""
 
 
 def parallel(strands: Sequence[Strand], width: float, name: str) -> tuple[Arc, ...]:
@@ -585,7 +592,7 @@ def parallel(strands: Sequence[Strand], width: float, name: str) -> tuple[Arc, .
     arcs = [strand for strand in strands if isinstance(strand, Arc)]
     if len(arcs) < len(strands):
         raise GeometryError(
-            "chamfers are along lines and arcs: a parallel of a spline is none",
+            "chamfers need walls of lines and arcs: a parallel of a spline is not a spline",
             key="output.step.walls",
             value='"spline"',
         )
@@ -594,6 +601,7 @@ def parallel(strands: Sequence[Strand], width: float, name: str) -> tuple[Arc, .
     places = []
     for previous, following in zip((arcs[-1], *arcs[:-1]), arcs, strict=True):
         one, other = (1j * arc.heading(following.start) for arc in (previous, following))
+        # The corner of the parallel moves by the width along the normals of both neighbours.
         one, other = one / abs(one), other / abs(other)
         places.append(
             following.start + width * (one + other) / (1.0 + (one.conjugate() * other).real)
@@ -603,7 +611,7 @@ def parallel(strands: Sequence[Strand], width: float, name: str) -> tuple[Arc, .
         radius = mean_radius(strand) - math.copysign(width, strand.sweep)
         if strand.sweep and not radius > 0.0:
             raise GeometryError(
-                f"an arc of the {name} has no parallel {width:g} mm within the material",
+                f"an arc of the {name} has no parallel {width:g} mm inside the material",
                 key="part.chamfers",
                 value=f"{width:g}",
             )
@@ -618,12 +626,12 @@ def parallel(strands: Sequence[Strand], width: float, name: str) -> tuple[Arc, .
 
 
 def _mitred(arcs: Sequence[Arc], width: float, name: str) -> tuple[Arc, ...]:
-    """The same of strands of which some meet in corners."""
+    """The parallel of strands of which some meet in corners."""
     try:
         moved = mitred(as_contour(arcs), -width)
     except GeometryError:
         raise GeometryError(
-            f"the {name} has no parallel {width:g} mm within the material",
+            f"the {name} has no parallel {width:g} mm inside the material",
             key="part.chamfers",
             value=f"{width:g}",
         ) from None
@@ -641,14 +649,14 @@ def _is_bent(previous: Arc, following: Arc) -> bool:
         return False
     if previous.sweep and following.sweep:
         raise GeometryError(
-            "two arcs meet in a corner, along which there is no chamfer", key="part.chamfers"
+            "two arcs meet in a corner, along which no chamfer is possible", key="part.chamfers"
         )
     return True
 
 
 def _bend(line: Arc, arc: Arc, start: complex, end: complex) -> tuple[complex, float]:
-    """The middle one of the three control points of the parabola along which a corner moves from
-    `start` to `end`: its place, and its height as a share of the way.
+    """The middle control point of the parabola along which a corner moves from `start` to `end`:
+    its place, and its height as a share of the difference in height.
 
     Along the line, u from the foot of the centre, it moves evenly with the parameter of the
     parabola; across it and upwards with u^2.
@@ -661,7 +669,7 @@ def _bend(line: Arc, arc: Arc, start: complex, end: complex) -> tuple[complex, f
 
 
 def as_contour(strands: Sequence[Arc]) -> Contour:
-    """The same pieces as a contour."""
+    """The contour of strands that are lines and arcs."""
     vertices, sweeps, centres = zip(
         *((strand.start, strand.sweep, strand.centre) for strand in strands), strict=True
     )
@@ -687,7 +695,7 @@ class StrandRow:
 
 
 def add_row(pen: Pen, strands: tuple[Strand, ...], z: float) -> StrandRow:
-    """The edges along strands at a height [mm]."""
+    """Add the edges along strands at a height [mm]."""
     file = pen.file
     points = [pen.point(strand.start, z) for strand in strands]
     vertices = [file.add("VERTEX_POINT", "", point) for point in points]
@@ -702,7 +710,7 @@ def add_row(pen: Pen, strands: tuple[Strand, ...], z: float) -> StrandRow:
 
 
 def add_posts(pen: Pen, lower: StrandRow, upper: StrandRow) -> list[Ref]:
-    """The edges from the ends of one row to those of the row above."""
+    """Add the edges from the ends of one row to those of the row above."""
     posts = []
     for k, (one, other) in enumerate(zip(lower.strands, upper.strands, strict=True)):
         along = other.start - one.start
@@ -726,7 +734,9 @@ def add_posts(pen: Pen, lower: StrandRow, upper: StrandRow) -> list[Ref]:
 
 
 def add_surface(pen: Pen, lower: StrandRow, upper: StrandRow, k: int) -> tuple[Ref, bool]:
-    """The surface between strands `k` of two rows, and whether its normal points to their right."""
+    """Add the surface between strands `k` of two rows; also whether its normal points to their
+    right.
+    """
     one, other = lower.strands[k], upper.strands[k]
     if lower.strands is upper.strands:
         return pen.upright(one, Ends(lower.z, lower.points[k], lower.points[k]))
@@ -790,7 +800,8 @@ def flag(value: bool) -> Word:
 
 
 def parameter_text(value: Value) -> str:
-    """A parameter."""
+    """A parameter as text."""
+    # A Ref is an int and a Word a str, so these come first.
     match value:
         case Ref():
             return f"#{int(value)}"
@@ -841,7 +852,7 @@ class Entities:
         return self._line(f"{kind}{parameter_text(values)}")
 
     def shared(self, kind: str, *values: Value) -> Ref:
-        """An entity that others may refer to as well: there is one of each."""
+        """The entity with this text, which all that need it share."""
         text = f"{kind}{parameter_text(values)}"
         if text not in self._known:
             self._known[text] = self._line(text)
@@ -863,7 +874,7 @@ class Entities:
 
 
 SCHEMA = "AP242_MANAGED_MODEL_BASED_3D_ENGINEERING_MIM_LF { 1 0 10303 442 1 1 4 }"
-"""Its first edition, which programs have read for longest."""
+"""The first edition of AP242, which programs have been able to read for the longest time."""
 
 FIXED_DATE = "1970-01-01T00:00:00"
 """The time stamp: the file's bytes depend only on its content."""
@@ -894,7 +905,7 @@ END = ["ENDSEC;", "END-ISO-10303-21;"]
 
 
 def add_product(file: Entities, name: str) -> Ref:
-    """The product of the name and its definition; gives what shapes are attached to."""
+    """Add a product of that name with its definition; return what shapes are attached to."""
     context = file.add("APPLICATION_CONTEXT", "managed model based 3d engineering")
     file.add(
         "APPLICATION_PROTOCOL_DEFINITION",
@@ -913,7 +924,7 @@ def add_product(file: Entities, name: str) -> Ref:
 
 
 def add_context(file: Entities, unit: LengthUnit) -> Ref:
-    """Units and uncertainty of a representation."""
+    """Add the units and the uncertainty of a representation; return their context."""
     length = _length_unit(file, unit)
     angle = file.complex(
         ("NAMED_UNIT", (DERIVED,)),

@@ -44,7 +44,7 @@ NAMESPACE = "urn:camgeo:2026"
 """Namespace of our metadata; names outside the core specification must have one."""
 
 VERTICES, TRIANGLES = "@vertices@", "@triangles@"
-"""Marks in the XML."""
+"""Marks in the XML that stand for vertices and triangles."""
 
 FIXED_DATE = (1980, 1, 1, 0, 0, 0)
 """Earliest date that a zip can hold: the file's bytes depend only on its content."""
@@ -75,7 +75,7 @@ class Item:
 
 
 def package_items(product: Product) -> tuple[Item, ...]:
-    """The objects of the package: the disc where it turns, or those on the plate."""
+    """The objects of the package: the disc about its cam axis, or the pieces on the plate."""
     plate = plate_pieces(product)
     if not plate:
         return (Item(display_title(product), product.drawn.printed.target),)
@@ -123,13 +123,13 @@ class ThreeMfWriter:
     def measure(self, product: Product, data: bytes) -> float:
         """Read the meshes back and measure each against the exact boundaries [mm].
 
-        Raises FileError if the file is damaged, or one of them is not a closed body, or not named
-        or placed as it should be.
+        Raises FileError if the file is damaged, or if an object is not a closed body or does not
+        have the name and the place that it should have.
         """
         items, meshes = package_items(product), read_meshes(data)
         places = [(item.name, item.transform) for item in items]
         if [(name, transform) for name, transform, *_ in meshes] != places:
-            raise FileError("the 3MF model has other objects, or not where they should be")
+            raise FileError("objects of the 3MF model, or their places, are not those of the scene")
         return max(
             measure(item.part, vertices, triangles)
             for item, (*_, vertices, triangles) in zip(items, meshes, strict=True)
@@ -185,6 +185,7 @@ def _frame(product: Product, tolerance: float, items: Sequence[Item]) -> ET.Elem
             ET.SubElement(group, "base", {"name": item.name, "displaycolor": item.colour or ""})
     build = ET.Element("build")
     for number, item in enumerate(items):
+        # The colours, if there are any, have taken the first id.
         object_attributes = {
             "id": str(number + 1 + bool(coloured)),
             "type": "model",
@@ -204,8 +205,8 @@ def _frame(product: Product, tolerance: float, items: Sequence[Item]) -> ET.Elem
 
 
 Mesh = tuple[str, str | None, FloatArray, IntArray]
-"""Of an object its name, the transform of its item as in the file, None for none, its vertices
-(n, 3) [mm], not transformed, and its triangles (m, 3)."""
+"""An object: its name, the transform of its item as in the file (None for none), its vertices
+(n, 3) [mm] before the transform, and its triangles (m, 3)."""
 
 
 def read_meshes(data: bytes) -> tuple[Mesh, ...]:
@@ -224,7 +225,7 @@ def read_meshes(data: bytes) -> tuple[Mesh, ...]:
         if [element.get("objectid") for element in items] != [
             element.get("id") for element in objects
         ]:
-            raise FileError("not every object of the 3MF package is built once")
+            raise FileError("the 3MF package does not build each of its objects exactly once")
         meshes = tuple(_mesh(element, item) for element, item in zip(objects, items, strict=True))
     except (zipfile.BadZipFile, KeyError, ValueError, SyntaxError) as error:
         raise FileError(f"not a 3MF package by camgeo: {error}") from None

@@ -46,8 +46,8 @@ def body_checks(
 
 
 def no_body(error: GeometryError) -> Check:
-    """The failed check of a file whose scene has no such body."""
-    return failed("body", f"there is none to compare it with: {error.message}")
+    """The failed check of a file for whose scene there is no body."""
+    return failed("body", f"the scene has no body to compare the file with: {error.message}")
 
 
 def compensation_checks(product: Product) -> list[Check]:
@@ -73,10 +73,10 @@ def checks_of_body(
     except GeometryError as error:
         return [no_body(error)]
     if not len(triangles) or not np.abs(vertices).max(initial=0.0) <= COORDINATE:  # or NaN
-        message = f"there are none, or a coordinate is not finite, or beyond {COORDINATE:g} mm"
+        message = f"there are no facets, or a coordinate is not finite or exceeds {COORDINATE:g} mm"
         return [failed("facets", message)]
     if np.min(triangles) < 0 or np.max(triangles) >= len(vertices):
-        return [failed("facets", "one of them has a corner that is not among the vertices")]
+        return [failed("facets", "a facet has a corner that is not among the vertices")]
     vertices, triangles = merged(vertices, triangles)
     checks = solid_checks(vertices, triangles)
     corners = vertices[triangles]
@@ -90,6 +90,7 @@ def checks_of_body(
     for slope in slopes:
         bare |= (ranges[:, 0] >= slope.z0 - tolerance) & (ranges[:, 0] <= slope.z1 + tolerance)
     bare[levels[flat, 0]] = False
+    # Levels are numbered anew without the bare ones.
     numbers = np.where(flat, (np.cumsum(~bare) - 1)[levels[:, 0]], -1)
     ranges = ranges[~bare]
 
@@ -103,7 +104,9 @@ def checks_of_body(
 def _chamfer_lookup(
     vertices: FloatArray, triangles: IntArray, slopes: Sequence[Slope], numbers: IntArray
 ) -> Callable[[float, float], Iterator[list[Contour]]]:
-    """The contours of a mesh's chamfers, see `Surfaces`; `numbers` (m,) are those of `sloping`."""
+    """The contours of a mesh's chamfers by their heights, see `Surfaces`; `numbers` (m,) are those
+    of `slope_numbers`.
+    """
     place = {(slope.z0, slope.z1): k for k, slope in enumerate(slopes)}
     return lambda low, high: chamfer_contours(vertices, triangles[numbers == place[low, high]])
 
@@ -160,14 +163,16 @@ class Surfaces:
     ) -> list[Check]:
         wanted = part.levels
         if len(self.ranges) != len(wanted):
-            note = f"flat faces at {counted(len(self.ranges), 'height')}, not at {len(wanted)}: "
-            return [failed("height", note + ", ".join(level.name for level in wanted))]
+            count = counted(len(self.ranges), "height")
+            names = ", ".join(level.name for level in wanted)
+            return [failed("height", f"flat faces at {count}, not at {len(wanted)}: {names}")]
         by_name = {shape.name: shape for shape in boundary_shapes(part.outlines, extent, tolerance)}
         checked: dict[tuple[str, bytes], None] = {}
         checks = []
         for number, level in enumerate(wanted):
             exact = level.z - wanted[0].z
             deviations = self.ranges[number] - exact
+            # The end of the range that deviates more.
             height = exact + float(deviations[np.argmax(np.abs(deviations))])
             checks.append(near("height", height, exact, tolerance, "mm", level.name))
             shapes = [by_name[boundary.name] for boundary in level.boundaries]
@@ -217,7 +222,9 @@ def _level_checks(
 
 
 def _volume(part: Part, shapes: dict[str, Shape], volume: float, tolerance: float) -> list[Check]:
-    """Exact areas times heights; off by at most the tolerance along all faces."""
+    """The check of the volume against exact areas times heights: it may deviate by the tolerance
+    along all faces.
+    """
     if any(shape.area is None for shape in shapes.values()):
         return []
     volumes, faces = [], []
@@ -228,7 +235,8 @@ def _volume(part: Part, shapes: dict[str, Shape], volume: float, tolerance: floa
         if band.wall.corner_radius is not None and not band.is_upright:
             mean_area = math.copysign(chamfer_volume(band) / height, ends[0])
         elif not band.is_upright:
-            # The parallel of a smooth curve encloses A(t) with A'' = 2 pi.
+            # Between its ends the parallel at t of a smooth curve encloses A(t) with A'' = 2 pi, so
+            # the mean is below that of the ends by 2 pi width^2 / 12.
             mean_area -= math.copysign(math.pi * band.width**2 / 6.0, ends[0])
         volumes.append(mean_area * height)
         slant = math.hypot(height, band.width)
@@ -241,7 +249,7 @@ def _volume(part: Part, shapes: dict[str, Shape], volume: float, tolerance: floa
 
 
 def _area(boundaries: tuple[Boundary, ...], shapes: dict[str, Shape]) -> float:
-    """Sum of the areas [mm^2], holes negative."""
+    """Sum of the areas within boundaries [mm^2], those of holes negative."""
     return math.fsum(
         (shapes[boundary.name].area or 0.0) * (-1.0 if boundary.hole else 1.0)
         for boundary in boundaries
@@ -274,21 +282,26 @@ def heights(corners: FloatArray) -> FloatArray:
     sides = corners - np.roll(corners, 1, axis=1)
     longest = np.linalg.norm(sides, axis=2).max(axis=1)
     doubled = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
+    # Twice the area over the base.
     return np.asarray(doubled / np.where(longest > 0.0, longest, 1.0))
 
 
 def volume(vertices: FloatArray, triangles: IntArray) -> float:
     """Enclosed volume [mm^3], positive where the facets are turned outwards."""
     a, b, c = (vertices[triangles[:, k]] for k in range(3))
+    # Six times the signed volume of the tetrahedron of each facet and the origin is a (b x c).
     return float(np.einsum("ij,ij->", a, np.cross(b, c))) / 6.0
 
 
 def solid_checks(vertices: FloatArray, triangles: IntArray) -> list[Check]:
-    """Closed: each edge has two facets. Oriented: they traverse it in opposite directions."""
+    """Checks that the mesh is closed, each edge having two facets, and oriented: the two traverse
+    their edge in opposite directions.
+    """
     checks = [_facets(vertices, triangles)]
     start = triangles.reshape(-1).astype(np.int64)
     end = np.roll(triangles, -1, axis=1).reshape(-1).astype(np.int64)
     count = len(vertices)
+    # One number for an edge in either direction.
     key = np.minimum(start, end) * count + np.maximum(start, end)
     edges, place, used = np.unique(key, return_inverse=True, return_counts=True)
     place = place.reshape(-1)
@@ -301,11 +314,12 @@ def solid_checks(vertices: FloatArray, triangles: IntArray) -> list[Check]:
         Check("closed", "", float(len(single)), None, 0.0, "open edges", not len(single), note)
     )
     forth = np.where(start < end, 1, -1)
+    # 0 where both facets of an edge traverse it in opposite directions.
     turned = np.bincount(place, weights=forth, minlength=len(edges))
     same = (used == 2) & (turned != 0.0)
     note = ""
     if np.any(same):
-        # It is oriented against most of its neighbours.
+        # The facet that disagrees with most of its neighbours is the one that is turned.
         facet = int(np.argmax(same[place].reshape(-1, 3).sum(axis=1)))
         middle = point_text(vertices[triangles[facet]].mean(axis=0))
         note = f"facet {facet + 1}, near {middle} mm, is turned against its neighbours"
@@ -319,17 +333,17 @@ def solid_checks(vertices: FloatArray, triangles: IntArray) -> list[Check]:
 
 
 def upright_facets(corners: FloatArray, tolerance: float = 0.0) -> BoolArray:
-    """(m,) whether facets (m, 3, 3) have a vertical edge, `within` a length [mm]."""
+    """(m,) whether facets (m, 3, 3) have an edge that is vertical within `tolerance` [mm]."""
     plane = corners[:, :, 0] + 1j * corners[:, :, 1]
     steep = np.abs(plane - np.roll(plane, 1, axis=1)) <= tolerance
-    # A short edge of a flat border is not one.
+    # A short edge of a flat border is not a vertical one.
     steep &= np.abs(corners[:, :, 2] - np.roll(corners[:, :, 2], 1, axis=1)) > tolerance
     return np.asarray(steep.any(axis=1))
 
 
 def upright_check(corners: FloatArray, tolerance: float = 0.0) -> Check:
-    """Each facet that is neither flat nor of a chamfer must have an edge that is vertical, `within`
-    a length [mm].
+    """The check that each facet that is neither flat nor of a chamfer has an edge that is vertical
+    within `tolerance` [mm].
     """
     steep = upright_facets(corners, tolerance)
     if steep.all():
@@ -341,7 +355,8 @@ def upright_check(corners: FloatArray, tolerance: float = 0.0) -> Check:
 
 def group_levels(heights: FloatArray, tolerance: float) -> tuple[IntArray, FloatArray]:
     """The numbers of the levels of `heights` [mm], ascending, in the same shape; and (k, 2) the
-    least and greatest height of each level, in which each follows the one below `within` a length.
+    least and greatest height of each level. Heights are on one level if none is more than
+    `tolerance` [mm] above the one below it.
     """
     unique, index = np.unique(heights, return_inverse=True)
     level = np.concatenate(([0], np.cumsum(np.diff(unique) > tolerance)))
@@ -355,6 +370,7 @@ def border_loops(triangles: IntArray) -> list[list[int]]:
     start = triangles.reshape(-1).tolist()
     end = np.roll(triangles, -1, axis=1).reshape(-1).tolist()
     edges = set(zip(start, end, strict=True))
+    # Inner edges occur in both directions.
     border = [edge for edge in zip(start, end, strict=True) if edge[::-1] not in edges]
     successors = dict(border)
     if len(successors) != len(border):
@@ -363,7 +379,7 @@ def border_loops(triangles: IntArray) -> list[list[int]]:
 
 
 def _rings(successors: dict[Vertex, Vertex]) -> Iterator[list[Vertex]]:
-    """The closed chains in which each place is followed by one; KeyError if one is not closed."""
+    """The closed chains that `successors` form; KeyError if one is not closed."""
     while successors:
         first, following = successors.popitem()
         ring = [first]
@@ -374,7 +390,7 @@ def _rings(successors: dict[Vertex, Vertex]) -> Iterator[list[Vertex]]:
 
 
 def _facets(vertices: FloatArray, triangles: IntArray) -> Check:
-    """No facet has two corners at the same place, or all three on a line."""
+    """The check that no facet has two corners at the same place, or all three on a line."""
     same = (triangles == np.roll(triangles, 1, axis=1)).any(axis=1)
     bad = np.flatnonzero(same | (heights(vertices[triangles]) <= ROUNDING * np.abs(vertices).max()))
     note = ""
@@ -439,8 +455,8 @@ def slope_numbers(
 ) -> IntArray:
     """(m,) the numbers of the slopes to which facets belong, -1 for none.
 
-    Facets that lean, `among` some of all (m,), and hang together reach from the lower to the upper
-    edge of one slope, `within` a length [mm]; along bent corners they do in several steps.
+    Leaning facets `among` (m,) these that are connected belong to a slope if they reach from its
+    lower to its upper edge within `tolerance` [mm]; along bent corners they do in several steps.
     """
     numbers = np.full(len(triangles), -1)
     if not slopes:
@@ -450,6 +466,7 @@ def slope_numbers(
 
     leaning = np.flatnonzero(among & ~upright_facets(vertices[triangles], tolerance))
     corners = triangles[leaning]
+    # Facets are connected where they share a corner.
     pairs = np.concatenate((corners[:, :2], corners[:, 1:]))
     size = len(vertices)
     links = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(size, size))
@@ -466,7 +483,7 @@ def slope_numbers(
 
 
 def chamfer_contours(vertices: FloatArray, triangles: IntArray) -> Iterator[list[Contour]]:
-    """Of the facets (m, 3) of a slope the lower edges, the sections half way up, the upper edges.
+    """The lower edges, the sections half way up and the upper edges of a slope's facets (m, 3).
 
     Raises
     ------
@@ -480,17 +497,21 @@ def chamfer_contours(vertices: FloatArray, triangles: IntArray) -> Iterator[list
     lower = [loop for loop in loops if np.all(vertices[loop][:, 2] < middle)]
     upper = [loop for loop in loops if np.all(vertices[loop][:, 2] > middle)]
     if len(lower) + len(upper) < len(loops) or len(lower) != len(upper):
-        raise FileError("a chamfer does not reach all round from its lower to its upper edge")
+        raise FileError("a chamfer does not extend from a lower to an upper edge all the way round")
     yield [polygon(vertices[loop]) for loop in lower]
     yield [polygon(points) for points in _sections(vertices, triangles, middle)]
     yield [polygon(vertices[loop]) for loop in upper]
 
 
 def _sections(vertices: FloatArray, triangles: IntArray, z: float) -> Iterator[FloatArray]:
-    """Where edges cross a height (n, 3), loop by loop: each facet that does joins two."""
+    """The points (n, 3) at which edges cross the height `z`, loop by loop: each facet that crosses
+    it joins two of them.
+    """
     above = vertices[:, 2] > z
     successors: dict[tuple[int, int], tuple[int, int]] = {}
     for facet in triangles[above[triangles].any(axis=1) & ~above[triangles].all(axis=1)].tolist():
+        # Edges are named from their lower to their upper end, so the falling edge of a facet is the
+        # rising one of its neighbour.
         for k in range(3):
             one, other = facet[k], facet[(k + 1) % 3]
             if not above[one] and above[other]:
@@ -501,7 +522,7 @@ def _sections(vertices: FloatArray, triangles: IntArray, z: float) -> Iterator[F
     try:
         rings = list(_rings(successors))
     except KeyError:
-        raise FileError("the facets of a chamfer do not go round") from None
+        raise FileError("the facets of a chamfer do not form a closed ring") from None
     for ring in rings:
         low, high = vertices[np.array(ring).T]
         share = (z - low[:, 2:]) / (high[:, 2:] - low[:, 2:])
@@ -527,7 +548,7 @@ def measure(part: Part, vertices: FloatArray, triangles: IntArray) -> float:
     try:
         part.require_heights()
     except GeometryError as error:
-        raise FileError(f"no body to compare this with: {error.message}") from None
+        raise FileError(f"the scene has no body to compare this with: {error.message}") from None
     if not np.isfinite(vertices).all():
         raise FileError("the mesh has coordinates that are not finite")
     vertices, triangles = merged(vertices, triangles)

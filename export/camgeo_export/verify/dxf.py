@@ -39,7 +39,7 @@ HEAD_BYTES = 200_000
 """Part of a drawing that holds its header."""
 
 FRAME: Final = re.compile(rb"\n *8\r?\nFRAME\r?\n")
-"""What is on a layer that only our sheets have."""
+"""An entity on a layer that only our sheets have."""
 
 NAMES = {"4": "mm", "1": "inch"}
 """Names of the units that $INSUNITS states."""
@@ -53,7 +53,7 @@ class DxfVerifier:
     tokens = staticmethod(text_tokens)
 
     def origin(self, data: bytes) -> Origin:
-        """From the custom document properties."""
+        """The origin that the custom document properties state."""
         try:
             check_text(data, DRAWING, "the file")
         except FileError as error:
@@ -133,7 +133,7 @@ def _is_sheet(data: bytes) -> bool:
 
 
 def _unit(drawing: Drawing, reading: ReadingOptions) -> Check:
-    """The unit that the drawing states."""
+    """The report of the unit that the drawing states."""
     stated = drawing.value("$INSUNITS") or "0"
     if reading.unit is not None and stated == "0":
         return reported("unit", reading.unit, note="by --unit; the drawing does not state it")
@@ -141,7 +141,7 @@ def _unit(drawing: Drawing, reading: ReadingOptions) -> Check:
 
 
 def _auxiliary(product: Product, drawing: Drawing, tolerance: float) -> list[Check]:
-    """The pitch curve, if there is one, and the base circle of our drawings."""
+    """The checks of the pitch curve, if there is one, and of the base circle of our drawings."""
     checks = []
     if product.drawn.has_pitch_curve:
         try:
@@ -160,7 +160,7 @@ def _auxiliary(product: Product, drawing: Drawing, tolerance: float) -> list[Che
 
 
 def _centre(drawing: Drawing, tolerance: float) -> Check:
-    """The mark of the cam axis: lines whose middles lie on it."""
+    """The check of the mark of the cam axis: lines whose middles lie on it."""
     lines = [item for item in drawing.items if item.layer == "CENTRE" and item.kind == "LINE"]
     try:
         middles = [
@@ -216,7 +216,7 @@ WIDTHS: Final[Mapping[str, Collection[int]]] = {
 
 
 def flat_checks(items: Iterable[Item], scale: float, limit: float) -> list[Check]:
-    """That `items` lie at height 0 and have neither width nor thickness, within `limit` [mm].
+    """Checks that `items` lie at height 0 and have no width and no thickness, within `limit` [mm].
 
     `scale` is in mm per unit of the drawing.
     """

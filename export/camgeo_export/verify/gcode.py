@@ -73,7 +73,7 @@ NAMES = {1.0: "mm", 25.4: "inch"}
 
 
 CONCERNS = {"arcs": ("form",), "safety": ("safety",), "frame": ("frame", "limits")}
-"""Checks of what the interpreter finds, apart from a path that it cannot tell."""
+"""Checks of what the interpreter reports, apart from an unknown path, with their concerns."""
 
 
 class GcodeVerifier:
@@ -84,7 +84,7 @@ class GcodeVerifier:
     tokens = staticmethod(text_tokens)
 
     def origin(self, data: bytes) -> Origin:
-        """From the comments."""
+        """The origin that the comments state."""
         try:
             check_text(data, PROGRAM, "the file")
         except FileError as error:
@@ -97,16 +97,15 @@ class GcodeVerifier:
     ) -> tuple[Check, ...]:
         """Unit, safety, every operation at each depth, each closed path against its exact one."""
         if lacking := FORMAT.lacking(product.values):
-            note = f"to compare a program with it the scene {' and '.join(lacking)}"
+            note = f"the scene {' and '.join(lacking)} to be compared with a program"
             return (failed("operations", note),)
         notes = parse_notes(comment_texts(data.decode("ascii", "replace")))
         if (side := _side(product, notes.second)) is None:
-            return (failed("program", "it is for a second side, which the scene does not have"),)
+            return (failed("program", "it mills a second side, which the scene does not have"),)
         programs = side_programs(side)
         if len(programs) > 1 and not 1 <= notes.program <= len(programs):
-            return (
-                failed("program", f"it does not say which one of {len(programs)} programs it is"),
-            )
+            note = f"its comments do not say which of the {len(programs)} programs it is"
+            return (failed("program", note),)
         product = programs[notes.program - 1 if len(programs) > 1 else 0]
         machine = load(product.milled.gcode.machine)
         limits = machine.arcs
@@ -136,7 +135,7 @@ class GcodeVerifier:
         arcs = any(move.kind == "arc" for move in program.moves)
         extra = blending + rest + (limits.interpolation if arcs else 0.0)
         checks += _paths(product, program, tolerance, extra)
-        if all(check.ok is not False for check in checks):  # else it is told where it goes wrong
+        if all(check.ok is not False for check in checks):  # else the fault is reported already
             checks += simulation_checks(product, program, tolerance)
         return tuple(checks)
 
@@ -147,7 +146,7 @@ class GcodeVerifier:
         program = run(data, machine, WorkData())
         side = _side(product, parse_notes(program.comments).second)
         if side is None:
-            note = "it is for a second side, which the scene does not have"
+            note = "it mills a second side, which the scene does not have"
             return (LineFinding(0, "unknown-side", WORK, note),)
         if program.compensated is not None or any(
             finding.concerns in ("words", "path") for finding in program.findings
@@ -167,13 +166,16 @@ def _side(product: Product, second: bool) -> Product | None:
 
 
 def _compensation(product: Product, program: Program, machine: Machine) -> Iterator[Check]:
-    """Programs of ours are compensated as they are to be; of others the offsets are not known."""
+    """The checks that a program of ours has the radius compensation that its cuts ask for; of other
+    programs the offsets are not known.
+    """
     move, cuts = program.compensated, product.milled.cuts
     if not parse_notes(program.comments).version:
         if move is not None:
             yield failed(
                 "compensation",
-                f"line {move.line}: the control keeps the cutter off the path by what it knows",
+                f"line {move.line}: the controller offsets the cutter from the path by a value that"
+                " the program does not state",
             )
     elif fault := compensation_fault(cuts, program, machine, parse_notes(program.comments)):
         yield failed("compensation", fault)
@@ -181,12 +183,12 @@ def _compensation(product: Product, program: Program, machine: Machine) -> Itera
         for cut, most in zip(
             filter(compensation_side, cuts), parse_notes(program.comments).offsets, strict=True
         ):
-            note = f"its offset may be {most:g} mm off, either way"
+            note = f"its offset may be {most:g} mm off in either direction"
             yield Check("compensation", cut.name, compensation_mode(cut), ok=True, note=note)
 
 
 def _without(program: Program, name: str, *concerns: str) -> Check:
-    """The check that no finding of the interpreter concerns one of these."""
+    """The check that no finding of the interpreter has one of these concerns."""
     try:
         program.refuse(*concerns)
     except FileError as error:
@@ -195,7 +197,7 @@ def _without(program: Program, name: str, *concerns: str) -> Check:
 
 
 def _paths(product: Product, program: Program, tolerance: float, extra: float) -> list[Check]:
-    """Every operation runs its closed path at each of its depths, and no other."""
+    """Checks that every operation runs its closed path at each of its depths, and no other."""
     centres = tuple(cut.centre for cut in product.milled.contour_cuts)
     exact = boundary_shapes(centres, product.drawn.base_radius, tolerance)
     # The area within a cutter's path is of no interest.
@@ -214,6 +216,7 @@ def _paths(product: Product, program: Program, tolerance: float, extra: float) -
     for cut in product.milled.contour_cuts:
         cut_loops = [loop for name, loop in loops if name == cut.name]
         checks.append(_passes(cut, cut_loops, max(program.step, tolerance)))
+        # Passes at several depths along the same path are compared once.
         same: dict[bytes, list[Loop]] = {}
         for loop in cut_loops:
             shape = loop.contour.vertices.tobytes() + loop.contour.sweeps.tobytes()
@@ -232,13 +235,13 @@ def _paths(product: Product, program: Program, tolerance: float, extra: float) -
             )
     for name, loop in loops:
         if name not in shapes:
-            note = f"a closed path at Z {loop.z:g} mm belongs to no operation of the part"
+            note = f"a closed path at Z {loop.z:g} mm does not belong to any operation of the part"
             checks.append(failed("operations", note, name))
     return checks
 
 
 def _passes(cut: ContourCut, loops: list[Loop], slack: float) -> Check:
-    """One closed path at each depth."""
+    """The check that there is one closed path at each depth."""
     depths = np.array(cut.depths)
     missing = depths[~near(depths, (loop.z for loop in loops), slack)].tolist()
     count = len(depths)
@@ -277,12 +280,12 @@ UNFED: Final = 1.0
 
 
 def simulation_checks(product: Product, program: Program, tolerance: float) -> list[Check]:
-    """That the program leaves the part, and does nothing on the way that must not be done.
+    """Checks that the program leaves the part, and does nothing forbidden on the way.
 
     One check, or one for each flaw. The path may lie within `tolerance` [mm] of the exact one.
     """
     if program.compensated is not None:
-        return [reported(NAME, "none", note="the control computes the path of the cutter")]
+        return [reported(NAME, "none", note="the controller computes the path of the cutter")]
     try:
         traces = trace_program(product, program, product.milled.cuts)
         runs = _among_others(product, tuple(trace.run for trace in traces), tolerance)
@@ -356,6 +359,7 @@ def trace_program(product: Product, program: Program, cuts: Iterable[Cut]) -> tu
     clamps = () if spec.holding is None else spec.holding.clamps
     always = tuple(clamp.obstacle for clamp in clamps if not (clamp.since or clamp.until))
     named = {cut.name: cut for cut in cuts}
+    # The reference of the machine is infinitely high; a height above all others stands for it.
     heights = [abs(z) for move in program.moves for z in (move.z_start, move.z_end)]
     above = max(filter(math.isfinite, heights), default=0.0)
     above = max(above, product.milled.gcode.heights.clearance)
@@ -368,7 +372,7 @@ def trace_program(product: Product, program: Program, cuts: Iterable[Cut]) -> tu
             continue  # above the blank, before the first tool
         if known is None:
             line = next(move.line for move in moves if move.kind != "rapid")
-            what = f"tool {number} is none of the scene's" if number else "no tool is called"
+            what = f"tool {number} is not a tool of the scene" if number else "no tool was called"
             raise FileError(f"line {line}: {what}")
         obstacles = always if cut is None else cut.obstacles  # those that neither come nor go
         title = name or f"tool {number}"
@@ -409,7 +413,7 @@ def _point(place: complex, z: float, above: float) -> Point | None:
 
 
 def _moves(move: CutterMove, start: Point, end: Point) -> Iterator[Move]:
-    """A move of at most half a turn each."""
+    """The moves of a path as toolpaths have them, arcs of half a revolution at most."""
     if move.kind == "rapid":
         yield Rapid(end)
         return
@@ -462,7 +466,7 @@ def work_findings(product: Product, program: Program) -> tuple[LineFinding, ...]
         return (LineFinding(line, "unknown-tool", WORK, what),)
     if not traces:
         return ()
-    # What is wrong is told once for each name.
+    # Flaws are reported once for each name of a run, so each run gets one of its own.
     runs = tuple(replace(trace.run, name=f"{k} {trace.run.name}") for k, trace in enumerate(traces))
     sides = _simulate_sides(
         product, cuts, runs, program.step if math.isfinite(program.step) else 0.0
@@ -485,7 +489,7 @@ def work_findings(product: Product, program: Program) -> tuple[LineFinding, ...]
 def _simulate_sides(
     product: Product, cuts: tuple[Cut, ...], runs: tuple[ToolRun, ...], level: float
 ) -> tuple[SimulatedSide, ...]:
-    """Both sides of the job, or the only one; also where nothing can be planned of it."""
+    """Simulates both sides of the job, or the only one, even if the scene itself cannot plan it."""
     milled = product.milled
     try:
         return job(milled, cuts, runs, product.scene.output.tolerance, level=level, allowed=ALLOWED)
@@ -495,7 +499,7 @@ def _simulate_sides(
 
 
 def _cuts(product: Product) -> tuple[Cut, ...]:
-    """Those that the scene plans; stand-ins that cut every wall, where its own tools cannot."""
+    """The cuts that the scene plans; if its tools cannot make them, stand-ins along every wall."""
     try:
         return product.milled.cuts
     except SceneError:
@@ -514,7 +518,7 @@ def _cuts(product: Product) -> tuple[Cut, ...]:
 
 
 def _finding(flaw: Flaw, seen: Flaw, traces: Sequence[Trace], bench: Workbench) -> LineFinding:
-    """A flaw with its line; `seen` is the same with its place as the work lies."""
+    """The finding on a flaw, with its line; `seen` is the flaw with its place as the work lies."""
     number, _, name = flaw.operation.partition(" ")
     trace = traces[int(number)]
     what = seen.sentence.removeprefix(f"{flaw.operation}: ")
@@ -532,7 +536,7 @@ def _too_large(flaw: Flaw, tool: Tool, bench: Workbench) -> str:
 
 
 def _line(flaw: Flaw, trace: Trace) -> int:
-    """The first line of a run that comes to the place of a flaw as deep as it is told."""
+    """The first line of a run that reaches the place and the depth of a flaw; 0 if none does."""
     run = trace.run
     if flaw.name == "rest":
         return 0
@@ -590,7 +594,7 @@ def _limits(tool: Tool, depth: Depth) -> tuple[tuple[str, float, float | None, s
 
 
 SHARES: Final = (0.5, 1.0)
-"""Of each piece, where the cutter is judged."""
+"""Places along each piece at which the cutter is judged, as shares of its length."""
 
 RIM: Final = 1e-3
 """Share of the radius by which the places looked at lie inside the cutter ahead, and outside on its
@@ -611,7 +615,7 @@ class Depth:
     ----------
     run, move : numbers of the run, and of the move in it.
     ahead : depth of the slot that the cutter digs [mm].
-    beside : height of the material above the tip, ahead or on a side [mm].
+    engagement : height of the material above the tip, ahead or on a side [mm].
     place : of the tip.
     """
 
@@ -623,7 +627,7 @@ class Depth:
 
 
 def depths(setup: Setup, runs: Sequence[ToolRun]) -> Iterator[Depth]:
-    """What stands at the cutter in each feed move that is not straight up or down."""
+    """The material at the cutter in each feed move that is not straight up or down."""
     courses = [feed_course(run.moves, run.start) for run in runs]
     if not any(len(course) for course in courses):
         return
@@ -639,7 +643,7 @@ def depths(setup: Setup, runs: Sequence[ToolRun]) -> Iterator[Depth]:
 
 
 def _standing(setup: Setup) -> Callable[[ComplexArray], FloatArray]:
-    """Up to which Z [mm] material reaches at places (n,) at first; -infinite beside it."""
+    """The Z [mm] up to which material reaches at places (n,) at first; -infinite beside it."""
     if setup.leftover is None:
         blank = Pieces.around(setup.blank)
         return lambda places: np.where(inside(blank, places), setup.top, -np.inf)
@@ -661,11 +665,12 @@ def _piece_depths(
     radii: FloatArray,
     standing: Callable[[ComplexArray], FloatArray],
 ) -> Iterator[Depth]:
-    """Of some pieces of the course, in their order."""
+    """The material at the cutter on some pieces of the course, in their order."""
     numbers = np.repeat(pieces, len(SHARES))
     shares = np.tile(SHARES, len(pieces))
     some = taken(whole, numbers)
     places, tips = some.points_by_share(shares), some.from_z + shares * (some.to_z - some.from_z)
+    # The radius of the cutter in its direction, which `SIDES` turns to the places looked at.
     rims = radii[numbers] * some.tangents(places)
     looked = (places[:, None] + rims[:, None] * SIDES).ravel()
     order = np.repeat(numbers, len(SIDES))
@@ -711,7 +716,7 @@ def _cleared(
 def measure(product: Product, data: bytes) -> float:
     """Largest proved deviation [mm] of the cutter from its exact path.
 
-    That of a roughing counts beyond its slack. Includes path blending, and how far the
+    Of a roughing cut only what exceeds its slack counts. Path blending is included, and how far the
     controller's own path departs from an arc.
 
     Raises FileError if the program is incomplete, unsafe or in the wrong unit.
@@ -738,7 +743,7 @@ def measure(product: Product, data: bytes) -> float:
     for name, area in areas.items():
         of_area = [move for move in program.moves if move.operation == name]
         if (short := too_near(area, of_area)) > program.step:
-            raise FileError(f"{name!r} comes {short:.3g} mm too near to a wall")
+            raise FileError(f"{name!r} comes {short:.3g} mm too close to a wall")
     path = max(
         (
             loop.mismatch + beyond_slack(along[loop.operation], loop.contour.counter_clockwise())
@@ -759,8 +764,8 @@ def beyond_slack(cut: ContourCut, contour: Contour | SplineContour) -> float:
 
 
 def program_bench(product: Product, machine: Machine) -> WorkData:
-    """The work of a program of ours: its blank, and its heights, which are printed rounded; all in
-    its own coordinates.
+    """What the interpreter needs to know of the work of a program of ours: its blank, and its
+    heights, which are printed rounded; all in the coordinates of the program.
     """
     heights, milling = product.milled.gcode.heights, product.milled.spec
     z = product.milled.zero.z
@@ -803,7 +808,7 @@ FINE = 1e-3
 
 
 def too_near(cut: AreaCut | LetterCut, moves: Sequence[CutterMove]) -> float:
-    """By how much [mm] the cuts among `moves` come nearer to a wall than the cutter's radius and
+    """By how much [mm] the cuts among `moves` come closer to a wall than the cutter's radius plus
     the allowance; 0 if none does.
     """
     groups = groupby(moves, lambda move: move.kind != "rapid" and move.start != move.end)
@@ -821,9 +826,8 @@ def too_near(cut: AreaCut | LetterCut, moves: Sequence[CutterMove]) -> float:
 
 
 def offset_function(cuts: Sequence[Cut], machine: Machine, excess: float = 0.0) -> Radius:
-    """The offset of each compensated move [mm], if the tool table holds what it is to hold.
-
-    With `off` [mm] it holds as much more.
+    """Gives the offset of each compensated move [mm] if the tool table holds the nominal radii, or
+    as much more as `excess` [mm].
     """
     table = {
         cut.tool.number: _table_radius(cut, machine) + excess
@@ -868,7 +872,9 @@ def compensation_fault(
     names = {cut.name for cut in compensated}
     for move in program.moves:
         if move.compensation and move.operation not in names:
-            return f"line {move.line}: compensated by the control"
+            return (
+                f"line {move.line}: radius compensation is on, which no cut of the scene asks for"
+            )
     if not compensated:
         return ""
     if len(notes.offsets) != len(compensated):
@@ -898,18 +904,18 @@ def _cut_fault(cut: Cut, moves: Sequence[CutterMove], step: float, machine: Mach
         elif move.radius_offset != tool.number:
             return f"line {move.line}: offset {move.radius_offset}, not that of tool {tool.number}"
         elif abs(move.oversize - expected) > step:
-            return f"line {move.line}: {move.oversize:g} mm are added, not {expected:g} mm"
+            return f"line {move.line}: the oversize is {move.oversize:g} mm, not {expected:g} mm"
     return ""
 
 
 def _offset_fault(cut: Cut, moves: Sequence[CutterMove], machine: Machine, most: float) -> str:
-    """What a controller refuses with an offset that the comments allow."""
+    """What a controller refuses with an offset that the comments allow; empty if nothing."""
     for excess in (0.0, most, -most):
         findings = Findings(1)
         try:
             check_compensation(moves, offset_function((cut,), machine, excess), findings)
         except Enough:
-            return f"with an offset {excess:g} mm off its nominal one, {findings.reported[0]}"
+            return f"with an offset {excess:g} mm from its nominal value, {findings.reported[0]}"
     return ""
 
 
@@ -937,7 +943,7 @@ OFFSET = re.compile(
 SCENE = re.compile(r"\bscene ((?:[0-9a-f]+ ?)+)", re.IGNORECASE)
 
 SECOND_SIDE = "second side:"
-"""How a comment begins that says so."""
+"""How the comment begins that says that a program mills the second side."""
 
 HASH_DIGITS = 64
 

@@ -29,7 +29,7 @@ leading order arcs leave a curve by a cubic, lines by a parabola. A contour with
 no larger kinks than two such slopes."""
 
 FINER = 0.1
-"""Tolerance of the outline whose turn is examined, as a fraction of the contour's."""
+"""Tolerance of the outline whose bends are examined, as a fraction of that of the contour."""
 
 FINE = 1e-4
 """Tolerance of the polygons that distinguish contours, as a fraction of the outline's length: the
@@ -40,7 +40,7 @@ ROUNDING = 1e-9
 processor."""
 
 INCH_SHARE = 0.01
-"""By how much a ratio of sizes may miss 25.4 for a mix-up of mm and inch to be suggested."""
+"""Relative deviation of a ratio of sizes from 25.4 up to which mm and inch may be mixed up."""
 
 
 def matched(
@@ -60,6 +60,7 @@ def matched(
         outlines = [shape.polygon(FINE * shape.length) for shape in wanted]
         return list(zip(wanted, paired(contours, outlines), strict=True)), count
     pairs: list[tuple[Shape, AnyContour | None]] = []
+    # Their numbers differ: each shape, the largest first, gets the contour nearest in area.
     for shape in reversed(wanted):
         best = min(
             remaining, key=lambda contour: abs(abs(contour.area) - _size(shape)), default=None
@@ -104,7 +105,7 @@ def contour_checks(
     """
     label = f"{shape.name}, {where}" if where else shape.name
     if contour is None:
-        return [failed("deviation", "there is no contour for it", label)]
+        return [failed("deviation", "the file has no contour for it", label)]
     if not (math.isfinite(contour.length) and contour.area != 0.0):
         return [failed("deviation", "the contour encloses nothing", label)]
     contour = contour.counter_clockwise()
@@ -135,13 +136,14 @@ def _deviation(
 
 
 def _where(shape: Shape, contour: AnyContour, tolerance: float) -> str:
-    """Where the contour is farthest off, by at least how much, and a possible reason."""
+    """Where the contour deviates most, by at least how much, and a possible reason."""
     share = 0.25 * tolerance
     try:
         polygon = shape.polygon(share)
     except (ToleranceError, UndercutError):
-        return "the exact outline cannot be drawn for comparison"
+        return "the exact outline cannot be computed for comparison"
     distance, place = farthest(polygon, contour, share)
+    # Polygon and chords may each be off by the share.
     least = max(distance - 2.0 * share, 0.0)
     text = f"at least {least:.3g} mm off near {place_text(place)}"
     ratio = contour.length / shape.length
@@ -165,11 +167,14 @@ def _kink(shape: Shape, contour: AnyContour, tolerance: float, label: str) -> Ch
     smooth = joints.kinks > ROUNDING
     for corner in shape.corners:
         distances = np.abs(joints.places - corner)
+        # A corner of the outline permits a kink at the joints near it, at least at the nearest one.
         smooth &= (distances > 2.0 * tolerance) & (distances > np.min(distances))
     kinks: FloatArray = np.where(smooth, joints.kinks, 0.0)
+    # The bends of the outline are computed only where they matter: they need a fine polygon.
     for k in np.flatnonzero(kinks > limits):
         limits[k] += _turn_near(shape, complex(joints.places[k]), float(kinks[k]), tolerance)
     beyond = kinks > limits
+    # The largest excess if there is any, else the largest kink.
     worst = int(np.argmax(np.where(beyond, kinks - limits, -1.0) if np.any(beyond) else kinks))
     value, limit = math.degrees(float(kinks[worst])), math.degrees(float(limits[worst]))
     return at_most(
@@ -295,7 +300,7 @@ class Joints:
     ----------
     places : (n,) complex [mm].
     kinks : (n,) [rad] angle between the pieces on both sides, from 0.
-    before, after : (n,) [mm] lengths of the pieces on both sides.
+    previous_length, next_length : (n,) [mm] lengths of the pieces on both sides.
     """
 
     places: ComplexArray
@@ -319,6 +324,7 @@ def _piece_joints(contour: Contour) -> Joints:
     chords = contour.ends - contour.vertices
     turning = 1j * np.sign(contour.sweeps)
     arcs = contour.sweeps != 0.0
+    # The tangent of an arc is its arm, turned by a right angle in the sense of the sweep.
     starts = np.where(arcs, (contour.vertices - contour.centres) * turning, chords)
     ends = np.where(arcs, (contour.ends - contour.centres) * turning, chords)
     return _joints(contour.vertices, starts, ends, contour.lengths)
@@ -327,16 +333,19 @@ def _piece_joints(contour: Contour) -> Joints:
 def _joints(
     places: ComplexArray, starts: ComplexArray, ends: ComplexArray, lengths: FloatArray
 ) -> Joints:
-    """From the directions of the pieces at their starts and ends, of any length."""
+    """The joints of pieces with these directions at their starts and ends, of any length."""
+    # Joint k is between the end of piece k - 1 and the start of piece k.
     kinks = np.abs(np.angle(starts * np.conj(np.roll(ends, 1))))
     return Joints(places, kinks, np.roll(lengths, 1), lengths)
 
 
 def _strand_joints(strand: CubicSpline | Arc) -> tuple[ComplexArray, ...]:
-    """Starts of its pieces, their directions at start and end, and their lengths."""
+    """Starts of the pieces of a strand, their directions at start and end, and their lengths."""
     if isinstance(strand, CubicSpline):
         pieces = strand.beziers
         first, last = pieces[:, :1], pieces[:, 3:]
+        # The control polygon stands for the length: it is no shorter, so no limit of a kink is too
+        # wide.
         starts = _first_leg(pieces[:, 1:] - first)
         ends = _first_leg(last - pieces[:, 2::-1])
         return pieces[:, 0], starts, ends, np.abs(np.diff(pieces, axis=1)).sum(axis=1) + 0j
@@ -389,6 +398,7 @@ def paired(contours: Sequence[AnyContour], outlines: Sequence[Contour]) -> list[
         alike = _alike([(wanted[k], unsure[k]) for k in order])
         ours, free = free[:alike], free[alike:]
         for k in order[:alike]:
+            # Middles and sizes count alike, as lengths.
             away = np.abs(places[ours] - middles[k])
             away += np.abs(np.sqrt(areas[ours]) - np.sqrt(wanted[k]))
             matches[k] = contours[ours.pop(int(np.argmin(away)))]
@@ -397,8 +407,8 @@ def paired(contours: Sequence[AnyContour], outlines: Sequence[Contour]) -> list[
 
 
 def _alike(areas: Sequence[tuple[float, float]]) -> int:
-    """How many of the first of ascending areas [mm^2], each with its uncertainty, one cannot tell
-    by their order from the one before.
+    """How many of the first of ascending areas [mm^2], each with its uncertainty, are too close to
+    their predecessors to be told apart by order.
     """
     limit, count = math.inf, 0
     for area, unsure in areas:
@@ -416,7 +426,7 @@ def _areas_and_middles(contours: Sequence[AnyContour]) -> tuple[FloatArray, Comp
 
 
 def _middle(contour: AnyContour) -> complex:
-    """Middle of its bounding box [mm]."""
+    """Middle of the contour's bounding box [mm]."""
     points = sample_points(contour, LOOSE * contour_reach(contour))
     sides = (points.real, points.imag)
     x, y = (0.5 * float(np.min(coordinates) + np.max(coordinates)) for coordinates in sides)
@@ -424,7 +434,7 @@ def _middle(contour: AnyContour) -> complex:
 
 
 def contour_reach(contour: AnyContour) -> float:
-    """Largest distance of its vertices, or of its control points, from the cam axis [mm]."""
+    """Largest distance of the contour's vertices or control points from the cam axis [mm]."""
     if isinstance(contour, SplineContour):
         return contour.reach
     return float(abs(contour.vertices).max())
@@ -435,10 +445,10 @@ PARTS = 16
 
 
 def farthest(polygon: Contour, contour: AnyContour, sagitta: float) -> tuple[float, complex]:
-    """Largest distance [mm] found between the two and its place [mm].
+    """Largest sampled distance [mm] between polygon and contour, and its place [mm].
 
-    In both directions; for splines, only from them to the polygon. Arcs are replaced by chords
-    that lie within `sagitta` [mm] of them.
+    It is measured in both directions; for splines, only from them to the polygon. Arcs are replaced
+    by chords that lie within `sagitta` [mm] of them.
     """
     largest = [_largest(polygon.vertices, sample_points(contour, sagitta))]
     if isinstance(contour, Contour):

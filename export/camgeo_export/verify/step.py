@@ -55,7 +55,7 @@ class StepVerifier:
     tokens = staticmethod(text_tokens)
 
     def origin(self, data: bytes) -> Origin:
-        """From the description in the header."""
+        """The origin that the description in the header states."""
         try:
             values = header_record(data, "FILE_DESCRIPTION").values
         except FileError as error:
@@ -83,12 +83,14 @@ class StepVerifier:
             part.require_heights()
         except GeometryError as error:
             return (*checks, no_body(error))
+        # The uncertainty that the file states counts if it is stricter than the tolerance.
         shell = shell_checks(solid, min(solid.uncertainty or tolerance, tolerance))
         checks += shell
         if not all(check.ok for check in shell if check.name in TOPOLOGY):
             return tuple(checks)
         bounds = level_bounds(solid)
         ranges, contours = levels(bounds, tolerance)
+        # Heights count from the lowest face.
         base = float(ranges[0, 0]) if len(ranges) else 0.0
         try:
             volume = volume_by_levels(bounds, solid.faces)
@@ -112,14 +114,14 @@ VERIFIER = StepVerifier()
 
 
 SAME_VOLUME = 1e-9
-"""By how much the volumes by flat faces and by walls may differ, relative."""
+"""Relative difference of the volumes by flat faces and by walls up to which they agree."""
 
 Bound = tuple[float, AnyContour]
-"""Of a loop of a flat face its height [mm] and its contour, in its direction from above."""
+"""A loop of a flat face: its height [mm], and its contour in its direction seen from above."""
 
 
 def shell_checks(solid: Solid, tolerance: float) -> list[Check]:
-    """All checks of the shell; `within` is how near [mm] edges meet vertices and surfaces."""
+    """All checks of the shell; edges must meet vertices and surfaces within `tolerance` [mm]."""
     checks = [_closed(solid), _oriented(solid)]
     if not all(check.ok for check in checks):
         return checks
@@ -130,7 +132,7 @@ def shell_checks(solid: Solid, tolerance: float) -> list[Check]:
 
 
 def gap(solid: Solid) -> float:
-    """By how much [mm] the curves of a solid may be off those through its vertices, at most.
+    """Bound [mm] on the distance between the curves of a solid and those through its vertices.
 
     An arc through both vertices is the circle's own, turned and stretched: it moves no point by
     more than thrice as far as its ends.
@@ -167,13 +169,16 @@ def _uses(solid: Solid) -> Iterator[Use]:
 
 
 def _closed(solid: Solid) -> Check:
-    """Each loop is closed, each edge has two faces, and all faces hang together."""
+    """The check that each loop is closed, each edge has two faces, and all faces are connected."""
     for face in solid.faces:
         for loop in face.loops:
             for use, following in zip(loop, (*loop[1:], loop[0]), strict=True):
                 if use.ends[1] != following.ends[0]:
-                    what = f"edge #{use.edge.number} does not end where #{following.edge.number}"
-                    return failed("closed", f"a loop of {face.label} is open: {what} begins")
+                    return failed(
+                        "closed",
+                        f"a loop of {face.label} is open: edge #{use.edge.number} does not end"
+                        f" where #{following.edge.number} begins",
+                    )
     users: dict[int, list[int]] = defaultdict(list)
     for number, face in enumerate(solid.faces):
         for use in face.uses:
@@ -185,15 +190,16 @@ def _closed(solid: Solid) -> Check:
         return Check("closed", "", float(len(single)), None, 0.0, "open edges", ok=False, note=note)
     parts = _parts(len(solid.faces), users.values())
     if parts != 1:
-        return failed("closed", f"its faces form {parts} shells that do not hang together")
+        return failed("closed", f"its faces form {parts} shells that are not connected")
     return Check("closed", "", 0.0, None, 0.0, "open edges", ok=True)
 
 
 def _parts(count: int, pairs: Iterable[Sequence[int]]) -> int:
-    """Into how many parts `count` faces fall that `pairs` connect."""
+    """The number of connected parts of `count` faces that `pairs` connect."""
     head = list(range(count))
 
     def first(number: int) -> int:
+        # Union-find: chains of heads are halved while they are followed.
         while head[number] != number:
             head[number] = head[head[number]]
             number = head[number]
@@ -205,7 +211,7 @@ def _parts(count: int, pairs: Iterable[Sequence[int]]) -> int:
 
 
 def _oriented(solid: Solid) -> Check:
-    """Both faces of an edge traverse it in opposite directions."""
+    """The check that both faces of an edge traverse it in opposite directions."""
     turns: dict[int, int] = defaultdict(int)
     for use in _uses(solid):
         turns[use.edge.number] += 1 if use.forward else -1
@@ -215,11 +221,12 @@ def _oriented(solid: Solid) -> Check:
 
 
 def _uncertainty(solid: Solid, tolerance: float) -> Check:
-    """Ends lie on their curves, edges on the surfaces of their faces."""
+    """The check that ends lie on their curves, and edges on the surfaces of their faces."""
     worst, place = 0.0, ""
     for face in solid.faces:
         for use in face.uses:
             distance = max(use.edge.gap, face.edge_distance(use.edge))
+            # Also true for NaN.
             if not distance <= worst:
                 worst, place = distance, f"edge #{use.edge.number} of {face.label}"
     note = (
@@ -229,7 +236,7 @@ def _uncertainty(solid: Solid, tolerance: float) -> Check:
 
 
 def _walls(solid: Solid, tolerance: float) -> Check:
-    """Each face is level, or between two heights, with its normal out of the material."""
+    """The check that each face is level or between two heights, its normal out of the material."""
     for face in solid.faces:
         note = _flat_fault(face) if face.is_level else _wall_fault(face, tolerance)
         if note:
@@ -241,6 +248,7 @@ def _flat_fault(face: Face) -> str:
     """What is wrong with a level face: one loop goes round it, the others round its holes."""
     if not all(use.edge.strands for use in face.uses):
         return "has an upright edge"
+    # The largest loop bounds the face, all others its holes.
     areas = sorted((_bound(loop)[1].area for loop in face.loops), key=abs)
     signs = [area > 0.0 for area in areas]
     holes = [sign != face.is_upward for sign in signs]
@@ -249,8 +257,8 @@ def _flat_fault(face: Face) -> str:
 
 
 def _wall_fault(face: Face, tolerance: float) -> str:
-    """What is wrong with one between two heights: the edges below it have it on their left, and so
-    have those above.
+    """What is wrong with a face between two heights: it must lie on the left of its lower edges,
+    and on the left of its upper ones.
     """
     low, high = face.heights
     if face.is_inclined:
@@ -268,7 +276,7 @@ def _wall_fault(face: Face, tolerance: float) -> str:
 
 
 def _outwards(solid: Solid) -> Check:
-    """The volume is positive, and the same by flat faces and by walls."""
+    """The check that the volume is positive, and the same by flat faces and by walls."""
     by_levels = volume_by_levels(level_bounds(solid), solid.faces)
     by_walls = math.fsum(_volume_of_wall(face) for face in solid.faces if not face.is_level)
     if not by_levels > 0.0:
@@ -299,14 +307,15 @@ def _bound(loop: Sequence[Use]) -> Bound:
 
 
 FARTHEST = 1e3
-"""Half heights of a face, from its middle, beyond which no parabola needs to be known to turn."""
+"""Half heights of a face beyond which the turning point of a parabola, seen from the middle, no
+longer matters to the quadrature."""
 
 RowStrand = tuple[Use, Arc]
-"""A strand and the edge that it is of, which runs as the strand does."""
+"""A strand with the use of its edge, in the direction of the strand."""
 
 
 def edge_rows(face: Face) -> tuple[list[RowStrand], list[RowStrand]]:
-    """As many lower and upper strands of an inclined face, with the material on their left.
+    """The lower and the upper strands of an inclined face in pairs, the material on their left.
 
     Raises
     ------
@@ -322,10 +331,11 @@ def edge_rows(face: Face) -> tuple[list[RowStrand], list[RowStrand]]:
             if not isinstance(strand, Arc):
                 raise FileError(f"{face.label} has an edge that is neither a line nor an arc")
             rows[upper].append((way, strand))
+    # A face runs through its upper edges the other way.
     rows[True].reverse()
     kinds = [[bool(strand.sweep) for _, strand in row] for row in rows]
     if kinds[0] != kinds[1] or not kinds[0]:
-        raise FileError(f"{face.label} has other edges above than below")
+        raise FileError(f"{face.label} has different edges above and below")
     return rows
 
 
@@ -340,7 +350,7 @@ def _section(face: Face, rows: tuple[list[RowStrand], list[RowStrand]], z: float
     posts = {use.edge.foot: use.edge for use in face.uses if not use.edge.strands}
     ends = _chained(rows[0])
     if any(end not in posts for end in ends):
-        raise FileError(f"{face.label} has no edges between those below and above")
+        raise FileError(f"{face.label} has no edges between its lower and its upper ones")
     start, end = (posts[end].section_point(z) for end in ends)
     shares = [k / len(lower) for k in range(1, len(lower))]
     low, high = face.heights
@@ -351,6 +361,8 @@ def _section(face: Face, rows: tuple[list[RowStrand], list[RowStrand]], z: float
     if not turn:
         inner = [start + fraction * (end - start) for fraction in shares]
     else:
+        # The angle is known up to whole revolutions; the turn interpolated between the edges shows
+        # how many there are.
         angle = phase((end - centre) / (start - centre))
         turn = angle + TURN * round((turn - angle) / TURN)
         inner = [centre + (start - centre) * cmath.exp(1j * fraction * turn) for fraction in shares]
@@ -359,14 +371,14 @@ def _section(face: Face, rows: tuple[list[RowStrand], list[RowStrand]], z: float
 
 
 def _middles(face: Face, rows: tuple[list[RowStrand], list[RowStrand]]) -> list[Arc]:
-    """The section half way up."""
+    """The section of a face half way up."""
     if _is_bent(face):
         return _section(face, rows, 0.5 * sum(face.heights))
     return [_middle_section(one, other) for (_, one), (_, other) in zip(*rows, strict=True)]
 
 
 def _middle_section(lower: Arc, upper: Arc) -> Arc:
-    """The section half way up."""
+    """The section half way between two strands that belong together."""
     if not lower.sweep:
         start, end = 0.5 * (lower.start + upper.start), 0.5 * (lower.end + upper.end)
         return Arc(start, end, 0.0, 0j)
@@ -378,8 +390,8 @@ def _middle_section(lower: Arc, upper: Arc) -> Arc:
 
 
 def inclined_volume(face: Face) -> float:
-    """The share of an inclined face in the volume [mm^3], by its sections: Simpson's rule, exact as
-    these are squares of lengths, or if edges are bent Gauss's one with enough nodes.
+    """The share of an inclined face in the volume [mm^3], by its sections: with Simpson's rule,
+    exact as their areas are quadratic in the height, or along bent edges with Gauss's rule.
     """
     low, high = face.heights
     if _is_bent(face):
@@ -391,11 +403,14 @@ def inclined_volume(face: Face) -> float:
 
 
 def _volume_by_sections(face: Face, low: float, high: float) -> float:
-    """The same for bent edges: sections are analytic in z but where a parabola turns."""
+    """The share of a face with bent edges in the volume [mm^3]: sections are analytic in z except
+    where a parabola turns, which determines the number of nodes.
+    """
     half = 0.5 * (high - low)
     bends = [use.edge.bend for use in face.uses if use.edge.bend is not None]
     if not all(bend.is_monotonic for bend in bends):
         raise FileError(f"{face.label} has an edge that rises and falls")
+    # The turning point nearest to the middle, in half heights, limits how smooth the sections are.
     place = min(FARTHEST, *(abs(bend.turning - low - half) / half for bend in bends))
     rows = edge_rows(face)
     heights, _, weights = gauss(np.array([low]), np.array([high]), nodes_for_singularity(-place))
@@ -407,7 +422,9 @@ def _volume_by_sections(face: Face, low: float, high: float) -> float:
 
 
 def column_volume(face: Face) -> float:
-    """The same by heights, as of flat faces: the integral of z over its area seen from above."""
+    """The share of an inclined face in the volume by heights [mm^3], as that of a flat face: the
+    integral of z over its area seen from above.
+    """
     low, high = face.heights
     lower, upper = (math.fsum(strand.moment for _, strand in row) for row in edge_rows(face))
     return inclined_volume(face) - (high * upper - low * lower)
@@ -416,8 +433,8 @@ def column_volume(face: Face) -> float:
 def slope_contours(
     solid: Solid, low: float, high: float, tolerance: float
 ) -> Iterator[list[AnyContour]]:
-    """Of the inclined faces from `low` to `high`, `within` a length [mm], the contours of the lower
-    edges, of the sections half way up and of the upper edges; raises FileError.
+    """The contours of the lower edges, of the sections half way up and of the upper edges of the
+    inclined faces from `low` to `high` [mm], within `tolerance` [mm]; raises FileError.
     """
     ends = np.array([low, high])
     faces = [
@@ -459,7 +476,7 @@ def _loops(chains: Iterable[tuple[int, int]]) -> list[list[int]]:
         loop: list[int] = []
         while not loop or vertex != first:
             if vertex not in successors:
-                raise FileError("the faces of a chamfer do not go round")
+                raise FileError("the faces of a chamfer do not form a closed ring")
             number, vertex = successors.pop(vertex)
             loop.append(number)
         loops.append(loop)
@@ -471,7 +488,7 @@ def _loops(chains: Iterable[tuple[int, int]]) -> list[list[int]]:
 
 
 UNCERTAINTY = 1e-7
-"""That our files state [mm]."""
+"""Uncertainty that our files state [mm]."""
 
 
 def measure(product: Product, data: bytes) -> float:
@@ -483,7 +500,7 @@ def measure(product: Product, data: bytes) -> float:
     try:
         part.require_heights()
     except GeometryError as error:
-        raise FileError(f"no solid to compare this with: {error.message}") from None
+        raise FileError(f"the scene has no solid to compare this with: {error.message}") from None
     solid = Solid.from_bytes(data)
     if solid.unit != MM_PER[product.unit]:
         raise FileError(f"the solid is in {solid.unit_name}, not in {product.unit}")

@@ -29,7 +29,7 @@ from camgeo_export.reading import text_tokens
 from camgeo_export.verify.body import body_checks, heights, point_text
 
 STL: Final = Limits("STL", 32_000_000, lines=1_500_000)
-"""Lines are those of a text, seven for each facet."""
+"""Limits of an STL; the lines are those of its text form, seven for each facet."""
 
 HEADER_BYTES = 80
 
@@ -41,10 +41,10 @@ FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute"
 OURS = re.compile(rb"camgeo (\S+) unit (\w+) scene ([0-9a-f]*)")
 
 TURNED = 0.01
-"""By how much a normal may be turned [deg]; single floats turn it by 1e-5."""
+"""Largest error of a normal's direction [deg]; single floats cause 1e-5."""
 
 UNIT = 1e-5
-"""By how much the length of our normals may miss 1."""
+"""Largest error of the length 1 of our normals."""
 
 SINGLE = 2.0**-23 * 4.0
 """Rounding of the corners and normals, as a fraction of their coordinates."""
@@ -67,7 +67,7 @@ class StlVerifier:
                 yield f"facet {place}", repr(value)
 
     def origin(self, data: bytes) -> Origin:
-        """From the header, which has room only for the first digits of the scene's hash."""
+        """The origin that the header states; it holds only the first digits of the scene's hash."""
         match = OURS.match(data[:PREFIX])
         version, scene = (match[1].decode(), match[3].decode()) if match else ("", "")
         try:
@@ -90,7 +90,7 @@ class StlVerifier:
         except FileError as error:
             return (*checks, failed("file", f"no mesh: {error}"))
         if not np.abs(corners).max(initial=0.0) <= COORDINATE:  # or NaN
-            message = f"one of their coordinates is not finite, or beyond {COORDINATE:g}"
+            message = f"a coordinate of a facet is not finite or exceeds {COORDINATE:g}"
             return (*checks, failed("facets", message))
         checks.append(_normals(normals, corners, ours))
         vertices = corners.reshape(-1, 3) * MM_PER[unit]
@@ -111,7 +111,7 @@ def _check(data: bytes) -> None:
 
 
 def _damage(data: bytes) -> str:
-    """How the file is truncated: a text has a last word, a binary states its number of facets."""
+    """How the file is truncated, if it is: a text has a last word, a binary its facet count."""
     if _is_binary(data) and len(data) > PREFIX:
         return ""
     count = int.from_bytes(data[PREFIX - 4 : PREFIX], "little")
@@ -124,7 +124,7 @@ def _damage(data: bytes) -> str:
 
 
 def _unit(data: bytes, reading: ReadingOptions) -> tuple[LengthUnit, Check]:
-    """Ours are in mm and say so; others state no unit."""
+    """The unit and its check: our files are in mm and say so, others state none."""
     match = OURS.match(data[:PREFIX])
     if match:
         return "mm", equal("unit", match[2].decode(), "mm", note="camgeo's STL files are in mm")
@@ -139,17 +139,17 @@ def _is_binary(data: bytes) -> bool:
 
 
 def _header(data: bytes, product: Product) -> Check:
-    """The part that the header names, as far as there is room for it."""
+    """The check of the part that the header names, as far as there is room for its name."""
     match = OURS.match(data[:PREFIX])
     assert match is not None  # it is one of ours
     named = data[match.end() : HEADER_BYTES].decode("ascii", "replace").strip()
     room = HEADER_BYTES - match.end() - 1
     name = product.name.encode("ascii", "replace").decode()[: max(room, 0)].strip()
-    return equal("part", named, name, note="the header names another part")
+    return equal("part", named, name, note="the header names a different part")
 
 
 def _attributes(data: bytes) -> Check:
-    """The attributes of facets, which some programs take for colours, are 0."""
+    """The check that the attributes of facets, which some programs take for colours, are 0."""
     attributes = np.frombuffer(data, FACET, offset=PREFIX)["attribute"]
     marked = np.flatnonzero(attributes)
     if len(marked):
@@ -172,7 +172,7 @@ def _read_facets(data: bytes) -> tuple[FloatArray, FloatArray]:
             normals.extend(_triple(row[2:], number))
     if len(corners) != 3 * len(normals):
         stated = counted(len(normals) // 3, "facet")
-        raise FileError(f"{stated} with {counted(len(corners) // 3, 'corner')}")
+        raise FileError(f"{stated} with {counted(len(corners) // 3, 'corner')}, not 3 for each")
     return (
         np.array(normals, dtype=np.float64).reshape(-1, 3),
         np.array(corners, dtype=np.float64).reshape(-1, 3, 3),
@@ -196,7 +196,7 @@ def _triple(words: list[str], line: int) -> tuple[float, float, float]:
 
 
 def _normals(normals: FloatArray, corners: FloatArray, ours: bool) -> Check:
-    """They follow the right-hand rule for the corners of their facets.
+    """The check that normals follow the right-hand rule for the corners of their facets.
 
     Programs may leave them 0, to be computed by the reader; ours are never 0. Others may have
     rounded the corners afterwards, which turns the normal of a narrow facet.
@@ -204,10 +204,13 @@ def _normals(normals: FloatArray, corners: FloatArray, ours: bool) -> Check:
     lost = np.flatnonzero(~(np.abs(normals).max(axis=1, initial=0.0) <= COORDINATE))  # or NaN
     if len(lost):
         many = counted(len(lost), "facet")
-        return failed("normals", f"that of facet {lost[0] + 1} is not finite; wrong at {many}")
+        return failed(
+            "normals", f"the normal of facet {lost[0] + 1} is not finite; {many} affected"
+        )
     across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     lengths = np.linalg.norm(normals, axis=1)
     aside = np.linalg.norm(np.cross(normals, across), axis=1)
+    # Of the cross and the dot product of each row, which is accurate for small angles.
     turned = np.degrees(np.arctan2(aside, np.einsum("ij,ij->i", normals, across)))
     limits = np.full(len(normals), TURNED)
     if not ours:
@@ -227,10 +230,10 @@ def _normals(normals: FloatArray, corners: FloatArray, ours: bool) -> Check:
             place = point_text(corners[first].mean(axis=0))
             many = counted(int(np.count_nonzero(which)), "facet")
             return failed(
-                "normals", f"that of facet {first + 1}, near {place}, {what}; wrong at {many}"
+                "normals", f"the normal of facet {first + 1}, near {place}, {what}; {many} affected"
             )
     zeros = counted(int(np.count_nonzero(empty)), "facet")
-    note = f"0 at {zeros}, to be computed by the reader" if empty.any() else ""
+    note = f"0 at {zeros}, to be computed by the reading program" if empty.any() else ""
     return Check("normals", "", float(len(normals)), ok=True, note=note)
 
 

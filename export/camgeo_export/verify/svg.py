@@ -18,7 +18,7 @@ NOTE = re.compile(
 """What our drawings state of themselves."""
 
 HEAD_BYTES = 10_000
-"""Part of a drawing that holds it."""
+"""Length of the beginning of a drawing that holds its description [bytes]."""
 
 
 class CutSvgVerifier:
@@ -29,7 +29,7 @@ class CutSvgVerifier:
     tokens = staticmethod(text_tokens)
 
     def origin(self, data: bytes) -> Origin:
-        """From the description."""
+        """The origin that the description states."""
         try:
             check_xml(data, "the file")
         except FileError as error:

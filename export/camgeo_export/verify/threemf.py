@@ -31,25 +31,25 @@ from camgeo_export.verify.body import body_checks, checks_of_body, compensation_
 PACKAGE: Final = Limits("3MF package", 16_000_000)
 
 MEMBERS: Final = 1_000
-"""Files in a package."""
+"""Most files in a package."""
 
 OBJECTS: Final = 1_000
-"""Objects of a package."""
+"""Most objects of a package."""
 
 UNPACKED: Final = 40_000_000
-"""Bytes of a package's files in all, unpacked."""
+"""Most bytes of all files of a package, unpacked."""
 
 RATIO: Final = 200
 """Factor by which a file of a package may grow on unpacking; meshes grow tenfold."""
 
 ELEMENTS: Final = 250_000
-"""Elements of the XML in a package, opening and closing tags counted as one."""
+"""Most elements of the XML in a package, opening and closing tags counted as one."""
 
 ATTRIBUTES: Final = 800_000
-"""Attributes of these elements in all."""
+"""Most attributes of all these elements."""
 
 TAG: Final = 4_000
-"""Characters of one of their tags."""
+"""Most characters of one of their tags."""
 
 CORE: Final = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
 CONTENT_TYPES: Final = "http://schemas.openxmlformats.org/package/2006/content-types"
@@ -60,7 +60,8 @@ MODEL_RELATION: Final = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3d
 MODEL_PATH: Final = "3D/3dmodel.model"
 CONTENT_TYPES_PATH: Final = "[Content_Types].xml"
 RELATIONSHIPS_PATH: Final = "_rels/.rels"
-"""Names of the specifications, not those of the writer: a slip there must show here."""
+"""Names of the specifications, repeated rather than shared with the writer, so that an error there
+shows here."""
 
 MM_PER_UNIT = {
     "micron": 1e-3,
@@ -77,7 +78,7 @@ SHORT = {"millimeter": "mm"}
 MODEL = ".model"
 
 OURS = "camgeo "
-"""How the application begins that our packages name."""
+"""How the name of the application begins in our packages."""
 
 
 class ThreeMfVerifier:
@@ -87,14 +88,14 @@ class ThreeMfVerifier:
     slack = NUMBER_SLACK
 
     def tokens(self, data: bytes) -> Iterator[tuple[str, str]]:
-        """Those of the elements of all parts."""
+        """The tokens of the elements of all parts."""
         for name, part in sorted(unpack_parts(data).items()):
             yield name, name
             for number, element in enumerate(part.split(b"<")):
                 yield from text_tokens(element, f"{name}, element {number}")
 
     def origin(self, data: bytes) -> Origin:
-        """From the metadata of the model."""
+        """The origin that the metadata of the model state."""
         try:
             parts = unpack_parts(data)
             check_bodies(parts)
@@ -160,8 +161,8 @@ def _model(parts: Mapping[str, bytes]) -> bytes:
 def _mesh_checks(
     data: bytes, scale: float, compare: Callable[[FloatArray, IntArray], list[Check]]
 ) -> list[Check]:
-    """Those of `compare`, of the vertices (n, 3) [mm] and triangles (m, 3) of a package, whose unit
-    is `scale` [mm]; a failed one if it has no mesh.
+    """The checks that `compare` makes of the vertices (n, 3) [mm] and triangles (m, 3) of a package
+    whose unit is `scale` [mm]; a failed one if it has no mesh.
     """
     import trimesh  # a build measures its meshes without
 
@@ -220,7 +221,7 @@ PATH: Final = f"{{{PRODUCTION}}}path"
 """Attribute that says in which part the object of a component or an item is."""
 
 VERTEX: Final = f"{{{CORE}}}vertex"
-"""Those of extensions, as of slices, have other coordinates."""
+"""Tag of a vertex of a mesh; those of extensions, such as slices, have other coordinates."""
 
 TRANSFORM: Final = 12
 """Numbers of a transform (3.3 of the 3MF core specification)."""
@@ -230,7 +231,7 @@ Key = tuple[str, str]
 
 
 def unpack_parts(data: bytes) -> dict[str, bytes]:
-    """The parts of a package by name; raises FileError if it is damaged or beyond the"""
+    """The parts of a package by name; FileError if it is damaged or beyond the limits."""
     check_size(len(data), PACKAGE, NAME)
     count = data.count(ENTRY)
     if count > MEMBERS:
@@ -294,6 +295,7 @@ def _check_xml(parts: Mapping[str, bytes]) -> None:
             raise FileError(f"{name}: has a document type declaration, which 3MF forbids")
         if LONG.search(content) is not None:
             raise FileError(f"{name}: has a tag of more than {TAG:,} characters")
+    # Counted before anything is parsed: an element has two tags at most.
     for what, mark, most in (
         ("tag", b"<", 2 * ELEMENTS),
         ("attribute", b"=", ATTRIBUTES),
@@ -313,7 +315,7 @@ def packed(parts: Mapping[str, bytes]) -> bytes:
 
 
 def check_bodies(parts: Mapping[str, bytes]) -> None:
-    """Check what is to be built, before anything is.
+    """Check the objects that a package builds, before any of them is read.
 
     Raises
     ------
@@ -342,6 +344,7 @@ def check_bodies(parts: Mapping[str, bytes]) -> None:
         order = list(graphlib.TopologicalSorter(inside).static_order())
     except graphlib.CycleError as error:
         raise FileError(f"the object {error.args[1][0][1]} contains itself") from None
+    # Inner objects come first, so their totals are complete.
     for key in order:
         facets[key] += sum(facets[other] for other in inside[key])
     total = sum(facets[key] for key in built)
@@ -435,7 +438,7 @@ METADATA: Final = (
 COLOUR: Final = re.compile("#[0-9A-Fa-f]{6}([0-9A-Fa-f]{2})?")
 
 LARGEST: Final = 2**31 - 1
-"""Of ids and indices."""
+"""Largest id or index."""
 
 
 def fault(clause: str, what: str) -> FileError:
@@ -471,7 +474,7 @@ def check_model(content: bytes, thumbnails: Collection[str]) -> None:
     _check_metadata(root, prefixes)
     order = [element.tag for element in root if element.tag in (core("resources"), core("build"))]
     if order != [core("resources"), core("build")]:
-        raise fault("3.4", "it has not one element resources, and after it one element build")
+        raise fault("3.4", "it must have one element resources, followed by one element build")
     _check_items(root, _objects(root, thumbnails))
 
 
@@ -502,7 +505,7 @@ def _check_metadata(holder: ET.Element, prefixes: Mapping[str, str]) -> None:
         if name in names:
             raise fault("3.4.1", f"the metadata {name!r} appears twice")
         if prefix not in prefixes if colon else name not in METADATA:
-            wanted = "neither one of 3MF's own nor of a namespace that the model declares"
+            wanted = "neither defined by 3MF nor in a namespace that the model declares"
             raise fault("3.4.1", f"the metadata {name!r} is {wanted}")
         names.add(name)
 
@@ -555,7 +558,7 @@ def _check_object(
         other = component.get("objectid", "")
         if PATH not in component.attrib and other not in objects:
             raise fault(
-                "4.2.1", f"{name} has the component {other!r}, which is no object before it"
+                "4.2.1", f"{name} has the component {other!r}, which is not an object before it"
             )
     count = len(element.findall(core("mesh", "vertices", "vertex")))
     for triangle in element.iterfind(core("mesh", "triangles", "triangle")):
@@ -577,7 +580,7 @@ def _check_properties(
     clause: str,
     name: str,
 ) -> None:
-    """That an element has properties of a group that there is."""
+    """Raise FileError unless the properties of an element are those of a known group."""
     if pid is None:
         return
     if pid not in groups:
@@ -602,6 +605,7 @@ def _check_items(root: ET.Element, objects: Mapping[str, ET.Element]) -> None:
     if not items:
         raise FileError("it builds nothing: its build has no item")
     others: set[str] = set()
+    # Components come before what contains them, so their kind is known already.
     for key, element in objects.items():
         inner = [one.get("objectid") for one in element.iterfind(core("components", "component"))]
         if any(one in others for one in inner) or (not inner and element.get("type") == "other"):
@@ -634,13 +638,13 @@ TEXTURE: Final = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dtexture
 """Types of relationships."""
 
 PICTURES: Final = (THUMBNAIL, TEXTURE)
-"""Those by which an object's thumbnail is named, the second one in older files."""
+"""Relationships that name the thumbnail of an object, the second one in older files."""
 
 NEEDED: Final = (MODEL_RELATION, PRINT_TICKET, *PICTURES)
-"""Those whose target must be in the package."""
+"""Relationships whose target must be in the package."""
 
 ONCE: Final = {False: (MODEL_RELATION, THUMBNAIL), True: (PRINT_TICKET,)}
-"""Those that a package has once, and those that a model has."""
+"""Relationships that a package (False) or a model (True) has at most once."""
 
 TARGET_TYPES: Final[Mapping[str, Collection[str]]] = {
     MODEL_RELATION: (MODEL_TYPE,),
@@ -651,7 +655,7 @@ TARGET_TYPES: Final[Mapping[str, Collection[str]]] = {
 
 
 def package_checks(parts: Mapping[str, bytes]) -> list[Check]:
-    """That the package of these `parts` is complete and valid."""
+    """The checks that the package of these `parts` is complete and valid."""
     try:
         path = model_path(parts)
         pictures = [f"/{target}" for kind, target in _relations(parts, path) if kind in PICTURES]
@@ -671,7 +675,7 @@ def model_path(parts: Mapping[str, bytes]) -> str:
     """
     for name in (CONTENT_TYPES_PATH, RELATIONSHIPS_PATH):
         if name not in parts:
-            raise FileError(f"it has no {name}: other programs do not read it")
+            raise FileError(f"it has no {name}, without which other programs do not read it")
     relations = _relations(parts, "")
     models = [target for kind, target in relations if kind == MODEL_RELATION]
     if len(models) != 1:
@@ -744,7 +748,7 @@ def _types(parts: Mapping[str, bytes]) -> dict[tuple[str, str], str]:
 
 
 def _check_type(types: Mapping[tuple[str, str], str], part: str, allowed: Collection[str]) -> None:
-    """That the content type of a part is one of those that its kind may have, if there are any."""
+    """Raise FileError unless the content type of a part is `allowed`; if none is, any will do."""
     extension = posixpath.splitext(part.lower())[1].removeprefix(".")
     extension = extension or posixpath.basename(part).removeprefix(".")
     content_type = types.get(
@@ -777,7 +781,8 @@ def plate_checks(
     """
     count = len(ET.fromstring(model).findall(f"{{{CORE}}}resources/{{{CORE}}}object"))
     if count != len(plate):
-        return [failed("bodies", f"{count}, expected {len(plate)}")]
+        note = f"the package has {counted(count, 'object')}, expected {len(plate)}"
+        return [failed("bodies", note)]
     checks: list[Check] = []
     for number, piece in enumerate(plate):
         compare = partial(checks_of_body, piece.part, piece.reach, tolerance=tolerance)
