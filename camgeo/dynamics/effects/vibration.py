@@ -176,7 +176,7 @@ def _train_mass(stages: Sequence[Stage], moved: float, subject: Subject) -> floa
     if mass > moved * (1.0 + SAME):
         label = MASSES[subject.drive.unit]
         raise GeometryError(
-            f"must not be more in sum than the {label.scale * moved:.6g} {label.unit} of"
+            f"must not be, in sum, more than the {label.scale * moved:.6g} {label.unit} of"
             " [effects.inertia] that have the demanded motion, because they are a part of these",
             key=f"effects.vibration.{'moments' if subject.drive.unit == 'rad' else 'masses'}",
             value=f"{label.scale * mass:.6g} {label.unit}",
