@@ -227,7 +227,9 @@ def lowest(subject: Design, factor: float) -> float:
         omega, alpha = course.rates(phi)[:2]
         return np.asarray(
             sense
-            * contact.normal_at(phi, side, np.stack((factor * omega, factor * factor * alpha)))
+            * contact.normal_at_rates(
+                phi, side, np.stack((factor * omega, factor * factor * alpha))
+            )
         )
 
     found = piecewise_extremes(force, contact.edges)
@@ -386,10 +388,10 @@ def test_the_speed_is_that_at_which_the_force_first_touches_its_margin(
     here = np.array([found.speed.place])
     omega, alpha = course_of(subject).rates(here)[:2]
     forces = [
-        contact.normal_at(here, side, np.stack((factor * omega, factor * factor * alpha)))[0]
+        contact.normal_at_rates(here, side, np.stack((factor * omega, factor * factor * alpha)))[0]
         for side in ("left", "right")
     ]
-    scale = abs(contact.normal_at(here, "right", np.stack((0.0 * omega, alpha)))[0]) + margin
+    scale = abs(contact.normal_at_rates(here, "right", np.stack((0.0 * omega, alpha)))[0]) + margin
     assert min(abs(abs(force) - margin) for force in forces) <= ROUNDING * scale
     if margin == 0.0:
         assert abs(lowest(subject, factor)) <= ROUNDING

@@ -385,7 +385,7 @@ def test_flights_that_do_not_settle_have_a_reason() -> None:
     rough, fine = (Flights((flight(1.0, speed, 1.0, rebound=False),), 1) for speed in (99.0, 100.0))
     with pytest.raises(EffectError, match=UNSETTLED):
         refined(lambda _: (rough, replace(fine, turns=2)), lambda _: 0.0, 1e-6)
-    with pytest.raises(EffectError, match=r"an error of 0\.02 of itself"):
+    with pytest.raises(EffectError, match=r"an error of 0\.02 relative to itself"):
         refined(lambda _: (rough, fine), lambda told: told[0].error, 1e-6)
 
 

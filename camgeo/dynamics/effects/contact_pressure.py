@@ -313,8 +313,8 @@ def pressure_findings(worst: Worst, data: PressureRequirements) -> tuple[Finding
 def _needed_width(worst: Worst, pressure: float, data: PressureRequirements) -> Finding:
     needed = worst.width * (pressure / data.allowed) ** 2
     sentence = (
-        f"width of contact needed for {data.allowed:.6g} MPa {worst.place}: {needed:.6g}"
-        f" mm; it has {worst.width:g} mm"
+        f"contact width needed for {data.allowed:.6g} MPa {worst.place}: {needed:.6g}"
+        f" mm; it is {worst.width:g} mm"
     )
     return placed("needed-width", sentence, Extreme(needed, worst.angle), "mm")
 

@@ -125,9 +125,7 @@ class FeedbackNodes(Nodes):
             try:
                 latest = self._round(name, rounds[-1], share * tolerance, ledger)
             except EffectError as error:
-                raise _feedback_error(
-                    f"round {count} has no answer, {error.message}", error
-                ) from error
+                raise _feedback_error(f"round {count} failed: {error.message}", error) from error
             if latest is None:
                 return rigid
             rounds.append(latest)
@@ -183,7 +181,7 @@ class FeedbackNodes(Nodes):
                 turn, _loaded(drive, base_force(behind, np.full(1, behind.error)))
             )
         except (StuckError, np.linalg.LinAlgError):
-            raise EffectError("and no step can be taken") from None
+            raise EffectError("no Newton step can be taken") from None
         return FeedbackRound(turn, drive, force + more, errors, step.sizes)
 
 

@@ -624,7 +624,7 @@ def _lost_contact_finding(
         severity="broken",
         sentence=(
             f"the {touching} leaves the cam {listed(places)}{force}{flight}; these figures are for"
-            f" one that stays on it{holding and f'; {holding}'}"
+            f" a {touching} that stays on it{holding and f'; {holding}'}"
         ),
         value=None if low is None else low.value,
         limit=0.0,
@@ -672,7 +672,7 @@ def _clearance_finding(subject: Subject, flown: Sequence[Range]) -> Finding:
         severity="warning",
         sentence=(
             f"the {who} crosses the clearance {where} {over_ranges(ranges)}; these figures are"
-            " for one that always touches, without its impacts"
+            f" for a {who} that always touches one side, without impacts"
         ),
         cam_range=_only(ranges),
     )
@@ -690,7 +690,7 @@ def _breadth_findings(effect: Effect, subject: Subject) -> Iterator[Finding]:
     parts = []
     if breadth.variation > 0.0:
         parts.append(
-            f"the cam is {least:.6g} to {most:.6g} mm wide, and these figures are for one that is"
+            f"the cam is {least:.6g} to {most:.6g} mm wide, and these figures are for a cam that is"
             f" {breadth.best:.6g} mm wide everywhere"
         )
     if squeeze > 0.0:
@@ -775,7 +775,7 @@ def trimming(effect: Effect, subject: Subject) -> Iterator[Finding]:
                 severity="warning",
                 sentence=(
                     f"these figures are for {whose}: up to"
-                    f" {factor * loss.value:.4g} {unit} of the lift are lost,"
+                    f" {factor * loss.value:.4g} {unit} of the lift is lost,"
                     f" {at_angle(loss.place)}; {trimmed.corners(included=follows)}"
                 ),
                 value=factor * loss.value,

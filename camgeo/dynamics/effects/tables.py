@@ -708,7 +708,9 @@ def parse_vibration(table: Values) -> TrainData:
         return _listed(table, kind)
     _require_positive(table, kind, "must be above 0, or nothing would move the follower")
     if "output" in table:
-        raise GeometryError("needs masses or moments, of which it is the number", key="output")
+        raise GeometryError(
+            "needs masses or moments, of one of which it is the number", key="output"
+        )
     second = build_data(Second, table["second"]) if "second" in table else None
     return build_data(TrainData, {**table, "second": second})
 

@@ -182,8 +182,8 @@ def _train_mass(stages: Sequence[Stage], moved: float, subject: Subject) -> floa
     if mass > moved * (1.0 + SAME):
         label = MASSES[subject.drive.unit]
         raise GeometryError(
-            f"must not be more than the {label.scale * moved:.6g} {label.unit} of [effects.inertia]"
-            " that have the demanded motion, of which they are a part, in sum",
+            f"must not be, in sum, more than the {label.scale * moved:.6g} {label.unit} of"
+            " [effects.inertia] that have the demanded motion, because they are a part of these",
             key=f"effects.vibration.{'moments' if subject.drive.unit == 'rad' else 'masses'}",
             value=f"{label.scale * mass:.6g} {label.unit}",
         )
@@ -466,7 +466,7 @@ def unexcited() -> Finding:
         severity="warning",
         sentence=(
             "the load acts on a mass that has the demanded motion, and [effects.inertia] states"
-            " none: it is left out here"
+            " none: the load is left out here"
         ),
     )
 

@@ -650,7 +650,9 @@ def _replayed(pitch: PitchCurve, contour: Contour | SplineContour, flank: Flank)
     if isinstance(contour, SplineContour):
         if not pitch.follower.has_pitch_curve:
             raise GeometryError(
-                "a flat face on splines: its motion is not computed", key=KEY, value=MODEL
+                "the motion of a flat face on a contour of splines is not computed",
+                key=KEY,
+                value=MODEL,
             )
         return replay_spline(pitch, contour, flank)
     return replay_contour(pitch, contour, flank)

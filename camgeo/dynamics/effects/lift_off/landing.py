@@ -259,9 +259,9 @@ def _why_not_elastic(subject: Subject, contact: ContactForce, inertia: Inertia) 
     front_mass = piecewise_lowest(contact.struck, contact.edges).value
     if not front_mass > NOTHING * piecewise_highest(inertia.to_follower, contact.edges).value:
         return (
-            "all of its mass is behind the elastic train, and no impact is known without some in"
-            " front of it; [effects.vibration] masses or moments of less than [effects.inertia]"
-            " has in sum leave it some"
+            "all of its mass is behind the elastic train, and an impact needs some in"
+            " front of it; [effects.vibration] masses or moments that are less in sum than"
+            " [effects.inertia] leave it some"
         )
     return ""
 
