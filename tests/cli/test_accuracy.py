@@ -79,7 +79,9 @@ def test_what_is_said_is_as_kept(
 ) -> None:
     """Tables and documents, with effects and benefits; seconds and ripple are of `made_up`."""
     whole = replace(made_up(), effects=EFFECTS, rounded=ROUNDED)
-    fault = replace(at_speed()[2], fault="cannot be reached", acceleration=None, lift_off_speed=math.inf)
+    fault = replace(
+        at_speed()[2], fault="cannot be reached", acceleration=None, lift_off_speed=math.inf
+    )
     heard = replace(at_speed()[0], octaves=(20.0, 30.0, 10.0), octave_error=1e-9, strongest=3)
     rows = (heard, at_speed()[1], fault, replace(at_speed()[1], form="spline"))
     monkeypatch.setattr("camgeo.app.answers.accuracy.benefit_rows", lambda *_, **__: rows)
