@@ -232,8 +232,8 @@ class SteadyMotion:
         """
         if self.elastic and len(self.subject.state.smooth_angles) > MOST_PIECES:
             raise EffectError(
-                "forces with an elastic train are computed on contours of up to"
-                f" {MOST_PIECES} pieces only"
+                "forces with an elastic train are computed only on contours of up to"
+                f" {MOST_PIECES} pieces"
             )
         contact_force = self.effects.result(CONTACT_FORCE)
         return contact_force if contact_force.forces else None

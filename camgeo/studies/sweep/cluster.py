@@ -100,7 +100,7 @@ class Cluster:
             raise GeometryError(message, "cluster", str(address))
         if match["protocol"] == "tcp" and not _is_here(match["host"].strip("[]")):
             message = (
-                "leaves this machine without TLS, by which anybody could run programs on it: take"
+                "leaves this computer without TLS, so that anybody could run programs on it: use"
                 " tls://HOST:PORT, or an SSH tunnel to a port of 127.0.0.1"
             )
             raise GeometryError(message, "cluster", str(address))
@@ -269,7 +269,7 @@ def _outcome(future: Future) -> Computed | int:
     if isinstance(error, CamgeoError | MemoryError):
         raise error
     raise CamgeoError(
-        f"the cluster cannot do the work of this camgeo: {type(error).__name__}: {error};"
+        f"the cluster cannot run the work of this camgeo: {type(error).__name__}: {error};"
         " scheduler and workers need the same packages as this process"
     ) from error
 
@@ -316,7 +316,7 @@ def _connected(address: str, seconds: float) -> Client:
             warnings.simplefilter("ignore")
             return Client(address, timeout=seconds, set_as_default=False, direct_to_workers=False)
     except Exception as error:  # whatever answers there, and however it is configured
-        raise CamgeoError(f"no scheduler of Dask can be reached at {address}: {error}") from error
+        raise CamgeoError(f"no Dask scheduler can be reached at {address}: {error}") from error
 
 
 @contextlib.contextmanager

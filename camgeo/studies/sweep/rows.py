@@ -891,7 +891,7 @@ def parse_questions(design: Design, words: Iterable[str]) -> tuple[Question, ...
         question.word: question for question in (_parse_question(design, word) for word in words)
     }
     if not questions:
-        raise GeometryError("names nothing: say what is asked of each design", "sweep.ask")
+        raise GeometryError("names nothing: state what to ask of each design", "sweep.ask")
     if len(questions) > MOST:
         message = f"{counted(len(questions), 'name')} are more than {MOST}"
         raise GeometryError(message, "sweep.ask")

@@ -293,12 +293,12 @@ class Store:
         if number != FORMAT:
             raise FileError(f"{self.path} is a store of format {number}, not {FORMAT}; {ANEW}")
         if tables.get("sweep") != HEADING:
-            raise self._damaged("its table of what all rows have in common is another one")
+            raise self._damaged("its table of facts about all rows was changed")
         self._refuse_others(self._facts(file))
         if tables.get("designs") != self._designs or any(
             entry[0] == "trigger" for entry in schema_entries
         ):
-            raise self._damaged("its table of designs is another one")
+            raise self._damaged("its table of designs was changed")
         # Not the quick check: it overlooks keys in a wrong order, some of which are not found
         # later.
         (integrity,) = file.execute("PRAGMA integrity_check(1)").fetchone()
@@ -509,9 +509,9 @@ SHARED: Final = (("wal",), ("memory",))
 PAUSE: Final = 0.05
 """Seconds within which a process that writes takes its lock back, between two chunks."""
 
-ANEW: Final = "nothing of it was changed; --force makes it anew"
+ANEW: Final = "it was not changed; --force makes it anew"
 
-BUSY: Final = "another process writes it; only one at a time may"
+BUSY: Final = "another process is writing it; only one at a time may"
 
 ELSEWHERE: Final = "it was not changed: name another file, or delete it"
 
@@ -543,7 +543,7 @@ def translated_errors(path: Path | None) -> Iterator[None]:
         if code in OF_THE_DISK:
             raise OutputError(f"{name} cannot be written: {error}") from error
         if code == sqlite3.SQLITE_NOTADB:
-            message = f"is no store of a sweep, or not known as one any more; {ELSEWHERE}"
+            message = f"is not a store of a sweep, or is too damaged to be one; {ELSEWHERE}"
             raise FileError(f"{name} {message}") from error
         raise FileError(f"{name} is damaged: {error}; {ANEW}") from error
 

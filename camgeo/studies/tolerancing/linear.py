@@ -741,7 +741,7 @@ Contact = Rolling | Flat
 def follower_contact(follower: Follower, pose: Pose, deviations: Deviations) -> Contact:
     """How the followers (m, ...) of machines touch the cam; `pose` is the nominal one."""
     del pose, deviations  # used by the registered ones
-    message = f'of the kind "{follower.kind}" is not known to the analysis of tolerances'
+    message = f'of the kind "{follower.kind}" cannot be analysed for tolerances'
     raise GeometryError(message, key="follower.kind")
 
 
