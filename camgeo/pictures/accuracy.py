@@ -164,6 +164,7 @@ def figure(
     count = len(panel_lines)
     spectrum = [row for row in form_rows if row.octaves]
     effects = computing and any(row.seconds is not None for row in survey.effects)
+    # Spectrum and effects have horizontal axes of their own, and so a larger gap above.
     below_others = (HEIGHT + AXIS_GAP) * (bool(spectrum) + effects)
     words = []
     if knee is not None:
@@ -261,6 +262,7 @@ def _both(
         [(row.tolerance, row.round_seconds) for row in fits],
         [(row.tolerance, row.total) for row in survey.bill if computing],
     )
+    # Costs have different units: relative to the loosest tolerance they share an axis.
     names = ("pieces", "bytes, DXF", "milled round", "seconds of a build")
     for name, (colour, marker), amounts in zip(names, COST_STYLES, spent, strict=True):
         costs = sorted(((x, y) for x, y in amounts if y), reverse=True)

@@ -103,6 +103,7 @@ def figure(product: Product, size: Size | None = None) -> Figure:
         size = width, TOP + rows * PANEL + (rows - 1) * GAP + BOTTOM
     panel = (size[0] - LEFT - RIGHT - (columns - 1) * COLUMN_GAP) / columns
     grid_frames = grid(size, MARGINS, rows, columns, (GAP / PANEL, COLUMN_GAP / panel))
+    # Frames are in order of rows, while panels are read downwards.
     frames = [
         grid_frames[row * columns + column] for column in range(columns) for row in range(rows)
     ]
@@ -114,6 +115,7 @@ def figure(product: Product, size: Size | None = None) -> Figure:
         return Figure(size, (Panel(frames[0], whole, whole, (text,), title, bare=True),))
     places = np.array([joint.cam_angle for joint in breaks(product.cam.drive.plan)])
     abreast = ABREAST[min(columns, 2) - 1]
+    # The lowest panel of each column has the numbers of the cam angle.
     ends = {*range(rows - 1, count, rows), count - 1}
     effect_panels = tuple(
         _panel(product, frame, group, places, last=number in ends, abreast=abreast)

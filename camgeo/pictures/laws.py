@@ -208,7 +208,7 @@ def _name(entry: Compared, law: Law) -> str:
     symbols = {"inflection": "λ", "curved": "c", "sine": "b", "cosine": "d"}
     parameters = [f"{symbols.get(key, key)} = {value:.4g}" for key, value in law.parameters.items()]
     lines = [entry.name]
-    wide = 1 if len(parameters) < 4 else 2
+    wide = 1 if len(parameters) < 4 else 2  # two in a line if there are many
     lines += [
         ", ".join(parameters[first : first + wide]) for first in range(0, len(parameters), wide)
     ]

@@ -201,6 +201,7 @@ def figure_data(value: Any, array: Callable[[FloatArray], Any] = listed) -> Any:
     if kind in PLAIN:
         return value
     if isinstance(value, tuple):
+        # Most items are plain data already, and need no call.
         return [item if type(item) in PLAIN else figure_data(item, array) for item in value]
     if kind is np.ndarray:
         return array(value)
@@ -458,7 +459,7 @@ def grid(
     (width, height), (left, right, top, bottom) = size, margins
     first, last = left / width, 1.0 - right / width
     high, low = 1.0 - top / height, bottom / height
-    down = _steps(high - low, rows, gaps[0])
+    down = _steps(high - low, rows, gaps[0])  # from the upper edge, as rows count from the top
     across = _steps(last - first, columns, gaps[1])
     return [
         (first + start, high - foot, first + end, high - head)
@@ -507,6 +508,7 @@ def _widened(values: FloatArray, margin: float) -> tuple[float, float]:
     if not len(values):
         return 0.0, 1.0
     low, high = float(np.min(values)), float(np.max(values))
+    # A range of zero gets a margin relative to the value, or an absolute one around 0.
     if max(abs(low), abs(high)) == 0.0:
         low, high = -MARGIN, MARGIN
     elif high - low <= FLAT * max(abs(low), abs(high)):
@@ -520,7 +522,7 @@ def log_limits(drawn: Iterable[ArrayLike]) -> tuple[float, float]:
     values = _values(drawn)
     values = values[values > 0.0]
     low, high = (float(np.min(values)), float(np.max(values))) if len(values) else (1.0, 10.0)
-    if low == high:
+    if low == high:  # the decades next to a single value
         low = 10.0 ** (math.ceil(math.log10(low)) - 1)
         high = 10.0 ** (math.floor(math.log10(high)) + 1)
     first, last = np.log10([low, high])

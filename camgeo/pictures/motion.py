@@ -223,7 +223,7 @@ def infinite_places(plan: MotionPlan, motion: Motion, order: int) -> list[Infini
             angle = np.array([joint.cam_angle])
             left, right = motion.jet(angle, "left"), motion.jet(angle)
             rises = bool(right[joint.order + 1, 0] > left[joint.order + 1, 0])
-            both = joint.order + 2 < order
+            both = joint.order + 2 < order  # the derivative of an impulse
             places.append(Infinite(joint.cam_angle, rises or both, not rises or both))
     return places
 
@@ -316,6 +316,7 @@ def _second_scale(
     name = RATES[order] if unit.symbol == "s" else ANGULAR[order].format(unit.symbol)
     low, high = (limit * factor for limit in y_limits)
     size = max(abs(low), abs(high))
+    # Large numbers are divided by a power of 1000, which the name of the axis states.
     thousands = max(0, math.floor(math.log10(size) / 3.0)) if size > 0.0 else 0
     power = f"10{str(3 * thousands).translate(RAISED)} " if thousands else ""
     return Axis(
@@ -542,9 +543,10 @@ def _plan(strips: Strips, sketch: PlanSketch, unit: Unit, height: float) -> Pane
         marks.append(Line(points, segment.style))
     marks.append(Line(over(angles, positions), JOINT, layer=3.0, clipped=False))
     low, high = (float(limit(np.concatenate(extent))) for limit in (np.min, np.max))
-    room = 0.15 * (high - low) or 1.0
+    room = 0.15 * (high - low) or 1.0  # a plan of a single rest has no range
     levels = np.unique(np.round(positions, 9))
     spacing = np.min(np.diff(levels), initial=math.inf) / (high - low + 2.0 * room) * height
+    # Ticks at the positions themselves, unless they are too close or data has positions between.
     at_levels = bool(spacing > TICK_GAP) and len(extent) == 1
     return Panel(
         strips.frame(height),

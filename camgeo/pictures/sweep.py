@@ -112,6 +112,7 @@ def _curve(key: Column, answer: Column, result: Result) -> Figure:
     """An answer as a curve over the only key that varies."""
     order = np.argsort(key.values, kind="stable")
     points = over(key.values[order], answer.values[order])
+    # Words have no order that a line could follow.
     width = 0.0 if key.words or answer.words else 1.2
     line = Line(points, Style(LINE, width, marker="o", size=3.5))
     title = f"{result.family.scene.name}: {answer.label}"
@@ -165,6 +166,7 @@ def _dots(x: Column, y: Column, answer: Column) -> list[Mark]:
     if missing.any():
         style = Style(LIMIT, 0.0, marker="x", size=POINT)
         marks.append(Line(over(x.values[missing], y.values[missing]), style, layer=2.5))
+    # One mark for each colour, however many designs have it.
     levels = np.array([-1 if np.isnan(value) else answer.level(value) for value in answer.values])
     for level in np.unique(levels[levels >= 0]):
         here = levels == level
@@ -187,6 +189,7 @@ def parallel(result: Result) -> Figure:
     heights = np.stack([_heights(column) for column in columns])
     marks: list[Mark] = []
     places = np.arange(float(len(columns)))
+    # Designs with larger answers are drawn later, and so on top.
     for design in whole[np.argsort(last.values[whole], kind="stable")]:
         colour = last.colour(last.level(float(last.values[design])))
         marks.append(Line(over(places, heights[:, design]), Style(colour, 0.7)))
@@ -209,6 +212,7 @@ def _heights(column: Column) -> FloatArray:
 
 def _ends(column: Column) -> tuple[float, float]:
     low, high = column.extent or (0.0, 1.0)
+    # Equal values have no range, but their axis needs a length.
     space = EDGE * (high - low) or max(abs(high), 1.0) * EDGE
     return low - space, high + space
 
@@ -243,6 +247,7 @@ def pareto(result: Result, least: Sequence[str], largest: Sequence[str]) -> Figu
     mask = front(np.column_stack([sense * answers[place].values for place, sense in chosen]))
     (x_index, _), (y_index, _) = chosen[:2]
     x, y = answers[x_index], answers[y_index]
+    # In ascending order, so that the front of two objectives is a line; of more it is none here.
     order = np.flatnonzero(mask)[np.argsort(x.values[mask], kind="stable")]
     style = FRONT if len(chosen) == 2 else Style(LIMIT, 0.0, marker="o", size=5.0)
     marks: list[Mark] = [

@@ -730,6 +730,7 @@ def heights(
         complex(thickness, _lowest(section_marks, layers[-1].z0 - base, thickness)),
     )
     yield _height(on_faces(ends), -1j, -box[0].imag, bench)
+    # Walls between the same heights share a dimension, at the outermost of them.
     tops: dict[tuple[float, float], float] = {}
     for wall in shape.part.walls:
         edge = shape.edge(wall.boundary)

@@ -353,6 +353,8 @@ def _sense(subject: ViewSubject, rotation: int, scale: float) -> Options:
         for farther in range(0, 40, 4):
             radius = least + farther / scale
             begin, tip = cmath.rect(radius, start), cmath.rect(radius, end)
+            # The head has the direction of the arc 1.5 mm of paper before the tip, so it lies along
+            # it.
             way = 1j * rotation * tip / radius
             chord = way * cmath.exp(-1j * rotation * 1.5 / (radius * scale))
             head = moved([arrow(0j, chord, size=4.0)], tip, scale)
@@ -397,6 +399,7 @@ def _flank(subject: ViewSubject, scale: float, spec: DrawingSpec) -> Options:
         foot = complex(points[np.argmin(np.abs(np.angle(points / way)))])
         head = moved([arrow(0j, -way, size=3.0)], foot, scale)
         for higher in range(0, 60, 4):
+            # The leader ends above the view, and is at least 4 mm of paper long.
             level = above + higher / scale
             knee = foot + way * max((level - foot.imag) / way.imag, 4.0 / scale)
             leader = line(foot + 1.0 / scale * way, knee, "SYMBOL")
@@ -551,6 +554,7 @@ def dashed(
 ) -> Iterator[Chain]:
     """A closed contour in dashes and dots, with a whole number of patterns around it."""
     total = float(np.cumsum(contour.lengths)[-1])
+    # The pattern is stretched so that a whole number of it fits.
     count = max(1, round(total * scale / sum(pattern)))
     share = total / (count * sum(pattern))
     ends = _dashes(pattern, count * len(pattern), share, -0.5 * pattern[0] * share)

@@ -699,6 +699,7 @@ def diagram(
     turning = product.cam.lift_unit == "rad"
     factor = math.degrees(1.0) if turning else 1.0 / MM_PER[unit]
     phi = np.linspace(0.0, TURN, SAMPLES)
+    # Left-hand values, as the last angle is the end of the revolution.
     values = drive.motion.jet(phi, "left")[0] * factor
     low, high = (lift * factor for lift in lift_range(drive.motion))
     low, high = min(low, 0.0), max(high, 0.0)
@@ -803,6 +804,7 @@ def frame(size: Size) -> list[Mark]:
 
 
 def _clipped(start: float, length: float, low: float, high: float) -> tuple[float, float]:
+    """Start and end of a field of the grid, cut off at the frame."""
     return max(start, low), min(start + length, high)
 
 

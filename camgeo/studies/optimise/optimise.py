@@ -415,7 +415,7 @@ def _short_numbers(value: float, interval: Range, finer: int) -> list[float]:
     size = max(
         Decimal(abs(value)).scaleb(-DIGITS), (high - low).scaleb(-SMALL)
     )  # above 0, as the range is not empty
-    last = Decimal(1).scaleb(size.adjusted() - finer)
+    last = Decimal(1).scaleb(size.adjusted() - finer)  # the unit of the last digit that is kept
     near = (Decimal(value).quantize(last, way) for way in (ROUND_FLOOR, ROUND_CEILING))
     numbers = [float(number) for number in dict.fromkeys(near) if low <= number <= high]
     return sorted(numbers, key=lambda each: abs(each - value)) or [value]
@@ -782,7 +782,7 @@ def evolve(trials: Trials, direction: Direction, seed: int, most: int) -> bool:
             integrality=~space.continuous[sides],
             init=start,
             rng=np.random.default_rng(seed),
-            maxiter=10 * most // size + 10,
+            maxiter=10 * most // size + 10,  # more than `ended` allows
             tol=CONVERGED,
             polish=False,
             updating="deferred",
@@ -874,6 +874,7 @@ def _follow(trials: Trials, direction: Direction, start: Trial, free: np.ndarray
     if beyond.feasible or not best.feasible or best.place is None:
         return
     low, high = best.place, np.array(beyond.place)
+    # Between different places of a list there is nothing to bisect.
     if not np.array_equal(low[~trials.space.continuous], high[~trials.space.continuous]):
         return
     for _ in range(HALVINGS):
@@ -938,7 +939,7 @@ def search(trials: Trials, seed: int) -> str:
         for number, weights in enumerate(ways):
             left = (trials.most - len(trials)) // (len(ways) - number)
             towards = scaled_direction(weights, trials)
-            trials.share = len(trials) + left
+            trials.share = len(trials) + left  # beyond which SpentError ends this direction
             try:
                 together = evolve(trials, towards, seed + number, int((1.0 - POLISHED) * left))
                 polish(trials, towards, seed + number)

@@ -427,7 +427,7 @@ class Store:
             if self._file is not None:
                 self._replace(self._file)
             self._open.commit()
-            self._open.execute("PRAGMA busy_timeout = 0")
+            self._open.execute("PRAGMA busy_timeout = 0")  # readers are not waited for
             with suppress(sqlite3.OperationalError):
                 self._open.execute("PRAGMA journal_mode = DELETE")
 

@@ -258,6 +258,7 @@ def machine_deviations(sources: tuple[Source, ...], numbers: list[FloatArray]) -
     values: dict[Freedom, ComplexArray] = {}
     for source, rows in zip(sources, numbers, strict=True):
         for unit, row in zip(source.units, rows, strict=True):
+            # Sources in the same freedom add up.
             values[unit.freedom] = values.get(unit.freedom, 0.0) + row * unit.factor
     return Deviations(numbers[0].shape[1], values)
 
@@ -499,7 +500,7 @@ def _machines(sources: tuple[Source, ...], count: int, seed: int) -> Iterator[De
     draws = [source.draws for source in sources]
     shares = Sample(count, "sobol", seed).shares(sum(draws)).T
     shares = np.clip(shares, INSIDE, 1.0 - INSIDE)
-    ends = np.cumsum([0, *draws])
+    ends = np.cumsum([0, *draws])  # each source has dimensions of the sequence of its own
     for first in range(0, count, BLOCK):
         numbers = [
             source.numbers(shares[start:end, first : first + BLOCK])
@@ -759,6 +760,7 @@ def _(follower: FlatFollower, pose: Pose, deviations: Deviations) -> Contact:
 
 def _deviating_pose(pose: Pose, deviations: Deviations) -> Pose:
     """The pose of the followers (m, ...) of machines."""
+    # The shaft takes its rocker along, on which the body deviates; the tilt rotates all of it.
     held = pose.moved(deviations.amounts(Way.PIVOT), whole=True).moved(deviations.amounts(Way.BODY))
     return held.rotated(np.exp(1j * deviations.real(Way.TILT)))
 
@@ -812,6 +814,7 @@ def _block(nominal: Sensitivities, deviations: Deviations) -> MachineMotions:
     follower = machine.cam.follower
     contact = follower_contact(follower, machine.pose, deviations)
     lifts, leverage = _follower(nominal, deviations, contact)
+    # The lift is counted from where a nominal follower is at the deviating base radius.
     zero = _setting(
         follower_contact(follower, machine.pose, Deviations(1, {})), deviations, follower
     )
@@ -831,6 +834,7 @@ def _follower(
     disc = machine.cam.disc
     curve = FlankCurve(disc.pitch_curve, deviations)
     spin = 1j * disc.rotation
+    # The disc runs ahead of its shaft by the error of timing.
     turn = np.exp(spin * (phi + deviations.real(Way.TIMING)))
     seat, axis = deviations.amounts(Way.SEAT), deviations.amounts(Way.SHAFT)
     shape = (deviations.count, len(phi))

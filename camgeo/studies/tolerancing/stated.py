@@ -150,6 +150,7 @@ class Deviations:
         for freedom, amounts in self.values.items():
             if freedom.affects(hold):
                 bare = replace(freedom, hold=Hold.ANY)
+                # A phase of half a turn is exp(-i k pi) = (-1)^k.
                 sign = -1.0 if half_turn and freedom.waves % 2 else 1.0
                 values[bare] = values.get(bare, 0.0) + sign * amounts
         return Deviations(self.count, values)
@@ -318,6 +319,7 @@ class Machine:
             place = float(np.degrees(phi[np.argmin(np.abs(leverage))]))
             message = f"the cam cannot move the follower at cam angle {place:.6g} deg"
             raise GeometryError(f"{message}: its position there is no function of any dimension")
+        # The normal i sigma t, with the unit tangent t, points outwards for either rotation.
         normals = 1j * pitch.rotation * rates / pitch.speed(relative)
         turn = np.exp(1j * pitch.rotation * phi)
         return Nominal(phi, places * turn, normals * turn, turn, leverage)
@@ -492,6 +494,7 @@ class FarEnd:
         demanded_rates = linkage.joint_rates(np.zeros(1), ONE, NONE)
         follower_rates = linkage.joint_rates(np.zeros(1), NONE, ONE)
         poses = []
+        # Each joint is moved by one of the two coordinates alone, and the other adds nothing.
         for place, demanded, follows in zip(places, demanded_rates, follower_rates, strict=True):
             first, second = (complex(rate) for rate in (demanded + follows)[:, 0])
             poses.append(Pose.from_rates(place, first, second))
@@ -521,6 +524,7 @@ class FarEnd:
             case Way.COUPLER:
                 longer = factor.real * self.linkage.coupler
             case Way.CRANK:
+                # A longer crank on the near side displaces J_n, which counts negatively.
                 tip = far if self.driven_crank else -near
                 displacement = factor * tip / np.abs(tip)
             case Way.LEVER:
@@ -531,6 +535,7 @@ class FarEnd:
             case Way.FAR_ANGLE:
                 displacement = factor * 1j * (far - self.far.centre[0])
             case Way.PIVOT:
+                # Relative to the rocker's shaft, the far joint is displaced the other way.
                 displacement = displacement - factor
         rest = (longer - dot(coupler_vector, displacement)) / dot(
             coupler_vector, self.far.velocity(far)[0]
@@ -541,6 +546,7 @@ class FarEnd:
         """The joints (m, ...) of the linkages of machines that deviate."""
         near, far = self.near, self.far
         tip = far if self.driven_crank else near
+        # The crank turns about the origin, so it becomes longer along the place of its pin.
         longer = tip.moved(tip.start / np.abs(tip.start) * deviations.real(Way.CRANK))
         near, far = (near, longer) if self.driven_crank else (longer, far)
         arm = (far.start - far.centre) * np.exp(1j * deviations.real(Way.FAR_ANGLE))
@@ -690,6 +696,7 @@ class StatedTolerances:
         sides = Sides(scene, machine, second)
         sources = (*_dimensions(sides, table), *_fits(sides, table), *_forms(sides, table))
         limit, zero_angle = table.get("limit"), table.get("set_at")
+        # The limit is stated in the unit of the position.
         per = math.radians(1.0) if design.drive.unit == "rad" else MM_PER[scene.unit]
         return StatedTolerances(
             machine,
@@ -768,6 +775,7 @@ def _distribution(scene: Scene, place: KeyPath, table: Table, dimension: Dimensi
         if dimension.size is None:
             message = "belongs to lengths: this dimension takes plus_minus or limits"
             raise _fault(scene, (*place, "class"), message)
+        # A class limits the size, as a diameter, of which the dimension may be half.
         low, high = (
             deviation * dimension.per_size
             for deviation in _class(scene, (*place, "class"), table["class"], dimension.size)
@@ -1249,8 +1257,9 @@ def class_limits(name: str, size: float) -> tuple[float, float]:
     _require_value(name, letters, grade, size)
     width = _standard(grade, size) / PER_MM
     letter = letters.lower()
-    if letter == "js":
+    if letter == "js":  # symmetric about the size
         return -0.5 * width, 0.5 * width
+    # Shafts of these letters lie below the size, and holes above it by as much.
     if letter in data["upper"]:
         high = _size_value(data["upper"][letter], size) / PER_MM
         return (0.0 - high, width - high) if is_hole(name) else (high - width, high)
@@ -1285,6 +1294,7 @@ def _highest(letters: str, grade: int, size: float) -> float:
     high = 0.0 - _size_value(data["lower"][letters.lower()], size)
     if size <= SMALLEST:
         return high
+    # Coarser grades have no delta; a hole N then ends at the size itself.
     if grade > data["delta_up_to"][letters]:
         return 0.0 if letters == "N" else high
     nearer = data["exceptions"].get(f"{letters}{grade}")
@@ -1304,7 +1314,7 @@ def _size_value(values: Sequence[float], size: float) -> float:
     ranges = next(
         bounds for bounds in (data["up_to"], data["up_to_finely"]) if len(bounds) == len(values)
     )
-    return float(values[bisect_left(ranges, size)])
+    return float(values[bisect_left(ranges, size)])  # a range includes its upper end
 
 
 def is_hole(name: str) -> bool:
