@@ -246,9 +246,9 @@ DOCUMENT: Final = Key(
                     {
                         "name": "Of the quantity, with its unit in brackets.",
                         "low": Key("Smallest value; null if it is infinite.", type=float | None),
-                        "low_at_deg": "Cam angle of its first place.",
+                        "low_at_deg": Key("Cam angle of its first place.", of="low_angle"),
                         "high": Key("Largest value; null if it is infinite.", type=float | None),
-                        "high_at_deg": "Cam angle of its first place.",
+                        "high_at_deg": Key("Cam angle of its first place.", of="high_angle"),
                     },
                 ),
             },
