@@ -1,12 +1,13 @@
 """The cost of accuracy over the tolerance: pieces with limits, bytes, seconds, ripple, effects.
 
-At a speed of the cam the first panel has both for the form of the drawing: what accuracy costs
-rises, what is off falls. The knee is marked in all panels, with its reason in words above them. The
-last ones, with axes of their own, are the spectrum of what is off, and the effects. What is off has
-figures of its own, too: at several speeds, and by octaves of the cam's frequency.
+At a speed of the cam the first panel has both costs and deviations of the form of the drawing: what
+accuracy costs rises, what deviates falls. The knee is marked in all panels, with its reason in
+words above them. The last panels, with axes of their own, are the spectrum of the deviation, and
+the effects. There are also figures of the deviations alone: at several speeds, and by octaves of
+the cam's frequency.
 
 All axes are logarithmic, with the tolerance falling to the right, where costs are higher. Forms
-differ by marker and dash, fast fits have hollow markers, so that a print in grey can be read.
+differ by marker and dash, and fast fits have hollow markers, so that a print in grey can be read.
 """
 
 from __future__ import annotations
@@ -43,10 +44,10 @@ from camgeo.studies.accuracy.survey import Stage, Survey
 from camgeo.units import MM_PER, RPM, LengthUnit, LiftUnit, in_unit
 
 WIDTH, HEIGHT = 8.0, 3.2
-"""Sizes [inch] of the figure and of each panel."""
+"""Width of the figure and height of each panel [inch]."""
 
 LEFT, RIGHT, TOP, BOTTOM, GAP = 0.85, 2.0, 0.4, 0.55, 0.3
-"""Margins [inch]; the legends are in the right one. Last the gap between the panels."""
+"""Margins, of which the right one has the legends, and the gap between panels [inch]."""
 
 AXIS_GAP: Final = 0.75
 """Gap [inch] above a panel that has a horizontal axis of its own."""
@@ -60,7 +61,7 @@ SOLID_STYLES: Final[dict[str, tuple[str, str]]] = {
 }  # fmt: skip
 
 EFFECT_MARKERS: Final = "osD^vP*X"
-"""Colours of the effects in order, repeated if there are more effects."""
+"""Markers of the effects in order, repeated if there are more effects."""
 
 STAGE_STYLES: Final[dict[Stage, tuple[str, str]]] = {
     "evaluate": ("#404040", "s"),
@@ -74,33 +75,33 @@ STAGE_NAMES: Final[dict[Stage, str]] = {
 }  # fmt: skip
 
 DEVIATION_STYLES: Final = ((LINE, "o"), ("#8c5aa8", "v"), ("#2f7fc1", "P"))
-"""Of acceleration, contact force and lift-off speed."""
+"""Colour and marker of acceleration, contact force and lift-off speed."""
 
 COST_STYLES: Final = (("#c05a00", "s"), ("#6a8f3c", "D"), ("#808080", "^"), ("#404040", "o"))
-"""Of pieces, bytes, milling and building."""
+"""Colour and marker of pieces, bytes, milling and building."""
 
 LEAST_SECONDS: Final = 1e-4
-"""Shortest time drawn; a stage that takes nothing has no place on a logarithmic axis."""
+"""Shortest time drawn [s]: a time of 0 has no place on a logarithmic axis."""
 
 LEAST_RANGE: Final = 100.0
-"""Least factor from the lower to the upper end of an axis."""
+"""Least ratio of the upper to the lower end of an axis."""
 
 DOTTED: Final = (1.0, 1.5)
 
 POINTS: Final = 72.0
-"""In an inch."""
+"""Points in an inch."""
 
 REASON_SIZE: Final = 8.0
-"""Of the words on the knee [points]."""
+"""Size of the text on the knee [points]."""
 
 REASON_WIDTH: Final = 118
-"""Letters in a line of them: as wide as the figure."""
+"""Letters in a line of that text, which is as wide as the figure."""
 
 REASON_LINE: Final = 1.4 * REASON_SIZE
-"""Height of a line of them [points]."""
+"""Height of a line of that text [points]."""
 
 BOTH: Final = "off [% of exact]; cost [times the loosest's]"
-"""Scale of the panel with both: of what is off, and of costs."""
+"""Label of the vertical axis of the panel with both deviations and costs."""
 
 ADVICE: Final = Style(LIMIT, 1.0, (5.0, 3.0))
 
@@ -108,11 +109,11 @@ Value = Callable[[ContourRow], float | None]
 
 
 KneeMark = tuple[float, str, str]
-"""The knee as it is drawn: its tolerance [mm], its name, and its reason in words."""
+"""A knee to be drawn: its tolerance [mm], its name, and its reason in words."""
 
 
 def knee_mark(survey: Survey, benefits: Sequence[BenefitRow]) -> KneeMark | None:
-    """The knee of the benefits, of one form, if they have one, else that of the costs, or None."""
+    """The knee of the benefits of one form, if they have one, else that of the costs, or None."""
     if benefits:
         sufficient = find_sufficient(benefits)
         if sufficient is not None:
@@ -132,14 +133,14 @@ def figure(
     unit: LiftUnit = "mm",
     length: LengthUnit = "mm",
 ) -> Figure:
-    """The measurements, one panel per kind of cost, the first with the benefits if there are any.
+    """The measurements in one panel for each kind of cost; the first has the benefits, if any.
 
     Parameters
     ----------
     computing : whether computing times are drawn, which differ from run to run.
-    benefits : of all forms at one speed of the cam; of the `form` they are drawn with its costs.
-    unit : in which the output moves.
-    length : unit of length that is shown.
+    benefits : rows of all forms at one speed of the cam; those of `form` are drawn with its costs.
+    unit : unit of the output's motion.
+    length : unit of length in the figure.
     """
     knee, mm = knee_mark(survey, [row for row in benefits if row.form == form]), MM_PER[length]
     survey = survey.in_length(length)
@@ -163,6 +164,7 @@ def figure(
     count = len(panel_lines)
     spectrum = [row for row in form_rows if row.octaves]
     effects = computing and any(row.seconds is not None for row in survey.effects)
+    # Spectrum and effects have horizontal axes of their own, and so a larger gap above.
     below_others = (HEIGHT + AXIS_GAP) * (bool(spectrum) + effects)
     words = []
     if knee is not None:
@@ -200,12 +202,12 @@ def figure(
 
 
 def _frame(bottom: float, height: float, high: float = HEIGHT) -> Frame:
-    """That of a panel whose lower edge is `bottom` inches above that of the figure of `height`."""
+    """The frame of a panel, `bottom` above the lower edge of a figure of `height`, both [inch]."""
     return box(LEFT / WIDTH, bottom / height, 1.0 - (LEFT + RIGHT) / WIDTH, high / height)
 
 
 def _panel(bottom: float, height: float, x: Axis, label: str, lines: list[Line]) -> Panel:
-    """A panel in the place of `_frame`."""
+    """A panel with logarithmic axes in the frame that `_frame` gives."""
     low, high = log_limits(heights(lines))
     if high < LEAST_RANGE * low:  # a few per cent must not look like a large change
         wider = math.sqrt(LEAST_RANGE * low / high)
@@ -216,11 +218,12 @@ def _panel(bottom: float, height: float, x: Axis, label: str, lines: list[Line])
 
 
 def _right_legend(lines: Sequence[Line]) -> Legend:
-    """The names of lines, on the right of their panel."""
+    """The legend of lines, on the right of their panel."""
     return Legend(entries(lines), "upper left", (1.02, 1.0), size=7.5, gap=0.0)
 
 
 def _tolerances(tolerances: list[float], label: str, *, numbered: bool = True) -> Axis:
+    """The horizontal axis of tolerances, falling to the right."""
     ends = (max(tolerances) * 1.8, min(tolerances) / 1.8) if tolerances else log_limits([])
     return Axis(ends, label if numbered else "", log=True, numbered=numbered)
 
@@ -234,8 +237,10 @@ def _above(words: list[str]) -> Text:
 def _both(
     survey: Survey, benefits: Sequence[BenefitRow], form: Form, *, computing: bool
 ) -> list[Line]:
-    """What is off on contours of the `form`, in per cent, and what they cost, as multiples; what is
-    0 or not known is left out. Empty without benefits.
+    """Deviations on contours of the `form` in per cent, and their costs as multiples of the
+    loosest.
+
+    Values that are 0 or unknown are left out. Empty without benefits.
     """
     known = [row for row in benefits if row.acceleration is not None]
     lines = []
@@ -257,6 +262,7 @@ def _both(
         [(row.tolerance, row.round_seconds) for row in fits],
         [(row.tolerance, row.total) for row in survey.bill if computing],
     )
+    # Costs have different units: relative to the loosest tolerance they share an axis.
     names = ("pieces", "bytes, DXF", "milled round", "seconds of a build")
     for name, (colour, marker), amounts in zip(names, COST_STYLES, spent, strict=True):
         costs = sorted(((x, y) for x, y in amounts if y), reverse=True)
@@ -266,7 +272,7 @@ def _both(
 
 
 def _deviation_lines(benefits: Sequence[BenefitRow]) -> list[Line]:
-    """What the acceleration is off on contours of each form, in per cent of its exact peak."""
+    """The deviation of the acceleration by form, in per cent of its exact peak."""
     lines = []
     for form in FORMS:
         points = [(row.tolerance, row.ripple and 100.0 * row.ripple) for row in benefits
@@ -283,7 +289,7 @@ def _by_form(
     forms: Sequence[Form] = FORMS,
     **style_changes: Any,
 ) -> list[Line]:
-    """A value of the contours of each form, with one effort after the other."""
+    """A line of a value of contours for each form and effort."""
     lines = []
     for form, effort in product(forms, efforts):
         points = [(row.tolerance, value(row)) for row in survey.contours
@@ -295,7 +301,7 @@ def _by_form(
 
 
 def _pieces(survey: Survey) -> list[Line]:
-    """Pieces without those of dwells and turns, and the limits with their slopes."""
+    """Numbers of pieces without those of dwells and turns, and their limits with slopes."""
 
     def free(row: ContourRow) -> float | None:
         return None if row.count is None else row.count.pieces - row.count.forced
@@ -329,7 +335,7 @@ def _bytes(survey: Survey) -> list[Line]:
 
 
 def _seconds(survey: Survey, *, computing: bool) -> list[Line]:
-    """Time of milling one round, and of computing: fit with its proof."""
+    """Time of milling once around, and computing time of the fit with its proof."""
     lines = _by_form(survey, lambda row: row.round_seconds, "milled round, {}", EFFORTS[:1])
     if computing:
         lines += _by_form(
@@ -367,7 +373,7 @@ def _effects(survey: Survey) -> list[Line]:
 
 
 def _log_line(points: Iterable[tuple[float, float | None]], style: Style, label: str) -> list[Line]:
-    """A line through those points that have a place on logarithmic axes, if there are any."""
+    """A line through the points that logarithmic axes can show; none if there are none."""
     visible = [(x, y) for x, y in points if y is not None and 0.0 < y < math.inf]
     return [Line(over(*zip(*visible, strict=True)), style, label)] if visible else []
 
@@ -392,29 +398,29 @@ def _drawing_size(row: ContourRow) -> float | None:
 
 
 LOW: Final = 2.6
-"""Height of its panels [inch]."""
+"""Height of a panel in the figures of deviations [inch]."""
 
 DASHES: Final[tuple[tuple[float, ...], ...]] = ((), (4.0, 2.0), (1.0, 1.5))
-"""Of the speeds in ascending order, repeated if there are more."""
+"""Dashes of the speeds in ascending order, repeated if there are more."""
 
 LIFT_OFF_LABEL: Final = "lifts off at [rev/min]"
 
 TOLERANCE_COLOURS: Final = ("#08306b", "#2171b5", "#6baed6", "#8c5aa8", "#c27c0e", "#7a7a7a")
-"""Of the tolerances, the loosest first; repeated with other markers if there are more."""
+"""Colours of the tolerances, the loosest first; repeated with other markers if there are more."""
 
 TOLERANCE_MARKERS: Final = "os^vDP"
 
 DECADES: Final = 1e7
-"""Factor from the top of a panel to its lower end: what is further down moves nothing."""
+"""Largest ratio of the upper to the lower end of a spectrum: what is below moves nothing."""
 
 HARMONIC: Final = "harmonic of the cam's speed"
 
 
 def benefit_figure(rows: Sequence[BenefitRow], *, title: str, unit: LiftUnit = "mm") -> Figure:
-    """One panel each for acceleration and force at all speeds, and for the speed of lift-off.
+    """One panel each for acceleration and force at all speeds, and for the lift-off speed.
 
-    The output moves in `unit`. Panels without values, as of forces in a scene that has none, are
-    left out.
+    `unit` is that of the output's motion. Panels without values are left out, as those of forces in
+    a scene without forces.
     """
     speeds = sorted({row.speed for row in rows})
     panel_lines: list[tuple[str, list[Line]]] = [
@@ -457,6 +463,7 @@ def benefit_figure(rows: Sequence[BenefitRow], *, title: str, unit: LiftUnit = "
 def _speed_lines(
     rows: Sequence[BenefitRow], speeds: Sequence[float], value: Callable[[BenefitRow], float | None]
 ) -> list[Line]:
+    """A line of a value over the tolerance, for each form and speed."""
     lines = []
     for form in FORMS:
         for number, speed in enumerate(speeds):
@@ -470,9 +477,9 @@ def _speed_lines(
 
 
 def spectrum_figure(rows: Sequence[BenefitRow], *, title: str, unit: LiftUnit = "mm") -> Figure:
-    """One panel for each form of the contour of `rows`, which are of one speed of the cam.
+    """One panel of the spectrum for each form of the contour; all `rows` are of one speed.
 
-    The output moves in `unit`.
+    `unit` is that of the output's motion.
     """
     forms = [form for form in FORMS if any(row.form == form and row.octaves for row in rows)]
     height, frames = _low_frames(len(forms))
@@ -493,7 +500,7 @@ def octaves(
     numbered: bool = True,
     length: LengthUnit = "mm",
 ) -> Panel:
-    """The effective values of the octaves, each drawn at the first of its harmonics.
+    """The effective value of each octave, drawn at the first of its harmonics.
 
     `rows` are of one form of the contour at one speed, with tolerances in the unit `length`.
     """

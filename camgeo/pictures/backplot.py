@@ -1,4 +1,4 @@
-"""The program as a picture: the course of each tool over blank and part, one panel an operation."""
+"""The program as a picture: the path of each tool over blank and part, one panel per operation."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ from camgeo.pictures.model import (
 from camgeo.units import MM_PER, LengthUnit
 
 TOLERANCE: Final = 0.01
-"""Of the paths [mm]: far below a printed line."""
+"""Tolerance of the paths [mm]: far below the width of a printed line."""
 
 SIDE: Final = 3.8
 """Width and height [inch] of one panel, without its margins."""
@@ -73,17 +73,18 @@ NAMES: Final[dict[Kind, str]] = {
 PLUNGE: Final = Style(LIMIT, 0.0, marker="v", size=4.5, face=LIMIT)
 
 REACH: Final = 1.0
-"""Diameters of the cutter that are shown around its course."""
+"""How far the picture reaches beyond the tool path, in diameters of the cutter."""
 
 
 def figure(product: Product, size: Size | None = None) -> Figure:
-    """The programs of `product`, in its unit, seen from above as the work lies, those of a second
-    side behind those of the first.
+    """The programs of `product` in its unit, seen from above as the work lies.
+
+    Programs of a second side follow those of the first one.
 
     Raises
     ------
     GeometryError
-        With the key of the scene, if it has no program.
+        With the key of the scene, if it states no program.
     """
     if not product.scene.states_milling:
         raise GeometryError("names no tool: there is no program to draw", key="tool")
@@ -116,14 +117,14 @@ def figure(product: Product, size: Size | None = None) -> Figure:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _OperationView:
-    """One operation of a side.
+    """One operation of a side, with what is drawn behind it.
 
     Attributes
     ----------
     plot : its traces, in the part's coordinates [mm].
-    ground : blank, and layers of the part upwards, as the work lies, in the unit of the picture.
-    seen : points of the part [mm] as the work lies, in that unit.
-    turned : whether it is on the second side.
+    ground : blank, and layers of the part from below, as the work lies, in the unit of the picture.
+    seen : function from points of the part [mm] to the picture, as the work lies, in its unit.
+    turned : whether the operation is on the second side.
     """
 
     plot: OperationPlot
@@ -133,7 +134,7 @@ class _OperationView:
 
 
 def _operation_views(side: Product) -> Iterator[_OperationView]:
-    """The operations of one side."""
+    """The operations of one side, in order."""
     milled = side.milled
     toolpath, spec, scale = milled.toolpath(TOLERANCE), milled.spec, 1.0 / MM_PER[side.unit]
     assert spec is not None  # for there is a program
@@ -152,7 +153,7 @@ def _operation_views(side: Product) -> Iterator[_OperationView]:
 
 
 def _panel(view: _OperationView, frame: Frame, unit: LengthUnit) -> Panel:
-    """One operation, with as much around its course as the cutter reaches."""
+    """The panel of one operation, with room around the path for the reach of the cutter."""
     plot, scale = view.plot, 1.0 / MM_PER[unit]
     marks: list[Mark] = list(view.ground)
     for obstacle in plot.operation.cut.obstacles:
@@ -164,6 +165,7 @@ def _panel(view: _OperationView, frame: Frame, unit: LengthUnit) -> Panel:
             points = view.seen(trace.points)
             if trace.kind == kind:
                 point_arrays.append(points)
+                # A move along Z is a point in the plane: only a plunge is marked.
                 still = bool(np.all(points == points[0]))
                 style = PLUNGE if still else STYLES[kind]
                 if not still or kind == "entry":
@@ -193,7 +195,7 @@ def _panel(view: _OperationView, frame: Frame, unit: LengthUnit) -> Panel:
 
 
 def _distinct(layers: list[list[ComplexArray]]) -> list[list[ComplexArray]]:
-    """Layers with the same rings once."""
+    """Layers without those that have the same rings as another one."""
     by_shape = {b"".join(ring.tobytes() for ring in rings): rings for rings in layers}
     return list(by_shape.values())
 
@@ -205,7 +207,8 @@ def _ground(rings: list[ComplexArray], fill: Fill) -> Area:
 
 
 # -- backplot -------------------------------------------------------------------------------------
-# The course of a program as traces of points, told apart by what the cutter does: for pictures.
+# The tool path of a program as traces of points, one for each stretch in which the cutter does the
+# same: for pictures.
 
 
 Kind = Literal["cut", "air", "entry", "rapid"]
@@ -213,12 +216,12 @@ Kind = Literal["cut", "air", "entry", "rapid"]
 KINDS: Final[tuple[Kind, ...]] = ("rapid", "air", "cut", "entry")
 
 JUDGED: Final = (0.01, 0.5, 0.99)
-"""Shares of a piece at which it is in air if it is at all of them."""
+"""Shares of a piece at which the cutter is probed: if it is in air at all of them, the piece is."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Trace:
-    """One stretch of the course in the plane.
+    """One stretch of the tool path in the plane.
 
     Attributes
     ----------
@@ -233,7 +236,7 @@ class Trace:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class OperationPlot:
-    """The traces of one operation, in order."""
+    """An operation with its traces, in order."""
 
     operation: Operation
     traces: tuple[Trace, ...]
@@ -247,13 +250,13 @@ class OperationPlot:
 def plot_operations(
     toolpath: Toolpath, blank: Sequence[Contour], top: float, fineness: float
 ) -> tuple[OperationPlot, ...]:
-    """The traces of each operation.
+    """The operations of a toolpath with their traces.
 
     Parameters
     ----------
-    blank : contours of the blank, of which a point of it is within an odd number.
-    top : of the blank, Z [mm].
-    fineness : deviation of chords [mm].
+    blank : contours of the blank; points inside an odd number of them are in material.
+    top : Z of the blank's upper face [mm].
+    fineness : largest deviation of chords [mm].
     """
     plots = []
     cleared: list[tuple[Course, float]] = []
@@ -268,7 +271,7 @@ def plot_operations(
 
 
 def _feeds(cutting: Cutting, fineness: float) -> Iterator[Trace]:
-    """Traces of feed moves; neighbours of one kind that join are one."""
+    """Traces of feed moves; adjacent moves of one kind that join are one trace."""
     course = cutting.course
     first = alike(course)
     known: dict[int, Kind] = {}
@@ -277,7 +280,8 @@ def _feeds(cutting: Cutting, fineness: float) -> Iterator[Trace]:
         if course.to_z[piece] < course.from_z[piece]:
             kinds.append("entry")
             continue
-        # In the plane further rounds are drawn over the first one, which cuts if any does.
+        # Further rounds coincide with the first one in the plane; if any of them cuts, the first
+        # one does, so it decides for all.
         same = int(first[piece])
         if same not in known:
             known[same] = _kind(cutting, piece)
@@ -296,7 +300,7 @@ def _kind(cutting: Cutting, piece: int) -> Kind:
 
 
 def _rapids(operation: Operation) -> Iterator[Trace]:
-    """Traverses across; those along Z are no line in the plane."""
+    """Rapid moves in the plane; those along Z alone are no lines there."""
     position = None
     for move in operation.moves:
         if isinstance(move, Stop):

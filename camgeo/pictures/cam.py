@@ -51,7 +51,7 @@ from camgeo.pictures.model import (
 from camgeo.units import MM_PER, TURN
 
 SAGITTA = 1e-4
-"""Chords of the picture, relative to the base radius: far below a printed line."""
+"""Sagitta of chords, relative to the base radius: far below the width of a printed line."""
 
 PITCH_STYLE = Style(AUXILIARY, 1.0, (10.0, 3.0, 2.0, 3.0))
 BASE_STYLE = Style(AUXILIARY, 0.8, (5.0, 4.0))
@@ -63,16 +63,16 @@ PIVOT = Style("black", 0.0, marker="o", face="white")
 RETURN_CROSS = Style(RETURN_STYLE.color, 0.0, marker="+")
 
 ARROW = np.radians(np.linspace(200.0, 320.0, 61))
-"""Directions [rad] of the arrow around the axis."""
+"""Directions [rad] of the points of the arrow around the cam axis."""
 
 KNIFE = 0.1
-"""Size at which a knife edge, which has no size, is drawn, relative to the base radius."""
+"""Radius at which a knife edge is drawn, relative to the base radius; it has none of its own."""
 
 BOTTOM = 0.95
-"""Margin below [inch], with room for the legend."""
+"""Lower margin [inch], with room for the legend."""
 
 BELOW = 0.452
-"""Distance of the legend from the axes [inch], with room for their label and numbers."""
+"""Distance of the legend below the axes [inch], with room for their label and numbers."""
 
 SIZE = (7.0, 7.0)
 
@@ -137,7 +137,7 @@ def figure(product: Product, size: Size = SIZE) -> Figure:
 
 
 def _part(product: Product) -> Part | None:
-    """None if there is no disc."""
+    """The part; None if there is no disc, because of undercut."""
     try:
         return product.drawn.part
     except UndercutError:
@@ -145,14 +145,14 @@ def _part(product: Product) -> Part | None:
 
 
 def _return_disc(second: Product, scale: float) -> tuple[list[Mark], list[ComplexArray]]:
-    """Flank of the return disc, its roller at cam angle 0 with guide or lever; and the lines.
+    """Marks and lines of the return disc: flank, and roller at cam angle 0 with its lever.
 
-    The whole flank is drawn: its own picture shows what is cut off from it.
+    The whole flank is drawn; what is cut off from it is shown in its own picture.
     """
     curves = second.cam.disc
     try:
         flank = curves.inner_curve.point(cam_angles()) * scale
-    except GeometryError:  # the roller centre stands still in the cam, which the findings report
+    except GeometryError:  # the roller centre stands still in the cam, which a finding reports
         flank = np.empty(0, dtype=np.complex128)
     roller = complex(curves.pitch_curve.point(np.zeros(1))[0] * scale)
     rim = roller + second.cam.follower.roller_radius * scale * np.exp(1j * cam_angles())
@@ -167,7 +167,7 @@ def _return_disc(second: Product, scale: float) -> tuple[list[Mark], list[Comple
 def _legend(
     product: Product, part: Part | None, cut_offs: tuple[TrimmedStretch, ...], height: float
 ) -> Legend:
-    """The legend of axes of that `height` [inch]."""
+    """The legend below axes of that `height` [inch]."""
     if part is None:
         edges, marked = Entry("flanks", FLANK), flank_names(product, cut_offs)
     else:
@@ -188,26 +188,26 @@ def _legend(
 
 
 def _height(size: Size, frame: Frame, x: Limits, y: Limits) -> float:
-    """Height [inch] of axes in `frame` whose units are equally long in both directions."""
+    """Height [inch] of axes that shrink within `frame` to have one scale in both directions."""
     left, bottom, right, top = frame
     return min((top - bottom) * size[1], (right - left) * size[0] * (y[1] - y[0]) / (x[1] - x[0]))
 
 
 def _size(product: Product) -> float:
-    """Radius [mm] of the roller, or the size at which a knife edge is drawn."""
+    """Radius [mm] of the roller, or that at which a knife edge is drawn."""
     return product.cam.follower.roller_radius or KNIFE * product.cam.follower.base_radius
 
 
 def _follower(
     product: Product, sketch: FollowerSketch, roller: complex, radius: float, scale: float
 ) -> tuple[list[Mark], complex]:
-    """The roller at cam angle 0 and the line to its pivot, or along its guide; the line's end."""
+    """The roller at cam angle 0 with its arm or guide, and where the line of that ends."""
     end = sketch.end * scale
     along = (end - roller) / abs(end - roller)
     marks: list[Mark] = []
     if sketch.kind == "guide":
         end = roller + 3.5 * radius * along
-        # a short bar on each side represents the guide
+        # A short bar on each side stands for the guide.
         for side in (0.3j, -0.3j):
             bar = (end + (side - 1.5) * radius * along, end + side * radius * along)
             marks.append(Line(plane(bar), GUIDE, layer=3.0))
@@ -219,11 +219,11 @@ def _follower(
 
 
 def _flat(sketch: FollowerSketch, contact: complex, scale: float) -> tuple[list[Mark], complex]:
-    """The flat face at cam angle 0, with the stem along its guide or the lever to its pivot."""
-    assert sketch.face is not None  # of a flat follower
+    """The flat face at cam angle 0 with its stem or lever, and where the line of that ends."""
+    assert sketch.face is not None  # as it is a flat follower
     start, stop = (point * scale for point in sketch.face)
     end = sketch.end * scale
-    # A follower that never moves needs no face length: its stem is at the contact.
+    # A follower that never moves needs no length of face, so its stem is at the contact.
     along = (stop - start) / abs(stop - start) if stop != start else 0j
     foot = start + along * ((end - start) * along.conjugate()).real
     marks: list[Mark] = [
@@ -234,7 +234,7 @@ def _flat(sketch: FollowerSketch, contact: complex, scale: float) -> tuple[list[
 
 
 def _held(sketch: FollowerSketch, contact: complex, end: complex) -> list[Mark]:
-    """Roller centre or contact, and the pivot if there is one."""
+    """Marks of the roller's centre or contact point, and of the pivot if there is one."""
     marks: list[Mark] = [Line(plane([contact]), CROSS, layer=5.0)]
     if sketch.kind == "pivot":
         marks.append(Line(plane([end]), PIVOT, layer=5.0))
@@ -254,7 +254,7 @@ def _limits(outlines: list[ComplexArray]) -> tuple[Limits, Limits]:
 
 
 # -- flanks ---------------------------------------------------------------------------------------
-# The flanks if there is no disc: the full curves, with undercut marked.
+# The flanks where there is no disc: the full curves, with undercut marked.
 
 
 FLANK = Style(LINE, 1.0)
@@ -262,19 +262,21 @@ UNDERCUT = Style(LIMIT, 2.2, (1.5, 0.8))
 CUSP = Style(LIMIT, 0.0, marker="D", size=4.2, edge="white", edge_width=0.6)
 
 OF_UNDERCUT, OF_CUSP = "undercut-", "cusp-"
-"""Prefixes of the names of findings on undercut; the name of the flank follows."""
+"""Prefixes of the names of findings on undercut, which end with the name of the flank."""
 
 RANGE = 721
-"""Points per range of cam angle."""
+"""Number of points in a range of cam angle."""
 
 WINDOW_RATIO = 4.0
-"""How far a window shows a flank on either side of the cut-off part, relative to its cam angle."""
+"""How far an inset shows the flank beyond what is cut off, relative to the cam angle of that."""
 
 
 def whole_flanks(
     product: Product, cut_offs: tuple[TrimmedStretch, ...], scale: float
 ) -> tuple[list[Mark], list[ComplexArray]]:
-    """The flanks in use with their cusps and loops, the reason that there is no disc."""
+    """Marks and lines of the flanks in use, with the cusps and loops because of which there is no
+    disc.
+    """
     lines = []
     for flank in product.cam.contact.flanks:
         for start, end in _remaining_ranges(cut_offs, flank):
@@ -310,7 +312,7 @@ def flanks_near(
 
 
 def flank_names(product: Product, cut_offs: tuple[TrimmedStretch, ...]) -> list[Entry]:
-    """Names for the legend: what is marked."""
+    """Entries of the legend for what is marked on the flanks."""
     marked = cut_off_names("would be cut off") if cut_offs else []
     if not cut_offs and _undercut(product):
         marked.append(Entry("undercut", UNDERCUT))
@@ -320,7 +322,7 @@ def flank_names(product: Product, cut_offs: tuple[TrimmedStretch, ...]) -> list[
 
 
 def note(x: Limits, y: Limits) -> list[ComplexArray]:
-    """Lines around the text in the corner of a picture with these limits."""
+    """Lines around the text in the upper left corner, so that an inset does not cover it."""
     (left, right), (_, high) = x, y
     height = 0.03 * (right - left)
     return [np.array([left, left + 12.0 * height]) + 1j * (high - down) for down in (0.0, height)]
@@ -329,10 +331,11 @@ def note(x: Limits, y: Limits) -> list[ComplexArray]:
 def _remaining_ranges(
     cut_offs: tuple[TrimmedStretch, ...], flank: str
 ) -> list[tuple[float, float]]:
-    """Ranges of cam angle [rad] of a flank that would not be cut off."""
+    """Ranges of cam angle [rad] of a flank that would remain, were there a disc."""
     cut_ranges = sorted((offcut.start, offcut.end) for offcut in cut_offs if offcut.flank == flank)
     if not cut_ranges:
         return [(0.0, TURN)]
+    # What remains lies between the end of a range and the start of the next, once around.
     following = [*(start for start, _ in cut_ranges[1:]), cut_ranges[0][0] + TURN]
     pairs = [(end, start) for (_, end), start in zip(cut_ranges, following, strict=True)]
     return [(start, end) for start, end in pairs if end > start]
@@ -340,6 +343,7 @@ def _remaining_ranges(
 
 def _undercut(product: Product) -> list[tuple[str, float, float]]:
     """Flank and cam angles [rad] of each range that undercuts."""
+    # A range through cam angle 0 ends beyond a full turn.
     return [
         (finding.name.removeprefix(OF_UNDERCUT), start, end if end > start else end + TURN)
         for finding in product.findings
@@ -362,7 +366,7 @@ def _points(product: Product, flank: str, phi: FloatArray) -> ComplexArray:
 
 
 # -- disc ------------------------------------------------------------------------------------------
-# The disc as a body, filled and with its edges: the whole or a window of it.
+# The disc as a body, filled and with its edges: all of it, or the part within an inset.
 
 
 BODY = Fill("#e4e8ec", width=0.0)
@@ -371,16 +375,16 @@ EDGE = Style(LINE, 1.6)
 LETTER = Style(LINE, 0.4)
 
 FINE = 1e-3
-"""Chords of a window, relative to its side."""
+"""Sagitta of chords in an inset, relative to its side."""
 
 
 def whole_disc(
     part: Part, scale: complex, sagitta: float, *, sampled: bool = False
 ) -> tuple[list[Mark], list[ComplexArray]]:
-    """The part and its rings; `scale` units per mm, chords within `sagitta` [mm].
+    """Marks and rings of the part, with `scale` units per mm and chords within `sagitta` [mm].
 
-    A complex scale turns the part. If `sampled`, the chords are within `sagitta` only where flanks
-    were sampled, and are found soonest; else they are those of the fewest arcs, proved.
+    A complex scale rotates the part. If `sampled`, the chords are within `sagitta` only where the
+    flanks were sampled, which is faster; otherwise the flanks are fits with a proved deviation.
     """
     marks: list[Mark] = []
     edges: list[Mark] = []
@@ -396,12 +400,12 @@ def whole_disc(
 
 
 def _style(boundary: Boundary) -> Style:
-    """Of the edge along a boundary: thin along letters, whose strokes are narrow."""
+    """The style of the edge along a boundary: thin for letters, whose strokes are narrow."""
     return LETTER if text_name(boundary.name) else EDGE
 
 
 def disc_behind(part: Part, scale: complex, sagitta: float, *, sampled: bool = False) -> list[Mark]:
-    """The outline of the second disc of a conjugate pair, over the first one; see `whole_disc`."""
+    """The outline of the second disc of a conjugate pair over the first one, see `whole_disc`."""
     return [
         Line(plane(np.append(ring, ring[:1]) * scale), RETURN_STYLE, layer=3.0)
         for ring in _rings((part.outermost,), sagitta, sampled=sampled)
@@ -425,8 +429,10 @@ def disc_near(part: Part, middle: complex, width: float) -> list[Mark]:
 
 
 def _areas(part: Part) -> list[tuple[tuple[Boundary, ...], Fill]]:
-    """Areas of one filling each, as seen from above: the lowest layer of the disc, and upwards what
-    is sunk in it, or stands on it.
+    """The areas to be filled as seen from above, each with its filling.
+
+    The first is the lowest layer of the disc; then follow, upwards, what is sunk into it and what
+    stands on it.
     """
     disc = part.outermost
     seen = list(dropwhile(lambda layer: disc not in layer.boundaries, part.layers))
@@ -454,57 +460,59 @@ def _rings(
 
 
 def _area(rings: list[ComplexArray], fill: Fill) -> Area:
-    """The area between `rings`, one of them the outermost; the others are holes."""
+    """The area between `rings`, of which the largest is the outer one and the others are holes."""
     outer = max(rings, key=_signed_area)
     return Area(tuple(plane(ring if ring is outer else ring[::-1]) for ring in rings), fill)
 
 
 def _signed_area(ring: ComplexArray) -> float:
+    """The area of a polygon by the shoelace formula, positive if it is counter-clockwise."""
     return 0.5 * float(np.sum((ring.conj() * np.roll(ring, -1)).imag))
 
 
 # -- cut off --------------------------------------------------------------------------------------
-# What is cut off from a flank: dashed in its own colour, its corner marked, and enlarged.
+# What is cut off from a flank: dashed in a colour of its own, with its corner marked, and enlarged.
 #
-# A swallowtail is often only a thousandth of the disc wide; then an inset shows the largest one.
+# A swallowtail is often only a thousandth of the disc wide; an inset then shows the largest one.
 
 
 CUT: Final = "#c05a00"
-"""Colour of what is not on the disc: in grey it lies between lines and grid."""
+"""Colour of what is not on the disc; in a grey print it lies between those of lines and grid."""
 
 COURSE: Final = Style(CUT, 1.1, (3.0, 1.6))
 CORNER: Final = Style(CUT, 0.0, marker="D", size=4.2, edge="white", edge_width=0.6)
 
 SMALL: Final = 0.05
-"""What is cut off is enlarged if it is smaller than this fraction of the disc."""
+"""What is cut off is enlarged if it is smaller than this fraction of the disc,"""
 
 TINIEST: Final = 1e-5
-"""But not below this fraction: the edges next to it would need contours finer than any file's."""
+"""but larger than this one: below, the edges next to it would need contours finer than any
+file's."""
 
 MARGIN: Final = 1.9
-"""Side of what the inset shows, as a multiple of what is cut off."""
+"""Side of the square that the inset shows, as a multiple of what is cut off."""
 
 SIDES: Final = (0.34, 0.28, 0.22)
 """Sides tried for the inset, as fractions of the picture's smaller side."""
 
 WORTH: Final = 3.0
-"""An inset may lie this much farther away if it is larger by 1."""
+"""Distance by which an inset may lie farther away for each unit by which its side is longer."""
 
 RIM: Final = 0.07
 TITLE: Final = 0.16
 """Space kept free around and above the inset, as fractions of its side."""
 
 PLACES: Final = 13
-"""Positions tried for the inset, along each side."""
+"""Number of positions tried for the inset in each direction."""
 
 Limits = tuple[float, float]
 
 Window = Callable[[complex, float], list[Mark]]
-"""Draws what lies around a point [mm], within a square of the given side [mm]."""
+"""Function that draws what lies around a point [mm], in a square of the given side [mm]."""
 
 
 def cut_off_marks(cut_offs: Sequence[TrimmedStretch], scale: float) -> list[Mark]:
-    """What is cut off, and its corners; `scale` units in 1 mm."""
+    """Marks of what is cut off, and of its corners, with `scale` units per mm."""
     corners = np.array([offcut.corner for offcut in cut_offs]) * scale
     return [
         *(Line(plane(offcut.course * scale), COURSE, layer=2.5) for offcut in cut_offs),
@@ -513,7 +521,7 @@ def cut_off_marks(cut_offs: Sequence[TrimmedStretch], scale: float) -> list[Mark
 
 
 def cut_off_names(label: str) -> list[Entry]:
-    """Names for the legend; `label` describes the dashed line."""
+    """Entries of the legend; `label` names the dashed line."""
     return [Entry(label, COURSE), Entry("corner", CORNER)]
 
 
@@ -562,7 +570,9 @@ def enlarged(
 
 
 def clipped(ring: ComplexArray, middle: complex, width: float) -> ComplexArray:
-    """The closed `ring` clipped to the square of side `width` around `middle`."""
+    """The closed `ring` clipped to the square of side `width` around `middle`, side by side
+    (Sutherland and Hodgman).
+    """
     for outward in (1.0, 1j, -1.0, -1j):
         if not len(ring):
             break
@@ -572,13 +582,15 @@ def clipped(ring: ComplexArray, middle: complex, width: float) -> ComplexArray:
         crosses = inside != (following <= 0.0)
         share = np.divide(beyond, beyond - following, out=np.zeros_like(beyond), where=crosses)
         border_points = ring + share * (np.roll(ring, -1) - ring)
+        # Each vertex that is inside is kept, and after it the crossing of its edge, if there is
+        # one.
         pairs = np.column_stack((ring, border_points)).ravel()
         ring = pairs[np.column_stack((inside, crosses)).ravel()]
     return ring
 
 
 def line_near(line: ComplexArray, middle: complex, width: float) -> ComplexArray:
-    """The open `line`, NaN where it is outside a square three times as wide."""
+    """The open `line`, with NaN where it is outside a square three times as wide as `width`."""
     away = line - middle
     inside: BoolArray = np.maximum(np.abs(away.real), np.abs(away.imag)) < 1.5 * width
     return np.where(inside, line, complex(np.nan, np.nan))
@@ -600,9 +612,10 @@ def _middle(part: TrimmedStretch) -> complex:
 def _room(
     x_limits: Limits, y_limits: Limits, outlines: list[ComplexArray], target: complex
 ) -> tuple[tuple[float, float], float, Limits]:
-    """Lower left corner and side of a square that covers nothing, and the limits of x.
+    """Lower left corner and side of a free square for the inset, and the limits of x.
 
-    Room is made if necessary.
+    The picture is made wider if nothing is free. `target` is what the inset enlarges, near which it
+    should be.
     """
     (left, right), (low, high) = x_limits, y_limits
     smaller = min(right - left, high - low)

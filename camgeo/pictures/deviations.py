@@ -1,4 +1,4 @@
-"""What a cam does beside what it should, by cam angle: replayed, measured, or with tolerances."""
+"""Deviations over the cam angle: in a replay, of a measured disc, or by tolerances."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ from camgeo.units import counted
 REPLAY_SIZE: Final = (7.0, 7.8)
 
 REPLAY_BOTTOM: Final = 0.8
-"""Margin [inch] with room for the legend."""
+"""Lower margin [inch], with room for the legend."""
 
 ACTUAL: Final = Style(LINE, 1.1)
 DEMANDED: Final = Style(AUXILIARY, 1.4, (5.0, 3.0))
@@ -54,7 +54,7 @@ LOST: Final = Fill(LIMIT, LIMIT, 0.0, opacity=0.35)
 SHOCK: Final = Style(LIMIT, 0.0, marker="^", size=3.5)
 
 FOOT: Final = 0.03
-"""Where shocks are marked, as a fraction of the panel's height."""
+"""Height at which shocks are marked, as a fraction of the panel's height."""
 
 MOST: Final = 3.0
 """The acceleration is drawn up to this multiple of its prescribed peak: a corner's spike beyond it
@@ -67,11 +67,11 @@ SHARE: Final = 0.05
 def replay_figure(
     replay: Replay, *, title: str, unit: str, scale: float, joints: tuple[float, ...]
 ) -> Figure:
-    """The lift and two derivatives, prescribed and actual.
+    """The lift and two derivatives, demanded and actual, one panel each.
 
     Parameters
     ----------
-    unit, scale : of the drawn lift, and units per mm or rad.
+    unit, scale : unit of the drawn lift, and how many of it make 1 mm or 1 rad.
     joints : cam angles [rad] to mark.
     """
     unit = "°" if unit == "deg" else unit
@@ -103,7 +103,7 @@ def replay_figure(
 def _replay_panel(
     replay: Replay, order: int, scale: float, unit: str
 ) -> tuple[tuple[float, float], list[Mark]]:
-    """Limits and marks of the derivative of that order."""
+    """Limits of the vertical axis, and marks, for the derivative of that order."""
     phi = np.degrees(replay.phi)
     seen = replay.smooth if order == 2 else np.ones(len(phi), dtype=bool)
     demanded, actual = replay.demanded[order] * scale, replay.actual[order] * scale
@@ -135,6 +135,7 @@ def _replay_panel(
 
 
 def _lost(replay: Replay, phi: FloatArray, demanded: FloatArray, actual: FloatArray) -> list[Mark]:
+    """The area of lost stroke, if it is large enough to be visible."""
     span = float(np.ptp(demanded))
     if not (span > 0.0 and float(np.max(np.abs(actual - demanded))) > SHARE * span):
         return []
@@ -152,10 +153,10 @@ def _note(text: str) -> Text:
 
 FLANK_SIZE: Final = (7.0, 5.6)
 FLANK_ALONE: Final = (7.0, 3.4)
-"""Without lift errors."""
+"""Size without the panel of lift errors."""
 
 FLANK_LEFT: Final = 0.95
-"""Margin [inch] with room for small numbers."""
+"""Left margin [inch], with room for numbers with many digits."""
 
 MEASURED: Final = Style(LINE, 0.9, marker="o", size=2.0)
 ERROR: Final = Style(AUXILIARY, 1.2)
@@ -164,7 +165,7 @@ GAP: Final = 10.0
 """Range of cam angle [degrees] without points over which no line is drawn."""
 
 Scale = tuple[str, float]
-"""A unit, and how many of it make a mm or a rad."""
+"""A unit, and how many of it make 1 mm or 1 rad."""
 
 
 def inspection_figure(
@@ -177,7 +178,7 @@ def inspection_figure(
     tolerance: float | None,
     joints: tuple[float, ...],
 ) -> Figure:
-    """Deviations, positive for more material, with the zone that is allowed, and lift errors.
+    """Deviations, positive for too much material, with the allowed zone, and lift errors.
 
     Parameters
     ----------
@@ -189,6 +190,7 @@ def inspection_figure(
     values = deviations.values[order] * scale
     rules = [] if tolerance is None else [0.5 * tolerance * scale, -0.5 * tolerance * scale]
     phi = np.degrees(deviations.places.phi[order])
+    # A NaN is a gap in a line: no straight line is drawn over a range without points.
     wide = np.flatnonzero(np.diff(phi) > GAP) + 1
     points = over(np.insert(phi, wide, np.nan), np.insert(values, wide, np.nan))
     marks: list[Mark] = [
@@ -232,7 +234,7 @@ def _axis(values: FloatArray, rules: list[float], label: str) -> Axis:
 TOLERANCE_SIZE: Final = (8.6, 6.4)
 
 TOLERANCE_RIGHT: Final = 2.2
-"""Margin [inch] with room for the names of the sources."""
+"""Right margin [inch], with room for the names of the sources."""
 
 SIGMA_BAND: Final = Fill(LINE, LINE, 0.0, opacity=0.2)
 MEAN: Final = Style(LINE, 1.2)
@@ -241,21 +243,21 @@ EDGE: Final = Style(AUXILIARY, 1.0, (1.0, 1.5))
 FACES: Final = (
     "#12365c", "#e0a458", "#5b8e7d", "#b3541e", "#8cb4d6", "#7a5195", "#c9c27a", "#a0a0a0",
 )  # fmt: skip
-"""Of the sources, in turn; neighbours differ in lightness."""
+"""Colours of the sources, in turn; neighbours differ in lightness."""
 
 HATCHED: Final = len(FACES)
-"""Sources from this one on are hatched."""
+"""Number of the first source that is hatched, as colours repeat from there."""
 
 
 def tolerance_figure(
     linear: Linear, sampled: Sampled | None, name: str, *, unit: str, factor: float
 ) -> Figure:
-    """Mean error with three standard deviations, and below the share of each source.
+    """The mean error with three standard deviations, and below it the share of each source.
 
     Parameters
     ----------
-    sampled : random machines, of which quantiles are drawn, if there are any.
-    unit, factor : of the drawn errors, and units per mm or rad.
+    sampled : random machines, whose quantiles are drawn; None if there are none.
+    unit, factor : unit of the drawn errors, and how many of it make 1 mm or 1 rad.
     """
     upper, lower = grid(TOLERANCE_SIZE, (LEFT, TOLERANCE_RIGHT, *MARGINS[2:]), 2, gaps=(0.12, 0.0))
     joints = linear.stated.machine.cam.drive.joints
@@ -275,11 +277,12 @@ def tolerance_figure(
 
 
 def _right_legend(marks: list[Mark]) -> Legend:
+    """The legend of marks, on the right of their panel."""
     return Legend(entries(marks), "upper left", (1.02, 1.0), size=7.5, gap=0.0)
 
 
 def _round(values: FloatArray) -> FloatArray:
-    """Closed over the turn."""
+    """The values with the first one repeated at the end, so that curves close at 360 degrees."""
     return np.append(values, values[0])
 
 
@@ -309,7 +312,7 @@ def _errors(
 
 
 def _shares(linear: Linear) -> list[Mark]:
-    """A stack of areas, the first source at the bottom."""
+    """The shares of the variance as stacked areas, the first source at the bottom."""
     phi = np.append(np.degrees(linear.angles), 360.0)
     total = np.sum(linear.variances, axis=0)
     parts = np.divide(

@@ -1,4 +1,4 @@
-"""The effects in the scene over the cam angle, with their limits."""
+"""The effects that a scene names over the cam angle, with their limits, and shock spectra."""
 
 from __future__ import annotations
 
@@ -57,22 +57,23 @@ PANEL: Final = 1.7
 """Height of a panel [inch]."""
 
 ROWS: Final = 7
-"""Most panels one above the other, as many as a screen shows; more stand in further columns."""
+"""Largest number of panels one above the other, as many as a screen shows; others are in further
+columns."""
 
 NARROW, COLUMN_GAP = 4.2, 1.0
-"""Width of a panel of several columns, and the gap between two, with room for numbers [inch]."""
+"""Width of a panel if there are several columns, and the gap between columns [inch]."""
 
 GAP: Final = 0.2
-"""Gap between two panels [inch], with room for the power of ten of the lower one."""
+"""Gap between panels one above the other [inch], with room for a power of ten."""
 
 NAME_PLACE: Final = 0.6
-"""Distance [inch] of the titles from the vertical axes, to the left."""
+"""Distance of the names of the vertical axes to the left of these [inch]."""
 
 PLAIN: Final = (-3, 5)
-"""Powers of ten between which numbers are written in full; longer ones would overlap the title."""
+"""Powers of ten between which numbers are written in full; longer ones would overlap the name."""
 
 ABREAST: Final = (3, 2)
-"""Largest number of curve names in a row, of one column of panels and of several."""
+"""Largest number of curve names in a row: with one column of panels, and with several."""
 
 HEADROOM: Final = 0.17
 """Space above the curves for each row of names, as a fraction of their range."""
@@ -83,14 +84,14 @@ CURVES: Final = (
     Style("#3f8f6b", dashes=(4.0, 1.5, 1.0, 1.5)),
     Style("#7a7a7a", dashes=(1.0, 1.0)),
 )
-"""Styles of the curves of a panel; a panel has no more curves than styles."""
+"""Styles of the curves of a panel, which has no more curves than there are styles."""
 
 
 def figure(product: Product, size: Size | None = None) -> Figure:
-    """The columns of all effects, adjacent ones of equal unit in one panel, read downwards.
+    """The columns of all effects; adjacent ones of equal unit share a panel, ordered downwards.
 
-    The curves jump where the effects do: both sides of the joints of the motion and of the breaks
-    of the effects are drawn.
+    Curves jump where the effects do: both sides of joints of the motion and of breaks of the
+    effects are drawn.
     """
     groups = panels(product.columns())
     count = max(1, len(groups))
@@ -102,6 +103,7 @@ def figure(product: Product, size: Size | None = None) -> Figure:
         size = width, TOP + rows * PANEL + (rows - 1) * GAP + BOTTOM
     panel = (size[0] - LEFT - RIGHT - (columns - 1) * COLUMN_GAP) / columns
     grid_frames = grid(size, MARGINS, rows, columns, (GAP / PANEL, COLUMN_GAP / panel))
+    # Frames are in order of rows, while panels are read downwards.
     frames = [
         grid_frames[row * columns + column] for column in range(columns) for row in range(rows)
     ]
@@ -113,6 +115,7 @@ def figure(product: Product, size: Size | None = None) -> Figure:
         return Figure(size, (Panel(frames[0], whole, whole, (text,), title, bare=True),))
     places = np.array([joint.cam_angle for joint in breaks(product.cam.drive.plan)])
     abreast = ABREAST[min(columns, 2) - 1]
+    # The lowest panel of each column has the numbers of the cam angle.
     ends = {*range(rows - 1, count, rows), count - 1}
     effect_panels = tuple(
         _panel(product, frame, group, places, last=number in ends, abreast=abreast)
@@ -177,7 +180,7 @@ def _panel(
 
 
 def display_unit(unit: str, length: LengthUnit) -> tuple[str, float]:
-    """The display unit for a column's `unit`, and the factor from `unit` to it."""
+    """The unit in which a column with `unit` is shown, and the factor to it."""
     unit, divisor = unit_and_divisor(unit, length)
     for power, raised in (("^2", "²"), ("^3", "³")):
         unit = unit.replace(power, raised)
@@ -205,47 +208,48 @@ def sampled(column: Column, places: FloatArray) -> tuple[FloatArray, FloatArray]
 
 
 # -- shock spectrum -------------------------------------------------------------------------------
-# The shock spectra of the moves: what is deflected at most, and what remains, over the ratio.
+# The shock spectra of the moves: largest and residual deflection over the ratio of the move's
+# duration to the natural period.
 #
-# Both axes are logarithmic. Moves with the same spectrum share their curves. Where the scene names
-# the vibration of a train, its lowest natural frequency is marked for each move.
+# Both axes are logarithmic. Moves with the same spectrum share their curves. If the scene names the
+# vibration of a train, its lowest natural frequency is marked for each move.
 
 
 SIZE: Final = (7.0, 4.6)
 
 VIBRATION: Final = "vibration"
 FREQUENCY: Final = "natural-frequency"
-"""Names of an effect, and of its findings that state frequencies [Hz]."""
+"""Names of the effect, and of its findings that state natural frequencies [Hz]."""
 
 COLOURS: Final = (LINE, "#c27c0e", "#3f8f6b", "#8c5aa8", "#7a7a7a", "#2f7fc1")
 
 DASHES: Final = (4.0, 1.5)
-"""Of the largest deflection."""
+"""Dashes of the curve of the largest deflection."""
 
 LEAST: Final = 0.1
-"""Lowest ratio drawn: below, the train is left behind by the whole stroke."""
+"""Lowest ratio drawn: below, the train lags behind by the whole stroke."""
 
 POINTS: Final = 241
-"""Ratios in a decade."""
+"""Number of ratios in a decade."""
 
 FLOOR, CEILING = 1e-3, 300.0
-"""Amplitudes shown [% of the stroke]; a move with a kick deflects a train by up to twice the
-stroke."""
+"""Range of the amplitudes shown [% of the stroke]; a move with a kick deflects a train by up to
+twice the stroke."""
 
 SAME: Final = 1e-7
-"""Spectra [% of the stroke] this close are those of the same law."""
+"""Spectra that differ by less than this [% of the stroke] are those of the same law."""
 
 DIGITS: Final = 9
-"""Decimals to which ratios of durations are told apart."""
+"""Decimals to which ratios are compared."""
 
 DOTTED: Final = (1.0, 1.5)
 
 BEYOND: Final = 1.25
-"""The axis reaches so much farther than a natural frequency."""
+"""Factor by which the axis reaches beyond the highest natural frequency marked."""
 
 
 class Moved(Protocol):
-    """A move, see `camgeo.dynamics.effects.shock_spectrum.RestToRest`."""
+    """A move from rest to rest, see `camgeo.dynamics.effects.shock_spectrum.RestToRest`."""
 
     @property
     def start(self) -> float: ...
@@ -266,11 +270,11 @@ class Spectrum(Protocol):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Curves:
-    """The spectra of moves that have the same one.
+    """The curves of moves that have the same spectrum.
 
     Attributes
     ----------
-    spectra : of these moves.
+    spectra : the spectra of these moves.
     remains, largest : (n,) residual and largest deflection [% of the stroke].
     """
 
@@ -285,7 +289,7 @@ class Curves:
 
 
 def lowest_frequency(effects: Effects) -> float | None:
-    """Lowest natural frequency [Hz] of the train that the scene names; None if none is known."""
+    """Lowest natural frequency [Hz] of the scene's train; None if it is not known."""
     if VIBRATION not in effects.names:
         return None
     try:
@@ -308,8 +312,8 @@ def spectrum_figure(
     Parameters
     ----------
     name : of the design.
-    highest_ratio : upper end of the spectra, at least.
-    frequency : of the train [Hz], marked for each move; None for none.
+    highest_ratio : least upper end of the horizontal axis.
+    frequency : natural frequency of the train [Hz], marked for each move; None without a train.
     """
     frame = grid(size, MARGINS)[0]
     title = f"{name}: shock spectra of the moves"
@@ -343,7 +347,7 @@ def spectrum_figure(
 
 
 def grouped(spectra: Sequence[Spectrum], ratios: FloatArray) -> list[Curves]:
-    """The curves at `ratios` (n,), those of equal moves together."""
+    """The curves at `ratios` (n,), with moves of the same spectrum together."""
     groups: list[Curves] = []
     for spectrum in spectra:
         remains = 100.0 * spectrum.residual(ratios)
@@ -359,7 +363,7 @@ def grouped(spectra: Sequence[Spectrum], ratios: FloatArray) -> list[Curves]:
 def _frequency_marks(
     spectra: Sequence[Spectrum], frequency: float, colour: str
 ) -> Iterator[Line | Rule]:
-    """Where the train with that natural `frequency` [Hz] is, a line for each duration."""
+    """Marks at the natural `frequency` [Hz] of the train, a line for each duration of a move."""
     durations: dict[float, Spectrum] = {}
     for spectrum in spectra:
         durations.setdefault(round(spectrum.move.duration * frequency, DIGITS), spectrum)
@@ -375,6 +379,6 @@ def _frequency_marks(
 
 
 def _range(spectrum: Spectrum) -> str:
-    """The cam angles of a move."""
+    """The range of cam angles of a move, in words."""
     start = math.degrees(spectrum.move.start)
     return f"{start:.4g} to {start + math.degrees(spectrum.move.span):.4g}°"

@@ -1,7 +1,7 @@
 """Motion laws side by side: f', f'', f''' and f' f'', one row per law (VDI 2143-1, Tafeln 2 to 4).
 
-One row per law and one scale per column: eleven curves in one panel could not be distinguished in
-grey, and heights can be compared along a column.
+There is one row per law and one scale per column: eleven curves in one panel could not be told
+apart in grey, and heights can be compared along a column.
 """
 
 from __future__ import annotations
@@ -40,15 +40,15 @@ from camgeo.pictures.model import (
 from camgeo.units import counted
 
 SAMPLES: Final = 129
-"""Points of a region of a law: finer than a printed line over the quarter of a panel it fills."""
+"""Number of points of a region of a law, finer than a printed line."""
 
 OUTSIDE: Final = 0.07
-"""Length in z over which the rest or constant velocity that a law joins is drawn."""
+"""Length in z over which the rest or constant velocity before and after a law is drawn."""
 
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """A column of the picture: a quantity, its heading, and the characteristic values in it."""
+    """A column of the picture: heading and symbol of a quantity, and its characteristic values."""
 
     heading: str
     symbol: str
@@ -64,13 +64,13 @@ COLUMNS: Final = (
 
 WIDTH, ROW = 10.5, 1.3
 LEFT, RIGHT, TOP, BOTTOM = 1.75, 0.15, 0.75, 0.95
-"""Sizes [inch]."""
+"""Width of the figure, height of a row, and margins [inch]."""
 
 GAP: Final = 0.26
-"""Gap between columns, as a fraction of a column: room for the numbers of the next one."""
+"""Gap between columns, as a fraction of a column, with room for the numbers of the next one."""
 
 HEADROOM: Final = 0.3
-"""Space above and below the curves of a column, as a fraction of their range, for the values."""
+"""Space for values above and below the curves of a column, as a fraction of their range."""
 
 NAME_PLACE: Final = 72.0 * (LEFT - 0.12)
 """Distance of the laws' names from the first column [points]."""
@@ -84,7 +84,7 @@ UNBOUNDED: Final = Style(LIMIT, 0.0, marker="^", size=5.0)
 
 
 def figure(compared: Sequence[Compared]) -> Figure:
-    """The comparison, one row per law; families that cannot do the task are listed below."""
+    """The comparison, with one row per law; families that cannot do the task are listed below."""
     possible = [(entry, entry.law) for entry in compared if entry.law is not None]
     impossible = [entry for entry in compared if entry.law is None]
     rows = max(1, len(possible))
@@ -120,7 +120,7 @@ def _scale(column: Column, parts: Sequence[list[Mark]]) -> Axis:
 
 
 def _share(*, numbered: bool) -> Axis:
-    """The axis of z."""
+    """The horizontal axis, of z."""
     return Axis(
         (-OUTSIDE, 1.0 + OUTSIDE),
         "z [1]" if numbered else "",
@@ -141,7 +141,7 @@ def _marks(entry: Compared, law: Law) -> list[list[Mark]]:
     pieces = [_piece(law, index) for index in range(len(law.regions))]
     z = np.concatenate([piece[0] for piece in pieces])
     curves = [np.concatenate([piece[1][order] for piece in pieces]) for order in range(4)]
-    # The rest or constant velocity that the law joins, where the task states it.
+    # The rest or constant velocity before and after the law, where the task states it.
     left, right = (_neighbour(law, at_end=at_end) for at_end in (False, True))
     borders = [place for place in (0.0, *law.borders, 1.0) if place != law.inflection]
     rules = [Rule("x", place, BORDER) for place in borders]
@@ -167,7 +167,7 @@ def _marks(entry: Compared, law: Law) -> list[list[Mark]]:
 
 
 def _piece(law: Law, index: int) -> tuple[FloatArray, tuple[FloatArray, ...]]:
-    """z and f', f'', f''', f' f'' of a region, one-sided at both ends: jumps stay jumps."""
+    """z and f', f'', f''', f' f'' of a region, one-sided at its ends, so that jumps are drawn."""
     region = law.regions[index]
     z = np.unique(np.append(np.linspace(region.start, region.end, SAMPLES), region.places))
     _, f1, f2, f3 = region.values(z)
@@ -175,7 +175,7 @@ def _piece(law: Law, index: int) -> tuple[FloatArray, tuple[FloatArray, ...]]:
 
 
 def _neighbour(law: Law, *, at_end: bool) -> tuple[float, ...] | None:
-    """f', f'', f''', f' f'' of what the task joins to the law there; None if unknown."""
+    """f', f'', f''', f' f'' before or after the law; None if the task leaves them open."""
     kind = task_ends(law.task)[at_end]
     end = law.end if at_end else law.start
     return {"R": (0.0, 0.0, 0.0, 0.0), "G": (end.velocity, 0.0, 0.0, 0.0)}.get(kind)
@@ -197,7 +197,7 @@ def _value(entry: Compared, quantity: str, name: str) -> list[Mark]:
 
 
 def _unbounded(entry: Compared, heading: str) -> list[Mark]:
-    """A triangle on the zero line where a shock or jerk makes the quantity infinite."""
+    """A triangle on the zero line wherever a shock or jerk makes the quantity infinite."""
     places = sorted({*entry.shocks, *(entry.jerks if heading == "jerk" else ())})
     points = over(places, np.zeros(len(places)))
     return [Line(points, UNBOUNDED, layer=4.0, clipped=False)] if places else []
@@ -208,7 +208,7 @@ def _name(entry: Compared, law: Law) -> str:
     symbols = {"inflection": "λ", "curved": "c", "sine": "b", "cosine": "d"}
     parameters = [f"{symbols.get(key, key)} = {value:.4g}" for key, value in law.parameters.items()]
     lines = [entry.name]
-    wide = 1 if len(parameters) < 4 else 2
+    wide = 1 if len(parameters) < 4 else 2  # two in a line if there are many
     lines += [
         ", ".join(parameters[first : first + wide]) for first in range(0, len(parameters), wide)
     ]

@@ -43,7 +43,7 @@ from camgeo.record import Brief
 from camgeo.units import MM_PER, TURN, LengthUnit
 
 SAGITTA = 1e-4
-"""Chords of the picture, relative to the base radius: far below a printed line."""
+"""Sagitta of chords, relative to the base radius: far below the width of a printed line."""
 
 COARSE = 1e-2
 """Tolerance of the outline that sets the picture's extent, relative to the base radius."""
@@ -57,22 +57,22 @@ JOINT = 0.012
 """Radius of a joint, as a fraction of the square root of the picture's area."""
 
 HATCHES = 5
-"""Number of strokes that mark a fixed body, at least."""
+"""Least number of strokes that mark a fixed body."""
 
 STROKE = 1.6
-"""Distance of those strokes along a guide, in joints."""
+"""Distance of those strokes along a guide, in radii of a joint."""
 
 PAST = 4.0
-"""How far a guide reaches beyond what moves in it, in joints."""
+"""How far a guide reaches beyond what moves in it, in radii of a joint."""
 
 MEASURE = Style(AUXILIARY, 0.9, (6.0, 2.0))
-"""A length that no body shows."""
+"""Style of a length along which there is no link."""
 
 NUMBER = 7.0
 """Size of the numbers of lengths [points]."""
 
 NUMBER_GAP = 0.22
-"""Least distance [inch] of these numbers."""
+"""Least distance between these numbers [inch]."""
 
 SHARES = (0.5, 0.35, 0.65, 0.25, 0.75, 0.42, 0.58)
 """Where on a length its number may stand, the best place first."""
@@ -81,7 +81,7 @@ SHORT = 0.5
 """A length shorter than this [inch] has its number beyond its end."""
 
 BEYOND = 0.14
-"""How far beyond [inch]."""
+"""How far beyond its end [inch]."""
 
 LISTED, PER_ROW = 0.22, 3
 """Height of a row of the list of lengths [inch], and how many stand in a row."""
@@ -103,7 +103,7 @@ EDGE = 0.15
 
 
 def figure(product: Product, size: Size | None = None) -> Figure:
-    """The mechanism twice, both to the same scale; the panes as high as their contents."""
+    """The mechanism in two positions at the same scale; the panes are as high as their contents."""
     parts = disc_parts(product)
     sketches = [
         (phi, product.pictured.mechanism_sketch(phi)) for phi in (0.0, product.cam.drive.far_angle)
@@ -145,7 +145,9 @@ def figure(product: Product, size: Size | None = None) -> Figure:
 
 
 def window(reach: float, sketches: Sequence[MechanismSketch[Place]]) -> tuple[complex, complex]:
-    """Lower left and upper right corner [mm] of what both panes show, at least `reach` around."""
+    """Lower left and upper right corner [mm] of what both panes show: at least the circle with the
+    radius `reach` about the cam axis.
+    """
     points = [sketch.points for sketch in sketches]
     corners = np.concatenate([*points, reach * np.array([1, 1j, -1, -1j])])
     low = complex(corners.real.min(), corners.imag.min())
@@ -155,7 +157,7 @@ def window(reach: float, sketches: Sequence[MechanismSketch[Place]]) -> tuple[co
 
 
 def _reach(product: Product, parts: tuple[Part, ...]) -> float:
-    """How far discs and base circle reach [mm]."""
+    """Largest distance of discs and base circle from the cam axis [mm]."""
     reach = product.cam.follower.base_radius
     coarse = COARSE * reach
     radii = [largest_radius(part.outermost.arcs(coarse).contour) for part in parts]
@@ -163,7 +165,7 @@ def _reach(product: Product, parts: tuple[Part, ...]) -> float:
 
 
 def disc_parts(product: Product) -> tuple[Part, ...]:
-    """The disc and, of a pair, the return disc; none if one or its bore is impossible."""
+    """The disc, and the return disc of a pair; none if a disc or its bore is impossible."""
     try:
         return tuple(disc.drawn.part for disc in product.discs)
     except CamgeoError:
@@ -187,7 +189,9 @@ def _bodies(sketch: MechanismSketch[complex], joint: float) -> list[Mark]:
 def _measures(
     dimensions: Sequence[Dimension[complex]], sketch: MechanismSketch[complex], scale: float
 ) -> list[Mark]:
-    """Each length with its number, at `scale` inches per mm; a dashed line where no link is."""
+    """The lengths with their numbers, at `scale` inches per mm; dashed lines where there is no
+    link.
+    """
     links = {frozenset(link) for link in sketch.links}
     marks: list[Mark] = []
     occupied: list[complex] = []
@@ -204,6 +208,7 @@ def _measures(
         def room(place: complex) -> float:
             return min((abs(place - other) for other in occupied), default=math.inf) * scale
 
+        # The first place far enough from all numbers so far, or else the one farthest from them.
         position = next(
             (place for place in places if room(place) >= NUMBER_GAP), max(places, key=room)
         )
@@ -248,7 +253,7 @@ def _guide(guide: Guide[complex], joint: float) -> list[Mark]:
         marks.append(Area((plane(block),), BODY, layer=5.0, closed=False))
     else:
         across *= 0.5
-    # The whole way of a slider, so that the guide is the same wherever the slider is.
+    # The guide covers the whole travel of its slider, so that it is the same in all positions.
     way = [((point - guide.middle) * guide.direction.conjugate()).real for point in guide.travel]
     first, last = (min([0.0, *way]) - PAST * joint, max([0.0, *way]) + PAST * joint)
     count = max(HATCHES, round((last - first) / (STROKE * joint)))
@@ -278,18 +283,18 @@ def _stroke(start: complex, end: complex) -> Mark:
 
 
 # -- animation ------------------------------------------------------------------------------------
-# A turn of the mechanism as data: the discs, which turn, and the bodies in a number of positions.
+# A revolution of the mechanism as data: the discs, which turn, and all bodies in many positions.
 #
 # Everything is in the fixed frame with its origin in the cam axis, in mm; the discs at cam angle 0.
 
 
 POSITIONS: Final = 240
-"""Of a turn, one and a half degrees apart: between two of them bodies move in straight lines, which
-differ from their arcs by less than a line is wide."""
+"""Number of positions in a revolution, 1.5 degrees apart. Between two of them bodies move along
+straight lines, which differ from their arcs by less than the width of a line."""
 
 CHORDS: Final = 1.5e-4
-"""Distance of the discs' chords from the flanks where these were sampled, at each end and half way
-of a chord, relative to the base radius: the picture is at least two of them wide."""
+"""Distance of the discs' chords from the flanks where these are sampled, at the ends and in the
+middle of a chord, relative to the base radius. The picture is at least two base radii wide."""
 
 PITCH: Final = Style(AUXILIARY, 0.8, (10.0, 3.0, 2.0, 3.0))
 BASE: Final = Fill(edge=AUXILIARY, width=0.6, dashes=(5.0, 4.0))
@@ -297,7 +302,7 @@ BASE: Final = Fill(edge=AUXILIARY, width=0.6, dashes=(5.0, 4.0))
 
 @dataclass(frozen=True, slots=True)
 class Way:
-    """A guide: where it begins and ends [mm], and whether a slider runs on it."""
+    """A guide: where it begins and ends [mm], and whether a slider (block) runs on it."""
 
     start: complex
     end: complex
@@ -306,7 +311,7 @@ class Way:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Animation(Brief):
-    """A turn of the mechanism.
+    """A revolution of the mechanism.
 
     Attributes
     ----------
@@ -314,12 +319,12 @@ class Animation(Brief):
     rotation : +1 if the cam turns counter-clockwise, -1 clockwise.
     turning : marks that turn with the cam, at cam angle 0 [mm].
     note : why there is no disc; empty if there is one.
-    links : how many points each link has.
-    rollers : their radii [mm].
-    faces : how many there are.
-    joints : how many there are, without the fixed ones.
+    links : number of points of each link.
+    rollers : radii of the rollers [mm].
+    faces : number of flat faces.
+    joints : number of joints that move.
     shafts : places of the fixed joints [mm].
-    guides : which do not move.
+    guides : the guides, which do not move.
     places : (POSITIONS, n, 2) [mm], at equal steps of the cam angle from 0: the points of the
         links, both ends of each face, the centres of rollers, joints, and sliders on guides.
     lifts : (POSITIONS,) of the follower, in `lift_unit`.
@@ -342,16 +347,16 @@ class Animation(Brief):
     lift_unit: str
 
     def to_data(self) -> dict[str, Any]:
-        """As `Figure.to_data`; a place is a list of two numbers."""
+        """The data as of `Figure.to_data`; a place is a list of two numbers."""
         data: dict[str, Any] = figure_data(self)
         return data
 
 
 def animation(product: Product, *, moving: bool = False) -> Animation:
-    """A turn of the mechanism of `product`, with all discs of a conjugate pair.
+    """A revolution of the mechanism of `product`, with all discs of a conjugate pair.
 
-    If it is `moving`, as in a drag, discs whose flanks have no cusp are shown before they are
-    judged: flanks that cross are whole then. Everything else is the same either way.
+    While something is being dragged (`moving`), discs whose flanks have no cusp are shown before
+    flanks that cross themselves are trimmed. Everything else is the same either way.
 
     Raises
     ------
@@ -388,7 +393,7 @@ def animation(product: Product, *, moving: bool = False) -> Animation:
 
 
 def _turning(product: Product, *, moving: bool) -> tuple[tuple[Mark, ...], float, str]:
-    """What turns with the cam, how far it reaches [mm], why there is no disc."""
+    """The marks that turn with the cam, how far they reach [mm], and why there is no disc."""
     cam = product.cam
     base = cam.follower.base_radius
     note = ""
@@ -408,16 +413,16 @@ def _turning(product: Product, *, moving: bool) -> tuple[tuple[Mark, ...], float
 
 
 def _discs(product: Product, *, moving: bool) -> list[Mark]:
-    """The discs; none if there are none.
+    """The discs; none if they are impossible.
 
-    Chords are sampled and not proved: an animation follows a drag.
+    Chords are sampled and not proved, as an animation has to follow a drag.
     """
     sagitta = CHORDS * product.cam.follower.base_radius
     if moving:
         try:
             parts = tuple(disc.drawn.untrimmed for disc in product.discs)
             return _disc_bodies(parts, 1.0, sagitta, sampled=True)
-        except CamgeoError:  # undercut, for one: what is left of the disc takes longer
+        except CamgeoError:  # such as undercut: then the trimmed disc is needed, which takes longer
             pass
     return _disc_bodies(disc_parts(product), 1.0, sagitta, sampled=True)
 
@@ -425,7 +430,7 @@ def _discs(product: Product, *, moving: bool) -> list[Mark]:
 def _disc_bodies(
     parts: tuple[Part, ...], turn: complex, sagitta: float, *, sampled: bool = False
 ) -> list[Mark]:
-    """The main disc and those behind it, see `whole_disc` there."""
+    """The main disc and those behind it, see `camgeo.pictures.cam.whole_disc`."""
     marks: list[Mark] = []
     for number, part in enumerate(parts):
         if number:

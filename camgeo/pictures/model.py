@@ -1,7 +1,7 @@
 """A figure as data: panels with axes and marks, text and a legend.
 
-Everything shown is decided here: limits, ticks, text, order. A renderer, matplotlib or a browser,
-only chooses how to write a number at a tick, and where a legend covers least.
+Everything that is shown is decided here: limits, ticks, texts, order. A renderer, matplotlib or a
+browser, only chooses how to write a number at a tick, and where a legend covers least.
 """
 
 from __future__ import annotations
@@ -32,11 +32,11 @@ class Axis:
 
     Attributes
     ----------
-    limits : of what is shown; the greater one first if the axis is reversed.
+    limits : ends of the axis; the greater one first if the axis is reversed.
     log : whether its scale is logarithmic.
     ticks, names : positions of ticks and their labels; None for round numbers.
     numbered : whether the ticks have labels.
-    powers : numbers at the ticks share a power of ten if theirs is not between these two.
+    powers : numbers at the ticks share a power of ten unless theirs is between these two.
     label_place : distance of the label from the panel [inch]; None for next to the numbers.
     """
 
@@ -65,10 +65,11 @@ class Legend:
 
     Attributes
     ----------
-    place : which part of it is at `anchor`; "best" where it covers least.
-    anchor : fractions of the panel or figure; None in the corner or at the edge named by `place`.
-    gap, pad, spacing : between it and the anchor, inside its frame and between names, in sizes of
-        the text.
+    place : which part of the legend is at `anchor`; "best" is where it covers least.
+    anchor : place as fractions of the panel or figure; None for the corner or edge that `place`
+        names.
+    gap, pad, spacing : distances from the anchor, inside the frame of the legend, and between
+        names, in sizes of the text.
     """
 
     entries: tuple[Entry, ...]
@@ -87,8 +88,8 @@ class Panel(Brief):
 
     Attributes
     ----------
-    title_size, title_gap : of the title, and its distance from the frame [points].
-    right, above : further scales of the same frame.
+    title_size, title_gap : size of the title, and its distance from the frame [points].
+    right, above : further axes of the same frame, on the right and above.
     equal : whether a unit is equally long on both axes; then the frame shrinks to fit.
     bare : whether only marks are drawn, neither frame nor axes.
     """
@@ -109,12 +110,12 @@ class Panel(Brief):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Inset:
-    """A panel within a panel, which shows part of it enlarged.
+    """A panel within a panel that shows part of it enlarged.
 
     Attributes
     ----------
-    corner, side : of the square that the panel fills.
-    window : lower left corner and side of the square that it enlarges; joined to it by lines.
+    corner, side : lower left corner and side of the square that the panel fills.
+    window : lower left corner and side of the square that it enlarges; lines join the two.
     """
 
     panel: Panel
@@ -127,7 +128,7 @@ class Inset:
 
 @dataclass(frozen=True, slots=True)
 class Figure(Displayed):
-    """A figure, or several one above the other.
+    """A figure, or several figures one above the other.
 
     Attributes
     ----------
@@ -144,29 +145,31 @@ class Figure(Displayed):
     rows: tuple[Figure, ...] = ()
 
     def to_data(self) -> dict[str, Any]:
-        """Dicts, lists, texts and numbers for JSON, each part with its `kind`; a gap is None."""
+        """The figure as dicts, lists, texts and numbers for JSON; each part has its `kind`, and a
+        gap in a line is None.
+        """
         data: dict[str, Any] = figure_data(self)
         return data
 
 
 def entries(marks: Iterable[Mark]) -> tuple[Entry, ...]:
-    """One for each mark that has a label."""
+    """A legend entry for each mark that has a label."""
     named = (mark for mark in marks if isinstance(mark, Line | Rule | Band | Area | Field))
     return tuple(Entry(mark.label, mark.style) for mark in named if mark.label)
 
 
 PLAIN: Final = (str, float, int, bool, type(None))
-"""Types of which JSON data are; most values of a figure are of the first two."""
+"""Types that JSON data already are; most values of a figure are of the first two."""
 
 
 @cache
 def _names(kind: Any) -> tuple[str, ...]:
-    """Of the fields of a dataclass."""
+    """Names of the fields of a dataclass, kept for all figures."""
     return tuple(field.name for field in fields(kind))
 
 
 def listed(array: FloatArray) -> list[Any]:
-    """The numbers of an array as lists in lists; a gap is None."""
+    """The numbers of an array as nested lists, with None for NaN."""
     gaps = np.isnan(array)
     if not gaps.any():
         numbers: list[Any] = array.tolist()
@@ -179,7 +182,7 @@ def listed(array: FloatArray) -> list[Any]:
 
 @lru_cache(maxsize=512)
 def _styled(style: Style | Fill) -> dict[str, Any]:
-    """The data of a style, of which a figure has few, on many marks."""
+    """The data of a style; kept, as a figure has few styles for many marks."""
     kind: Any = type(style)
     data: dict[str, Any] = {"kind": kind.__name__.lower()}
     for name in _names(kind):
@@ -188,16 +191,17 @@ def _styled(style: Style | Fill) -> dict[str, Any]:
 
 
 def figure_data(value: Any, array: Callable[[FloatArray], Any] = listed) -> Any:
-    """The same as dicts, lists, texts and numbers, see `Figure.to_data`; a complex is a pair.
+    """A value as dicts, lists, texts and numbers, see `Figure.to_data`; a complex is a pair.
 
     Parameters
     ----------
-    array : the data of an array.
+    array : function that gives the data of an array.
     """
     kind: Any = type(value)
     if kind in PLAIN:
         return value
     if isinstance(value, tuple):
+        # Most items are plain data already, and need no call.
         return [item if type(item) in PLAIN else figure_data(item, array) for item in value]
     if kind is np.ndarray:
         return array(value)
@@ -255,7 +259,7 @@ class Style:
 
 @dataclass(frozen=True, slots=True)
 class Fill:
-    """How an area is drawn; without `face` or `edge` if they are empty."""
+    """How an area is drawn: without filling if `face` is empty, without edge if `edge` is."""
 
     face: str = ""
     edge: str = ""
@@ -271,8 +275,8 @@ class Line:
 
     Attributes
     ----------
-    layer : marks of higher layers are drawn on top, within a layer later ones.
-    clipped : whether it ends at the panel's edges.
+    layer : marks of higher layers are drawn on top; within a layer, later ones are.
+    clipped : whether the line ends at the panel's edges.
     """
 
     points: FloatArray
@@ -311,9 +315,9 @@ class Band:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Area:
-    """The area inside closed rings, each (n, 2): the first the outermost, the others its holes.
+    """The area inside closed rings, each (n, 2): the first is the outer one, the others are holes.
 
-    `closed` is false if the edge is drawn open, from the first to the last point.
+    `closed` is false if the edge is drawn open, from the first to the last point only.
     """
 
     rings: tuple[FloatArray, ...]
@@ -349,7 +353,8 @@ class Field:
 
     Attributes
     ----------
-    within : only inside this.
+    between : the two levels.
+    within : band outside which nothing is drawn.
     """
 
     x: FloatArray
@@ -381,9 +386,10 @@ class Text:
     Attributes
     ----------
     text : lines separated by "\n"; letters between "$_" and "$" are subscripts, as in TeX.
-    at : place, as fractions of the panel or figure from the lower left if not of the axes.
-    offset : from there to the text [points].
-    across, up : which part of the text is placed there.
+    at : place in the coordinates that `of` names: those of the axes, or fractions of the panel or
+        figure from its lower left corner.
+    offset : from that place to the text [points].
+    across, up : which part of the text is placed there, horizontally and vertically.
     spacing : of lines, in sizes of the text; None for the font's own.
     """
 
@@ -421,7 +427,7 @@ def plane(points: ArrayLike) -> FloatArray:
 
 
 # -- layout ---------------------------------------------------------------------------------------
-# Positions of panels in a figure, and the limits of axes that contain what is drawn.
+# Positions of panels in a figure, and limits of axes that contain what is drawn.
 
 
 Size = tuple[float, float]
@@ -453,7 +459,7 @@ def grid(
     (width, height), (left, right, top, bottom) = size, margins
     first, last = left / width, 1.0 - right / width
     high, low = 1.0 - top / height, bottom / height
-    down = _steps(high - low, rows, gaps[0])
+    down = _steps(high - low, rows, gaps[0])  # from the upper edge, as rows count from the top
     across = _steps(last - first, columns, gaps[1])
     return [
         (first + start, high - foot, first + end, high - head)
@@ -468,12 +474,12 @@ def box(left: float, bottom: float, width: float, height: float) -> Frame:
 
 
 def heights(lines: Iterable[Line]) -> list[FloatArray]:
-    """The vertical coordinates of all points of `lines`."""
+    """The vertical coordinates of all points of each line."""
     return [line.points[:, 1] for line in lines]
 
 
 def _steps(length: float, count: int, gap: float) -> list[tuple[float, float]]:
-    """Where each of `count` equal parts of `length` begins and ends."""
+    """Start and end of each of `count` equal parts of `length`; a gap is a fraction of a part."""
     part = length / (count + gap * (count - 1))
     spacing = gap * part
     part = part * count / count  # keeps the last digits, on which names inside the files depend
@@ -486,7 +492,7 @@ def limits(
 ) -> tuple[float, float]:
     """Limits of an axis that contain all values of `drawn`, with a margin.
 
-    The `rules` are visible too: one within the margin takes no further room.
+    The `rules` are visible too; one that lies within the margin needs no further room.
     """
     held = _values(drawn)
     low, high = _widened(held, margin)
@@ -498,9 +504,11 @@ def limits(
 
 
 def _widened(values: FloatArray, margin: float) -> tuple[float, float]:
+    """Limits around `values`, with a margin on both sides that is a fraction of their range."""
     if not len(values):
         return 0.0, 1.0
     low, high = float(np.min(values)), float(np.max(values))
+    # A range of zero gets a margin relative to the value, or an absolute one around 0.
     if max(abs(low), abs(high)) == 0.0:
         low, high = -MARGIN, MARGIN
     elif high - low <= FLAT * max(abs(low), abs(high)):
@@ -510,11 +518,11 @@ def _widened(values: FloatArray, margin: float) -> tuple[float, float]:
 
 
 def log_limits(drawn: Iterable[ArrayLike]) -> tuple[float, float]:
-    """Limits of a logarithmic axis, likewise; a decade if nothing is drawn."""
+    """Limits of a logarithmic axis around positive values; a decade if nothing is drawn."""
     values = _values(drawn)
     values = values[values > 0.0]
     low, high = (float(np.min(values)), float(np.max(values))) if len(values) else (1.0, 10.0)
-    if low == high:
+    if low == high:  # the decades next to a single value
         low = 10.0 ** (math.ceil(math.log10(low)) - 1)
         high = 10.0 ** (math.floor(math.log10(high)) + 1)
     first, last = np.log10([low, high])
@@ -523,7 +531,7 @@ def log_limits(drawn: Iterable[ArrayLike]) -> tuple[float, float]:
 
 
 def _values(drawn: Iterable[ArrayLike]) -> FloatArray:
-    """All finite values."""
+    """All finite values of some arrays."""
     values = np.concatenate([[], *(np.ravel(values) for values in drawn)])
     finite: FloatArray = values[np.isfinite(values)]
     return finite
@@ -556,7 +564,7 @@ ZERO = Rule("y", 0.0, Style("black", 0.5))
 """The line at zero."""
 
 SAMPLES = 1441
-"""Points of a diagram over the cam angle: a quarter of a degree, finer than a printed line."""
+"""Number of points over the cam angle: one in a quarter of a degree, finer than a printed line."""
 
 LEFT, RIGHT, TOP, BOTTOM = 0.8, 0.25, 0.4, 0.55
 """Margins around the axes [inch]."""
@@ -573,14 +581,14 @@ def cam_angles() -> FloatArray:
 
 def diagram_angles(joints: tuple[float, ...]) -> FloatArray:
     """Cam angles over one turn [rad] with both sides of each joint, where a value may jump."""
-    step = 1e-9
+    step = 1e-9  # far less than a printed line, and far more than rounding
     sides = [angle + side for angle in joints for side in (-step, step)]
     angles = np.concatenate((cam_angles(), np.array(sides)))
     return np.unique(np.clip(angles, 0.0, TURN - step))
 
 
 def turn_axis(*, label: str = "cam angle φ [°]", numbered: bool = True) -> Axis:
-    """The axis of one turn in degrees, with its label if it has numbers."""
+    """The axis of one revolution in degrees, with its label if it has numbers."""
     return Axis((0.0, 360.0), label if numbered else "", ticks=EVERY_30, numbered=numbered)
 
 

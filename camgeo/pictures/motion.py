@@ -1,8 +1,9 @@
 """Motion plan and motion diagram (VDI 2143-1, section 3) over the cam angle.
 
-The plan (Bewegungsplan) shows the requirements: joints, numbered, with their motion tasks, and the
-law of each segment. The diagram (Bewegungsdiagramm) below shows what the follower does: lift and
-three derivatives. With a linkage the plan is that of its far end, and both ends have a diagram.
+The plan (Bewegungsplan) shows what is required: numbered joints, the motion tasks between them, and
+the law of each segment. The diagram (Bewegungsdiagramm) below shows what the follower does: its
+lift and three derivatives. With a linkage the plan is that of its far end, and both ends have a
+diagram.
 """
 
 from __future__ import annotations
@@ -80,7 +81,7 @@ class Strips:
         )
 
     def words(self, height: float, marks: list[Mark]) -> Panel:
-        """A strip without axes, over one turn in degrees, of height 1."""
+        """A strip without axes: one revolution in degrees wide, and 1 high."""
         x, y = Axis((0.0, 360.0)), Axis((0.0, 1.0))
         return Panel(self.frame(height), x, y, tuple(marks), bare=True)
 
@@ -96,13 +97,15 @@ def diagram(
 
 
 # -- motion diagram -------------------------------------------------------------------------------
-# The motion diagram: lift and three derivatives with their extremes, and over time.
+# The motion diagram: lift and three derivatives with their extremes; at constant speed also over
+# time.
 
 
 MARKS: Final = ("", "′", "″", "‴")
 RATES: Final = ("", "v", "a", "jerk")
 ANGULAR: Final = ("", "d{}/dt", "d²{}/dt²", "d³{}/dt³")
-"""Names of the derivatives over time: of a length, and of an angle by its symbol."""
+"""Suffixes of derivatives by the angle, and names of those by time: of a length, and of an
+angle."""
 
 RAISED: Final = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 PER_ANGLE: Final = ("", "/rad", "/rad²", "/rad³")
@@ -114,7 +117,7 @@ PANEL, GAP = 1.3, 0.09
 HEIGHT: Final = 4 * PANEL + 3 * GAP
 
 NAME_PLACE: Final = 0.6
-"""Distance [inch] of the names of the vertical axes to the left of them."""
+"""Distance of the names of the vertical axes to the left of these [inch]."""
 
 SECOND_PLACE: Final = 0.09
 """Distance of the names of the second scales, as a fraction of the width."""
@@ -123,10 +126,10 @@ SMALL: Final = 7.5
 """Size of the text of plan and diagram [points]."""
 
 HEADROOM: Final = 0.28
-"""Space above the curve of a panel for the extremes, as a fraction of its range."""
+"""Space for the extremes above the curve of a panel, as a fraction of its range."""
 
 CLOSER: Final = 101
-"""Points between two neighbours of an extreme: half a degree in steps of 0.005 degrees."""
+"""Number of points between the two neighbours of an extreme: half a degree in steps of 0.005."""
 
 SAME: Final = 1e-10
 """Values that differ by less than this fraction of the largest are the same extreme."""
@@ -134,15 +137,15 @@ SAME: Final = 1e-10
 INFINITE: Final = Style(LIMIT, 0.0, marker="^", size=5.5)
 DOWNWARDS: Final = replace(INFINITE, marker="v")
 SPIKE: Final = Style(LIMIT, 1.0)
-"""How an infinite value is drawn: a line from zero to a head at the edge of the curve's range."""
+"""Styles of an infinite value: a line from zero to a head at the edge of the curve's range."""
 
 SPIKES_ROOM: Final = 0.25
-"""Least part of a panel on the side of zero towards which a spike points."""
+"""Least fraction of a panel on the side of zero towards which a spike points."""
 
 
 @dataclass(frozen=True, slots=True)
 class Unit:
-    """How a length or angle is written: its unit, symbol, and units per mm or rad."""
+    """How a length or angle is written: unit, symbol, and how many units make 1 mm or 1 rad."""
 
     name: str
     symbol: str
@@ -170,7 +173,7 @@ def diagram_panels(
 ) -> list[Panel]:
     """A panel for the position and each derivative of `motion`, which follows from `plan`.
 
-    With a constant `speed` [rad/s] also over time.
+    With a constant `speed` [rad/s] there are second scales of the derivatives by time.
     """
     places = tuple(joint.cam_angle for joint in joints(plan))
     phi = diagram_angles(tuple(joint.cam_angle for joint in breaks(plan)))
@@ -186,7 +189,8 @@ def diagram_panels(
         infinite = infinite_places(plan, motion, order)
         low, high = _range(values, infinite)
         y_limits = low, high + HEADROOM * (high - low)
-        # From the value at the end of the turn: a jump at cam angle 0 is drawn like the others.
+        # The curve begins with the value at the end of the turn, so that a jump at cam angle 0 is
+        # drawn like the others.
         curve = over(degrees, np.concatenate((values[-1:], values)))
         marks: list[Mark] = [ZERO, Line(curve, CURVE), *joint_marks(places)]
         marks += _spikes(infinite, low, high)
@@ -202,7 +206,7 @@ def diagram_panels(
             Panel(
                 strips.frame(PANEL),
                 turn_axis(numbered=order == 3),
-                # aligned down the page, whatever the width of their numbers
+                # At a fixed distance, so that names are aligned whatever the width of the numbers.
                 Axis(y_limits, label, ticks=ticks, label_place=NAME_PLACE),
                 tuple(marks),
                 right=None if second is None else replace(second, ticks=ticks),
@@ -212,14 +216,14 @@ def diagram_panels(
 
 
 def infinite_places(plan: MotionPlan, motion: Motion, order: int) -> list[Infinite]:
-    """Where the derivative of `motion` is infinite because a lower one jumps."""
+    """Where the derivative of that order of `motion` is infinite because a lower one jumps."""
     places = []
     for joint in breaks(plan):
         if joint.order + 1 < order:
             angle = np.array([joint.cam_angle])
             left, right = motion.jet(angle, "left"), motion.jet(angle)
             rises = bool(right[joint.order + 1, 0] > left[joint.order + 1, 0])
-            both = joint.order + 2 < order
+            both = joint.order + 2 < order  # the derivative of an impulse
             places.append(Infinite(joint.cam_angle, rises or both, not rises or both))
     return places
 
@@ -227,6 +231,7 @@ def infinite_places(plan: MotionPlan, motion: Motion, order: int) -> list[Infini
 def _range(values: FloatArray, infinite: list[Infinite]) -> tuple[float, float]:
     """Lower and upper end of the curve's range, with room for what is infinite."""
     low, high = limits([values, 0.0])
+    # So that the room on one side of zero is SPIKES_ROOM of the whole range.
     room = SPIKES_ROOM * (high - low) / (1.0 - SPIKES_ROOM)
     if any(place.downwards for place in infinite):
         low = min(low, -room)
@@ -245,6 +250,7 @@ def _spikes(infinite: list[Infinite], low: float, high: float) -> list[Mark]:
         degrees = np.degrees(angles)
         if not len(degrees):
             continue
+        # All lines in one mark, separated by gaps.
         ends = np.tile([0.0, end, math.nan], len(degrees))
         marks.append(Line(over(np.repeat(degrees, 3), ends), SPIKE, layer=4.0, clipped=False))
         marks.append(
@@ -254,7 +260,7 @@ def _spikes(infinite: list[Infinite], low: float, high: float) -> list[Mark]:
 
 
 def number(value: float) -> str:
-    """Four digits, or all digits before the point if there are more."""
+    """The number with four significant digits, or all digits before the decimal point."""
     text = f"{value:.0f}" if 1e3 <= abs(value) < 1e7 else f"{value + 0.0:.4g}"
     return text.replace("-", "−")
 
@@ -275,10 +281,11 @@ def _extremes(
     closer: list[tuple[FloatArray, FloatArray]],
     infinite: list[Infinite],
 ) -> Text:
-    """Largest and smallest value with the first place of each, to the digits written.
+    """The largest and the smallest value, each with its first cam angle, as a text.
 
-    They are searched for among the drawn `values` at `phi` and those `closer` to the largest and to
-    the smallest of them; where a value is `infinite` no finite one is the largest.
+    They are searched for among the drawn `values` at `phi`, and among denser ones (`closer`) next
+    to the largest and the smallest of these, which suffices for the digits written. An `infinite`
+    value takes precedence over finite ones.
     """
     size = float(np.max(np.abs(values)))
     lines = []
@@ -304,11 +311,12 @@ def _extremes(
 def _second_scale(
     y_limits: tuple[float, float], unit: Unit, order: int, speed: float, across: float
 ) -> Axis:
-    """The derivative over time at a constant speed."""
+    """The second axis of a panel: the derivative by time at a constant speed [rad/s]."""
     factor = speed**order
     name = RATES[order] if unit.symbol == "s" else ANGULAR[order].format(unit.symbol)
     low, high = (limit * factor for limit in y_limits)
     size = max(abs(low), abs(high))
+    # Large numbers are divided by a power of 1000, which the name of the axis states.
     thousands = max(0, math.floor(math.log10(size) / 3.0)) if size > 0.0 else 0
     power = f"10{str(3 * thousands).translate(RAISED)} " if thousands else ""
     return Axis(
@@ -320,29 +328,31 @@ def _second_scale(
 
 
 # -- motion plan ----------------------------------------------------------------------------------
-# The motion plan: what each segment requires, and what meets at each joint.
+# The motion plan: the task of each segment, and the motion classes at each joint.
 
 
 PLAN: Final = 2
-"""Which of the `panels` has the plan itself."""
+"""Index of the panel with the plan itself."""
 
 NUMBERS, CLASSES = 0.26, 0.36
 """Heights [inch] of the strips above and below the plan."""
 
 BAND: Final = 0.5
-"""Height [inch] of the laws' names when written across."""
+"""Height of the strip for the laws' names where they are written horizontally [inch]."""
 
 LETTER: Final = 0.062
-"""Width [inch] of a letter of the laws' names, a generous estimate."""
+"""Width of a letter of the laws' names [inch], a generous estimate."""
 
 TURNED_GAP, NUMBER_GAP, LETTERS_GAP, CLASS_GAP = 0.15, 0.2, 0.3, 0.4
-"""Least distances [inch] of names written upwards, of numbers, of tasks, of tasks with angles."""
+"""Least distances [inch] of names written upwards, of numbers, of motion classes, and of these with
+angles."""
 
 FARTHEST: Final = 0.4
-"""Largest distance [inch] of a task with its angle from its joint; farther off would mislead."""
+"""Largest distance of a motion class with its angle from its joint [inch]; farther away, it would
+mislead."""
 
 TICK_GAP: Final = 0.17
-"""Least distance [inch] of the numbers on the plan's vertical axis."""
+"""Least distance of the numbers on the plan's vertical axis [inch]."""
 
 REST: Final = Style(LINE, 2.6, cap="butt")
 MOVE: Final = Style(LINE, 1.0, (5.0, 3.0))
@@ -351,7 +361,7 @@ JOINT: Final = Style("black", 0.0, marker="o", size=4.0)
 LEADER: Final = Style(AUXILIARY, 0.6)
 
 SAMPLES: Final = 721
-"""Points of a motion by data: half a degree, finer than a printed line."""
+"""Number of points of a motion by data, finer than a printed line."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -376,7 +386,7 @@ class PlanSegment:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PlanSketch:
-    """What a picture shows of a motion plan.
+    """The data of a motion plan that a picture shows.
 
     Attributes
     ----------
@@ -389,7 +399,7 @@ class PlanSketch:
 
 
 def plan_sketch(plan: MotionPlan) -> PlanSketch:
-    """What a picture shows of `plan`."""
+    """The data of `plan` that a picture shows."""
     return PlanSketch(joints(plan), tuple(_segment(plan, *stretch) for stretch in plan.stretches))
 
 
@@ -405,7 +415,7 @@ def _segment(plan: MotionPlan, segment: Segment, start: float, end: float) -> Pl
 
 
 def plan_panels(strips: Strips, sketch: PlanSketch, unit: Unit, below: float) -> list[Panel]:
-    """The plan between its strips of text, with `below` [inch] free under it."""
+    """The panels of the plan and its strips of text, with `below` [inch] left free under them."""
     names = _names(sketch, strips.across)
     band = max(BAND, *(LETTER * len(name.text) + 0.2 for name in names if name.turned), 0.0)
     return [
@@ -426,7 +436,7 @@ class _Name:
 
 
 def _names(sketch: PlanSketch, across: float) -> list[_Name]:
-    """Task and law of each segment: across where they fit, else upwards, pushed apart."""
+    """Task and law of each segment: horizontal where they fit, else upwards and spread."""
     tasks = _tasks(sketch)
     middles = np.degrees([0.5 * (s.start + s.end) for s in sketch.segments])
     halves = np.degrees([0.5 * (s.end - s.start) for s in sketch.segments])
@@ -440,7 +450,7 @@ def _names(sketch: PlanSketch, across: float) -> list[_Name]:
     places = middles.copy()
     places[turned] = spread(middles[turned], gap, 0.0, 360.0)
     if np.any(np.abs(places - middles) > halves):
-        # Some would be hidden by their neighbours' names.
+        # Names that were moved off their segments would be hidden by those of their neighbours.
         turned[:] = True
         places = spread(middles, gap, 0.0, 360.0)
     return [
@@ -466,8 +476,8 @@ def _wrapped(label: str) -> list[str]:
 def spread(places: FloatArray, gap: float, low: float, high: float) -> FloatArray:
     """`places` (n,), ascending, moved as little as possible until all are `gap` apart.
 
-    Least squares, by merging neighbours that are too close; inside [low, high], closer than `gap`
-    where there is no room.
+    The solution is that of least squares, by merging neighbours that are too close (pool adjacent
+    violators). It stays inside [low, high], closer than `gap` where there is no room.
     """
     gap = min(gap, (high - low) / max(1, len(places) - 1))
     blocks: list[tuple[float, int]] = []  # mean of place - number * gap, count
@@ -503,7 +513,7 @@ def _joint_places(sketch: PlanSketch) -> FloatArray:
 
 
 def _numbers(sketch: PlanSketch, across: float) -> list[Mark]:
-    """Numbers of the joints, in circles, each above its joint if there is room."""
+    """Numbers of the joints in circles, above their joints where there is room."""
     angles = _joint_places(sketch)
     places = spread(angles, NUMBER_GAP * 360.0 / across, 0.0, 360.0)
     marks: list[Mark] = []
@@ -517,7 +527,7 @@ def _numbers(sketch: PlanSketch, across: float) -> list[Mark]:
 
 
 def _plan(strips: Strips, sketch: PlanSketch, unit: Unit, height: float) -> Panel:
-    """Positions at the joints; rests as thick lines, moves dashed from joint to joint."""
+    """The panel of positions at the joints: rests are thick lines, moves dashed ones."""
     angles = _joint_places(sketch)
     positions = np.array([joint.position for joint in sketch.joints]) * unit.scale
     positions = np.append(positions, positions[0])
@@ -533,9 +543,10 @@ def _plan(strips: Strips, sketch: PlanSketch, unit: Unit, height: float) -> Pane
         marks.append(Line(points, segment.style))
     marks.append(Line(over(angles, positions), JOINT, layer=3.0, clipped=False))
     low, high = (float(limit(np.concatenate(extent))) for limit in (np.min, np.max))
-    room = 0.15 * (high - low) or 1.0
+    room = 0.15 * (high - low) or 1.0  # a plan of a single rest has no range
     levels = np.unique(np.round(positions, 9))
     spacing = np.min(np.diff(levels), initial=math.inf) / (high - low + 2.0 * room) * height
+    # Ticks at the positions themselves, unless they are too close or data has positions between.
     at_levels = bool(spacing > TICK_GAP) and len(extent) == 1
     return Panel(
         strips.frame(height),
@@ -552,7 +563,7 @@ def _plan(strips: Strips, sketch: PlanSketch, unit: Unit, height: float) -> Pane
 
 
 def _classes(sketch: PlanSketch, across: float) -> list[Mark]:
-    """What meets at each joint, R, G, U or B, both if they differ; and its cam angle."""
+    """The motion classes at each joint, R, G, U or B, both if they differ; and its cam angle."""
     angles = _joint_places(sketch)
     inch = 360.0 / across
     places = spread(angles, CLASS_GAP * inch, 0.0, 360.0)
@@ -575,7 +586,7 @@ def _classes(sketch: PlanSketch, across: float) -> list[Mark]:
 
 
 SIZE = (7.0, 10.0)
-"""Of plan and one diagram; a second one adds its height."""
+"""Size of plan and one diagram [inch]; a second diagram adds its height."""
 
 TOP, BOTTOM, HEADING = 0.32, 0.75, 0.34
 """Heights [inch] of the title, of what is below the diagrams, and of a diagram's title."""
@@ -590,7 +601,7 @@ ANGLES: Final = {"lever": "χ", "crank": "θ"}
 """Symbols of prescribed angles that are not the follower's own."""
 
 WHAT: Final = {("s", "follower"): "lift", ("s", "slider"): "stroke", ("ψ", "follower"): "swing"}
-"""What a position is called, by its symbol and whose it is."""
+"""Name of a position, by its symbol and the member that it belongs to."""
 
 NAMES: Final = (
     (REST, "dwell"),
@@ -607,7 +618,7 @@ def figure(product: Product, size: Size | None = None) -> Figure:
 def drive_figure(
     name: str, length: LengthUnit, drive: Drive, lift_unit: LiftUnit, size: Size | None = None
 ) -> Figure:
-    """The same for the design `name` without any cam.
+    """Motion plan and motion diagrams of a drive, for a design without any cam.
 
     Parameters
     ----------
@@ -672,17 +683,17 @@ def _unit(unit: LiftUnit, length: LengthUnit) -> Unit:
 DIAGRAM_SIZE = (7.0, 3.6)
 
 RATIO: Final = {Flank.INNER: 1.0, Flank.OUTER: -1.0}
-"""The sign of the curvature that counts on a flank: the inner flank is too sharp where the pitch
-curve is convex."""
+"""Sign of the curvature that is critical for a flank: the inner flank becomes too sharp where the
+pitch curve is convex."""
 
 RATIO_STYLE: Final = Style(LIMIT, 1.0, (1.2, 1.6))
 
 
 def curvature(product: Product, size: Size = DIAGRAM_SIZE) -> Figure:
-    """Curvature of the pitch curve with the limits of +-1/d, d the flanks' distance.
+    """Curvature of the pitch curve with the limits +-1/d, where d is the distance of the flanks.
 
-    Beyond these a flank has a cusp. Nearer to zero is the limit of r_R/r_K that the scene sets, on
-    the side of each flank in use.
+    At these limits a flank has a cusp. Nearer to zero is the limit of r_R/r_K that the scene
+    states, on the side of each flank in use.
     """
     disc, follower, joints = product.cam.disc, product.cam.follower, product.cam.drive.joints
     phi = diagram_angles(joints)
@@ -723,14 +734,14 @@ def transmission_angle(product: Product, size: Size = DIAGRAM_SIZE) -> Figure:
 
 
 # -- readings -------------------------------------------------------------------------------------
-# What a diagram over the cam angle says, in numbers: the extremes of each of its curves.
+# What a diagram over the cam angle shows, in numbers: the extremes of each of its curves.
 
 
 CURVE_POINTS: Final = 100
-"""A line of fewer points is no curve over the turn but a joint, a spike, or part of a plan."""
+"""A line of fewer points is not a curve but a joint, a spike, or part of a plan."""
 
 MOST_CURVES: Final = 4
-"""Most curves of a diagram in its sentence; the table has all."""
+"""Largest number of curves in the sentence of a diagram; its table has all."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -739,10 +750,10 @@ class CurveExtremes:
 
     Attributes
     ----------
-    name : of the quantity, with its unit in brackets.
+    name : name of the quantity, with its unit in brackets.
     low, high : smallest and largest value, infinite where the diagram says so.
     low_angle, high_angle : cam angle [rad] of the first place of each.
-    limits : with which it is compared, and what the diagram calls them.
+    limits : limits of the quantity, with their names in the diagram.
     """
 
     name: str
@@ -754,23 +765,24 @@ class CurveExtremes:
 
 
 def readings(figure: Figure) -> tuple[CurveExtremes, ...]:
-    """Those of all curves of a figure over the cam angle, from the top."""
+    """The extremes of all curves of a figure over the cam angle, from the top."""
     return tuple(reading for panel in figure.panels for reading in _panel_readings(panel))
 
 
 def format_value(value: float) -> str:
-    """Five digits, with a minus that is one."""
+    """The number with five significant digits, and with a minus sign instead of a hyphen."""
     if math.isinf(value):
         return "∞" if value > 0.0 else "−∞"
     return f"{value + 0.0:.5g}".replace("-", "−")
 
 
 def plain(text: str) -> str:
-    """A text of a figure without the signs of its subscripts."""
+    """A text of a figure without the markup of subscripts."""
     return text.replace("$_", "").replace("$", "")
 
 
 def _panel_readings(panel: Panel) -> Iterator[CurveExtremes]:
+    """The extremes of the curves of a panel, if it is one over the cam angle."""
     if panel.bare or panel.x.limits != (0.0, 360.0):
         return
     limits = tuple(

@@ -84,7 +84,7 @@ def check_names(what: Iterable[str]) -> None:
 
 
 def of_design(design: Design, what: Sequence[str] = ()) -> tuple[Figure, list[str]]:
-    """The plots `what` of a design as one figure, by default all that it has; and their names.
+    """The plots `what` of a design as one figure, by default all that it has, and their names.
 
     Raises
     ------
@@ -147,8 +147,8 @@ def stacked(
 def rooms(width: float, heights: Sequence[float]) -> list[Size]:
     """The space for each of several rows of one page: their `heights` [inch] up to rounding.
 
-    Rounded as matplotlib does when it divides a page of 100 dots per inch: names inside SVG files
-    depend on the last digits of where panels are.
+    They are rounded as matplotlib does when it divides a page of 100 dots per inch, because names
+    inside SVG files depend on the last digits of positions.
     """
     count, total = len(heights), sum(heights)
     down = np.cumsum([0.0, *(high * (1.0 / count * count / total) for high in heights)])
@@ -157,11 +157,11 @@ def rooms(width: float, heights: Sequence[float]) -> list[Size]:
 
 
 # -- charts ---------------------------------------------------------------------------------------
-# Diagrams of a design over the cam angle, and what they say in words and numbers.
+# Diagrams of a design over the cam angle, and what they show in words and numbers.
 
 
 TOGETHER: Final = 6
-"""Most panels of effects in a diagram: as many as fit on a sheet."""
+"""Largest number of panels of effects in a diagram, as many as fit on a sheet."""
 
 MOTION_TITLE: Final = "motion plan and diagrams"
 """Title of the first diagram."""
@@ -184,7 +184,7 @@ class Chart:
 
     @property
     def sentence(self) -> str:
-        """The first curves in words."""
+        """The extremes of the first curves in words."""
         extremes = [
             f"{plain(reading.name)} from {format_value(reading.low)} at"
             f" {math.degrees(reading.low_angle):.1f}° to {format_value(reading.high)} at"
@@ -202,7 +202,7 @@ def motion_diagram(design: Design) -> Figure:
 
 
 def disc_diagrams(design: Design) -> Iterator[tuple[str, str, partial[Figure]]]:
-    """Name, title and maker of each diagram that shows a disc, one after the other."""
+    """Name, title and function that makes it, for each diagram of a disc, disc by disc."""
     for disc in design.discs:
         name, suffix = ("", "") if disc is design.disc else ("-return", f" of {disc.name}")
         angle = partial(motion.transmission_angle, disc)
@@ -211,7 +211,7 @@ def disc_diagrams(design: Design) -> Iterator[tuple[str, str, partial[Figure]]]:
 
 
 def of_effects(disc: Product) -> Iterator[tuple[str, partial[Figure]]]:
-    """Title and maker of each diagram of the scene's effects, of at most TOGETHER panels."""
+    """Title and function that makes it, for each diagram of effects of at most TOGETHER panels."""
     groups = effects.panels(disc.columns())
     parts = [groups[k : k + TOGETHER] for k in range(0, len(groups), TOGETHER)]
     for number, part in enumerate(parts, start=1):

@@ -1,7 +1,7 @@
 """Where the cam axis may lie: the exact region and Flocke's, the present design and the answer.
 
-Drawn as a designer would: the follower in its starting position, the cam axis below it or to its
-side. A rocker has a region on either side of its arm.
+It is drawn as a designer would draw it: with the follower in its starting position, and the cam
+axis below it or to its side. A rocker has a region on either side of its arm.
 """
 
 from __future__ import annotations
@@ -42,13 +42,13 @@ from camgeo.units import MM_PER, LengthUnit
 SIZE: Final = (7.4, 7.0)
 ROWS: Final = 401
 CELLS: Final = 141
-"""Grid cells for the limit of the ratio of radii: each is 1 mm of the picture."""
+"""Number of grid cells in each direction for the ratio of radii, each about 1 mm in the picture."""
 
 MOST: Final = 3.0
 """Ratios are drawn up to this multiple of the largest allowed one; beyond it is undercut."""
 
 TOO_BENT: Final = Fill("#f0b8b4", "#f0b8b4")
-"""Colour of places at which the roller is too large."""
+"""Filling where the roller would be too large."""
 
 REGION: Final = Fill("#c9dcee", "#c9dcee", 0.0)
 FLOCKE: Final = Fill(edge=AUXILIARY, width=0.9, hatched=True)
@@ -60,14 +60,17 @@ DEEPER: Final = 1.45
 """Depth of the picture below the follower, as a multiple of that of the deepest place in it."""
 
 Sides = Sequence[tuple[RollerTask, Sizing]]
-"""What was sized, and its sizing: the scene's own side first."""
+"""Tasks with their sizing, one for each side of the follower, that of the scene first."""
 
 Window = tuple[FloatArray, FloatArray]
-"""Ends (2,) of x and of y of the picture [mm]."""
+"""Ends (2,) of x and of y in the picture [mm]."""
 
 
 def figure(name: str, sides: Sides, length: LengthUnit = "mm") -> Figure:
-    """The region; lengths in mm, origin in the roller's start (guide) or in the pivot (rocker)."""
+    """The regions of the cam axis under a roller.
+
+    Coordinates are from the start of the roller on a guide, or from the pivot of a rocker.
+    """
     picture_window = window(sides)
     marks: list[Mark] = []
     for task, sizing in sides:
@@ -82,7 +85,7 @@ def figure(name: str, sides: Sides, length: LengthUnit = "mm") -> Figure:
 
 
 def framed(name: str, marks: Sequence[Mark], picture_window: Window, length: LengthUnit) -> Figure:
-    """The figure of these marks, with numbers in a unit of length."""
+    """The figure of some marks in mm, with numbers on the axes in a unit of length."""
     x, y = picture_window
     panel = Panel(
         grid(SIZE, MARGINS)[0],
@@ -110,13 +113,13 @@ def _axis(ends: FloatArray, name: str, length: LengthUnit) -> Axis:
 
 
 def seen(task: Placing, real: FloatArray, imag: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """x, y of the picture [mm] from real and imaginary part of places, see `Placing`."""
+    """x, y in the picture [mm] from real and imaginary part of places, see `Placing`."""
     x_sign, y_sign = task.seen
     return x_sign * real, y_sign * imag
 
 
 def window(sides: Sides) -> Window:
-    """Ends of x and y [mm]: all places of all sides, as wide as high."""
+    """Ends of x and y [mm] of a square with all places of all sides."""
     across, depths, room = [], [0.0, 0.0], 0.0
     for task, sizing in sides:
         rated = (sizing.flocke, sizing.for_angle, sizing.answer)
@@ -139,11 +142,11 @@ def window(sides: Sides) -> Window:
 
 
 def square(across: FloatArray, low: float, high: float, room: float) -> Window:
-    """Ends of x about `across` [mm], and of y from -`low` to `high`, as wide as high."""
+    """Ends of x around `across` [mm], and of y from -`low` to `high`, enlarged to a square."""
     half = 0.5 * max(high + low, 1.2 * float(np.ptp(across)) + 2.0 * room)
     middle = 0.5 * float(np.min(across) + np.max(across))
     more = half - 0.5 * (high + low)
-    # More room is of use where the axis may lie.
+    # Additional height is shared out in proportion to the depths, where the axis may lie.
     below = 2.0 * more * low / (low + high)
     return np.array([middle - half, middle + half]), np.array(
         [-low - below, high + 2.0 * more - below]
@@ -173,7 +176,7 @@ def _regions(task: RollerTask, sizing: Sizing, picture_window: Window) -> list[M
 
 
 def _reaches(region: Band, cells: tuple[FloatArray, FloatArray], marked: BoolArray) -> bool:
-    """Whether a `marked` one of the cells (rows, columns) of the picture lies in the `region`."""
+    """Whether any of the `marked` cells (rows, columns) lies in the `region`."""
     x, y = cells
     order = np.argsort(region.places)
     left, right = (
@@ -192,9 +195,9 @@ def band(
     style: Fill,
     label: str,
 ) -> Band:
-    """The places between `low` and `high` (n,) of each row (n,) [mm], where there are any.
+    """The places between `low` and `high` (n,) in each row (n,) [mm], where there are any.
 
-    Without its name if there are none between the ends (2,) of the `columns`.
+    The band has no name if none of them lies between the ends (2,) of the `columns`.
     """
     met = low <= high
     margin = float(np.ptp(columns))  # beyond the picture on both sides
@@ -218,7 +221,7 @@ def _follower(task: RollerTask) -> list[Mark]:
 
 
 def pivot() -> Line:
-    """That of a rocker."""
+    """The mark of a rocker's pivot."""
     return Line(over([0.0], [0.0]), Style("black", marker="o", face="white", edge="black"))
 
 
@@ -229,7 +232,7 @@ def places(task: Placing, label: str, place: complex, style: Style) -> list[Mark
 
 
 def answers(sides: Sequence[tuple[Placing, Sizing]]) -> list[Mark]:
-    """The answer of each side, with its base circle; the smallest first."""
+    """The smallest cam of each side with its base circle, the smaller one first."""
     rated: list[tuple[Rating, Placing]] = [
         (sizing.answer, task) for task, sizing in sides if sizing.answer is not None
     ]
@@ -254,10 +257,10 @@ def answers(sides: Sequence[tuple[Placing, Sizing]]) -> list[Mark]:
 
 
 SAMPLES: Final = 2001
-"""Cam angles of which the region is drawn."""
+"""Number of cam angles from which the region is drawn."""
 
 ROOM: Final = 0.06
-"""Above and below what is shown, as a fraction of it."""
+"""Room above and below what is shown, as a fraction of its height."""
 
 OTHER: Final = Fill(edge=AUXILIARY, width=0.6, hatched=True)
 FACE: Final = Style("black", 2.0)
@@ -266,11 +269,14 @@ LINE: Final = Style("black", 0.8, (8.0, 3.0, 2.0, 3.0))
 PIVOT_CIRCLE: Final = Fill(edge=AUXILIARY, width=0.8, dashes=(2.0, 2.0))
 
 FaceSides = Sequence[tuple[FaceTask, Sizing]]
-"""What was sized, and its sizing: the scene's own side first."""
+"""Tasks with their sizing, one for each side of the face, that of the scene first."""
 
 
 def face_figure(name: str, sides: FaceSides, length: LengthUnit = "mm") -> Figure:
-    """The region; lengths in mm, origin below the face on the guide, or in the pivot (rocker)."""
+    """The regions of the cam axis under a flat face.
+
+    Coordinates are from the guide below the face, or from the pivot of a rocker.
+    """
     picture_window = face_window(sides)
     marks: list[Mark] = []
     for number, (task, sizing) in enumerate(sides):
@@ -283,7 +289,7 @@ def face_figure(name: str, sides: FaceSides, length: LengthUnit = "mm") -> Figur
 
 
 def face_window(sides: FaceSides) -> Window:
-    """Ends of x and y [mm]: all places and base circles, as wide as high."""
+    """Ends of x and y [mm] of a square with all places and base circles."""
     across, low, high = [0.0], 0.0, 0.0
     for task, sizing in sides:
         visible_places = [task.present] if task is sides[0][0] else []
@@ -316,7 +322,8 @@ def region_limits(
 ) -> tuple[FloatArray, FloatArray]:
     """Lower and upper end (k,), (k,) of Re P [mm] at Im P = `rows` (k,) [mm].
 
-    Of a grid of cam angles, for a picture; the lower end is above the upper one outside the region.
+    They are computed at a grid of cam angles, for a picture. Where a row has no place in the
+    region, the lower end is above the upper one.
     """
     low, high = np.full(len(rows), -np.inf), np.full(len(rows), np.inf)
     if sizing.hopeless is not None:
@@ -328,7 +335,8 @@ def region_limits(
         )
         rest = c[:, np.newaxis] + b[:, np.newaxis] * rows  # y is minus the row
         with np.errstate(divide="ignore", invalid="ignore"):
-            ends = rest / a[:, np.newaxis]
+            ends = rest / a[:, np.newaxis]  # a bound from below where a > 0, from above where a < 0
+        # With a = 0 the condition does not depend on x: it holds for the whole row, or nowhere.
         none = np.any((a == 0.0)[:, np.newaxis] & (rest > 0.0), axis=0)
         low = np.maximum(low, np.max(ends, axis=0, initial=-np.inf, where=(a > 0.0)[:, np.newaxis]))
         high = np.minimum(

@@ -1,7 +1,8 @@
-"""Diagram of a slotted lever: phi, omega_2 and eps_2 over one turn of the crank, extremes marked.
+"""Diagram of a slotted lever: phi, omega_2 and eps_2 over one revolution of the crank, with
+extremes.
 
-One panel per quantity, one below the other: in a single panel, as in the SAM exercise, each would
-need its own scale.
+There is one panel per quantity, one below the other: in a single panel, as in the SAM exercise,
+each would need a scale of its own.
 """
 
 from __future__ import annotations
@@ -38,26 +39,26 @@ from camgeo.units import RPM, TURN
 
 WIDTH, HEIGHT = 7.4, 8.0
 LEFT, RIGHT, TOP, BOTTOM = 0.85, 0.3, 0.85, 0.55
-"""Sizes [inch]."""
+"""Size of the figure, and its margins [inch]."""
 
 DEGREE_STEPS: Final = (1.0, 1.5, 3.0, 4.5, 6.0, 9.0, 10.0)
 """Steps between ticks of an angle, times a power of ten: 15, 30, 45, 60, 90 degrees."""
 
 MOST_TICKS: Final = 7
-"""Most parts into which the ticks of an angle divide the axis."""
+"""Largest number of parts into which the ticks of an angle divide the axis."""
 
 POWERS: Final = (-3, 4)
-"""Powers of ten: numbers at the ticks beyond these share the power, so that they fit."""
+"""Powers of ten beyond which the numbers at the ticks share the power, so that they fit."""
 
 HEADROOM: Final = 0.18
-"""Space above and below a curve for the values, as a fraction of its range."""
+"""Space for the values above and below a curve, as a fraction of its range."""
 
 PANELS: Final[tuple[tuple[Quantity, str, str], ...]] = (
     ("phi", "lever angle φ", "°"),
     ("omega2", "angular velocity ω$_2$", "rad/s"),
     ("eps2", "angular acceleration ε$_2$", "rad/s²"),
 )
-"""Quantity, its name and its unit, in the order of `DrivenLever.output`."""
+"""Quantities with name and unit, in the order of `DrivenLever.output`."""
 
 EXTREME: Final = Style("black", 0.0, marker="o", size=4.2)
 OPEN: Final = Style("black", 0.0, marker="o", size=4.2, face="white", edge="black")
@@ -105,11 +106,11 @@ def figure(driven: DrivenLever) -> Figure:
 
 
 def crank_angles(driven: DrivenLever) -> FloatArray:
-    """Crank angles of the curves within one turn [rad], ascending.
+    """Crank angles of the curves within one revolution [rad], ascending.
 
-    Dense where the pin passes near the lever's axis: there everything changes within about the
-    angle at which the acceleration is largest, which may be far less than the step elsewhere. For
-    R = a without the ends, where phi is undefined.
+    They are dense where the pin passes near the lever's axis: there everything changes within about
+    the angle at which the acceleration is largest, which may be far less than the step elsewhere.
+    For R = a the ends are left out, where phi is undefined.
     """
     uniform = np.linspace(0.0, TURN, SAMPLES)
     if not driven.extremes:

@@ -1,4 +1,4 @@
-"""Pictures of several designs: over each other, of a sweep, and of an optimisation."""
+"""Pictures of several designs: of a sweep, of an optimisation, and a few over each other."""
 
 from __future__ import annotations
 
@@ -48,10 +48,10 @@ from camgeo.units import MM_PER, TURN, counted
 
 ACROSS, HEIGHT = 4.9, 4.6
 LEFT, RIGHT, TOP, BOTTOM = 0.95, 1.75, 0.45, 0.6
-"""Width of a panel, height of a figure and margins [inch]; the legend stands on the right."""
+"""Width of a panel, height of a figure, and margins [inch]; the legend is on the right."""
 
 MOST: Final = 20_000
-"""Designs of a picture; with more nothing could be told apart."""
+"""Largest number of designs in a picture; more could not be told apart."""
 
 AXIS: Final = 1.3
 """Distance of parallel axes [inch]."""
@@ -67,9 +67,9 @@ OTHERS: Final = Style(LINE, 0.0, marker="o", size=3.5)
 
 
 def map_figure(result: Result) -> Figure:
-    """Each answer over the two keys that vary: cells of a grid, or the points of samples.
+    """A map of each answer over the two keys that vary: cells of a grid, or points of samples.
 
-    Over one key the answers are curves.
+    Over a single key the answers are curves.
     """
     keys, answers = sweep_columns(result)
     variables = result.family.variables
@@ -85,7 +85,7 @@ def map_figure(result: Result) -> Figure:
 
 
 def _frame(width: float, left: float = LEFT) -> Frame:
-    """The frame of the one panel of a figure, which has room for a legend on its right."""
+    """The frame of the only panel of a figure, with room for a legend on its right."""
     return box(
         left / width,
         BOTTOM / HEIGHT,
@@ -101,7 +101,7 @@ def _page(
     room: float,
     legend: Legend | None = None,
 ) -> Figure:
-    """A figure of one panel with so much room [inch] for words beside its vertical axis."""
+    """A figure of one panel, with `room` [inch] for words beside its vertical axis."""
     left = LEFT + room
     width = left + ACROSS + RIGHT
     panel = Panel(_frame(width, left), *axes, tuple(marks), title, legend=legend)
@@ -109,8 +109,10 @@ def _page(
 
 
 def _curve(key: Column, answer: Column, result: Result) -> Figure:
+    """An answer as a curve over the only key that varies."""
     order = np.argsort(key.values, kind="stable")
     points = over(key.values[order], answer.values[order])
+    # Words have no order that a line could follow.
     width = 0.0 if key.words or answer.words else 1.2
     line = Line(points, Style(LINE, width, marker="o", size=3.5))
     title = f"{result.family.scene.name}: {answer.label}"
@@ -141,16 +143,18 @@ def _cells(x: Column, y: Column, answer: Column) -> tuple[list[Mark], tuple[Axis
 
 
 def _cell_axis(column: Column, low: FloatArray, high: FloatArray) -> Axis:
+    """The axis of a column, which ends at the borders of the outermost cells."""
     axis = column.axis
     return Axis((float(low[0]), float(high[-1])), axis.label, ticks=axis.ticks, names=axis.names)
 
 
 def _borders(column: Column) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Lower and upper borders of the cells around the distinct values, and these."""
+    """Lower and upper borders of the cells around the distinct values, and these values."""
     places = np.unique(column.values)
     if len(places) == 1:
         return places - 0.5, places + 0.5, places
     middle = 0.5 * (places[:-1] + places[1:])
+    # The outermost cells extend as far outwards as inwards.
     first, last = 2.0 * places[0] - middle[0], 2.0 * places[-1] - middle[-1]
     return np.concatenate(([first], middle)), np.concatenate((middle, [last])), places
 
@@ -162,6 +166,7 @@ def _dots(x: Column, y: Column, answer: Column) -> list[Mark]:
     if missing.any():
         style = Style(LIMIT, 0.0, marker="x", size=POINT)
         marks.append(Line(over(x.values[missing], y.values[missing]), style, layer=2.5))
+    # One mark for each colour, however many designs have it.
     levels = np.array([-1 if np.isnan(value) else answer.level(value) for value in answer.values])
     for level in np.unique(levels[levels >= 0]):
         here = levels == level
@@ -172,7 +177,7 @@ def _dots(x: Column, y: Column, answer: Column) -> list[Mark]:
 
 
 def parallel(result: Result) -> Figure:
-    """A vertical axis for each key and each answer, and a line through them for each design.
+    """Parallel axes: one for each key and each answer, and a line through them for each design.
 
     Colours are those of the last answer. Designs that lack an answer are left out.
     """
@@ -184,6 +189,7 @@ def parallel(result: Result) -> Figure:
     heights = np.stack([_heights(column) for column in columns])
     marks: list[Mark] = []
     places = np.arange(float(len(columns)))
+    # Designs with larger answers are drawn later, and so on top.
     for design in whole[np.argsort(last.values[whole], kind="stable")]:
         colour = last.colour(last.level(float(last.values[design])))
         marks.append(Line(over(places, heights[:, design]), Style(colour, 0.7)))
@@ -206,12 +212,13 @@ def _heights(column: Column) -> FloatArray:
 
 def _ends(column: Column) -> tuple[float, float]:
     low, high = column.extent or (0.0, 1.0)
+    # Equal values have no range, but their axis needs a length.
     space = EDGE * (high - low) or max(abs(high), 1.0) * EDGE
     return low - space, high + space
 
 
 def _scale(place: float, column: Column) -> list[Mark]:
-    """Its name below an axis, and beside it words, or the numbers at both ends."""
+    """The scale of a parallel axis: the name below it, and words or the numbers at both ends."""
     low, high = _ends(column)
     if column.words:
         named = [(float(k), word) for k, word in enumerate(column.words)]
@@ -228,18 +235,19 @@ def _scale(place: float, column: Column) -> list[Mark]:
 
 
 def pareto(result: Result, least: Sequence[str], largest: Sequence[str]) -> Figure:
-    """Two answers over each other, and the designs that no other one beats in all objectives.
+    """Two answers over each other, with the Pareto front: the designs that no other one dominates.
 
     Parameters
     ----------
-    least, largest : the objectives, by the names that were asked: what should be small, and what
-        large; at least two together, of which the first two are the axes.
+    least, largest : the objectives as they were asked for, what should be small and what large; at
+        least two together, of which the first two are on the axes.
     """
     _, answers = sweep_columns(result)
     chosen = objectives([question.word for question in result.questions], least, largest)
     mask = front(np.column_stack([sense * answers[place].values for place, sense in chosen]))
     (x_index, _), (y_index, _) = chosen[:2]
     x, y = answers[x_index], answers[y_index]
+    # In ascending order, so that the front of two objectives is a line; of more it is none here.
     order = np.flatnonzero(mask)[np.argsort(x.values[mask], kind="stable")]
     style = FRONT if len(chosen) == 2 else Style(LIMIT, 0.0, marker="o", size=5.0)
     marks: list[Mark] = [
@@ -255,9 +263,9 @@ def pareto(result: Result, least: Sequence[str], largest: Sequence[str]) -> Figu
 def objectives(
     questions: Sequence[str], least: Sequence[str], largest: Sequence[str]
 ) -> list[tuple[int, float]]:
-    """The places of the objectives among what was asked, each with 1 if small is good, else -1.
+    """The places of the objectives among the questions, each with 1 if small is good, else -1.
 
-    Raises UnknownNameError for one that was not asked, GeometryError for fewer than two.
+    Raises UnknownNameError for an objective that is no question, GeometryError for fewer than two.
     """
     words = [canonical(word) for word in questions]
     chosen = []
@@ -272,7 +280,7 @@ def objectives(
 
 
 def require(family: Family, kind: str) -> None:
-    """GeometryError unless a picture of that kind can show a family, before that is computed."""
+    """Raise GeometryError if a picture of that kind cannot show a family, before it is computed."""
     if family.count > MOST:
         size = counted(family.count, "design")
         raise GeometryError(f"a picture has at most {counted(MOST, 'design')}, not {size}")
@@ -283,33 +291,34 @@ def require(family: Family, kind: str) -> None:
 
 
 PICTURES: Final[dict[str, Callable[[Result], Figure]]] = {"map": map_figure, "parallel": parallel}
-"""Those that need no objectives."""
+"""Functions that make pictures without objectives, by the kind of picture."""
 
 
 # -- columns --------------------------------------------------------------------------------------
-# Columns of a sweep as numbers that can be drawn, and the colours of a column.
+# Columns of a sweep as numbers that can be drawn, and their colours.
 
 
 COLOURS: Final = (
     "#440154", "#46327e", "#365c8d", "#277f8e", "#1fa187", "#4ac16d", "#a0da39", "#fde725",
 )  # fmt: skip
-"""From low to high, ascending in lightness too (viridis of matplotlib, CC0)."""
+"""Colours from low to high, ascending in lightness too (viridis of matplotlib, CC0)."""
 
 LETTER: Final = 0.08
 """Width of a letter at a tick [inch]."""
 
 FAILED: Final = Fill("#ffffff", "#b3261e", 0.6, hatched=True)
-"""Designs without an answer."""
+"""Filling of designs without an answer."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Column:
-    """What varies or was asked, for all designs.
+    """A key or an answer, for all designs.
 
     Attributes
     ----------
     label : its name and unit.
-    values : (n,) of all designs, NaN where there is none; of words their places in `words`.
+    values : (n,) numbers of all designs, NaN where there is none; for words, their places in
+        `words`.
     words : the words, in the order of their first appearance; empty for numbers.
     """
 
@@ -328,7 +337,7 @@ class Column:
 
     @property
     def room(self) -> float:
-        """Width of its words [inch], for the margin beside a vertical axis."""
+        """Width of its longest word [inch], for the margin beside a vertical axis."""
         return LETTER * max(map(len, self.words), default=0)
 
     @property
@@ -341,7 +350,7 @@ class Column:
 
     @property
     def levels(self) -> FloatArray:
-        """(k + 1,) borders of the ranges that colours stand for, equal in width."""
+        """(k + 1,) borders of the equally wide ranges that colours stand for."""
         if self.words:
             return np.arange(float(len(self.words) + 1)) - 0.5
         if self.extent is None:
@@ -357,13 +366,13 @@ class Column:
         return max(0, min(place, len(borders) - 2))
 
     def colour(self, level: int) -> str:
-        """Of a range."""
+        """The colour of a range."""
         most = max(len(self.levels) - 2, 1)
         return COLOURS[round(level * (len(COLOURS) - 1) / most)]
 
     @property
     def legend(self) -> Legend:
-        """The ranges with their colours, the highest on top, and what has no answer."""
+        """The legend of the ranges, the highest on top, and of designs without an answer."""
         borders = self.levels
         entries = [
             Entry(self._range(borders, level), Fill(self.colour(level), width=0.0))
@@ -380,7 +389,7 @@ class Column:
 
 
 def sweep_columns(result: Result) -> tuple[list[Column], list[Column]]:
-    """What varies and what was asked."""
+    """The columns of the keys that vary, and those of the answers."""
     rows = list(result.rows)
     keys = [
         column(key, [row.point[place] for row in rows])
@@ -395,7 +404,7 @@ def sweep_columns(result: Result) -> tuple[list[Column], list[Column]]:
 
 
 def column(label: str, values: Sequence[object]) -> Column:
-    """The column of some values: numbers, or words if any of them is one."""
+    """The column of some values: of numbers, or of words if any of them is a word."""
     if any(isinstance(value, str | bool) for value in values):
         words = dict.fromkeys(_word(value) for value in values if value is not None)
         places = {word: float(place) for place, word in enumerate(words)}
@@ -410,7 +419,7 @@ def _word(value: object) -> str:
 
 
 # -- trials ---------------------------------------------------------------------------------------
-# Pictures of an optimisation: the Pareto front, or how the objective became better.
+# Pictures of an optimisation: the Pareto front, or how the objective improved.
 
 
 BEST = Style(LIMIT, 1.2)
@@ -421,9 +430,9 @@ CHOSEN = Style("black", 0.0, marker="o", size=7.0)
 
 
 def search_figure(result: OptimisationResult, units: Sequence[str]) -> Figure:
-    """The first two objectives over each other with the front, or one objective over the trials.
+    """The first two objectives over each other with the front, or the only one over the trials.
 
-    Of more trials than a picture has, only the first are drawn besides the front and the best.
+    At most the first `MOST` trials are drawn, besides the front and the best design.
     """
     words = [goal.question.word for goal in result.task.goals]
     places = [result.task.questions.index(goal.question) for goal in result.task.goals]
@@ -484,12 +493,12 @@ def _answers(trials: Sequence[Trial], place: int) -> FloatArray:
 
 
 # -- overlaid --------------------------------------------------------------------------------------
-# A few designs over each other: their flanks, and motion, acceleration and transmission angle.
+# A few designs over each other: flanks, motion, acceleration and transmission angle.
 
 
 OVERLAID_WIDTH, OVERLAID_HEIGHT = 11.0, 6.4
 OVERLAID_MIDDLE: Final = 5.6
-"""Left edge of the diagrams [inch]."""
+"""Left edge of the diagrams, to the right of the flanks [inch]."""
 
 OVERLAID_MARGINS: Final = (0.8, 0.2, 0.4, 0.55)
 """Left, right, above and below [inch]."""
@@ -499,17 +508,17 @@ OVERLAID_LEFT, _, OVERLAID_TOP, OVERLAID_BOTTOM = OVERLAID_MARGINS
 DESIGN_COLOURS: Final = (
     "#12365c", "#c05a00", "#2e7d32", "#8e24aa", "#6d4c41", "#0097a7", "#9e9d24", "#b3261e",
 )  # fmt: skip
-"""One for each design; their number is the most that can be told apart."""
+"""Colours of the designs; more of them could not be told apart."""
 
 SPELLED: Final = {"mu [": "transmission angle μ [", "psi": "ψ", "chi": "χ", "theta": "θ",
                   "alpha_": "α ", "^2": "²", "deg": "°"}  # fmt: skip
 
 DASHES: Final = ((), (5.0, 2.0), (1.5, 1.5), (6.0, 1.5, 1.5, 1.5))
-"""Kinds of line, in turn, for prints in grey."""
+"""Dashes of the lines, in turn, so that a print in grey can be read."""
 
 
 def of_designs(designs: Sequence[tuple[str, Design]]) -> Figure:
-    """The designs by their names; what one of them does not have is left out."""
+    """The designs over each other, by their names; curves that a design lacks are left out."""
     size = OVERLAID_WIDTH, OVERLAID_HEIGHT
     flanks: list[Mark] = []
     rows: list[list[tuple[str, Line]]] = [[], [], []]
@@ -564,7 +573,7 @@ def _disc(flanks: list[Mark], unit: str) -> Panel:
 
 
 def _flanks(design: Design, name: str, style: Style) -> Iterator[Line]:
-    """The working curves of the main disc; an undercut one with its loops."""
+    """The working curves of the main disc; undercut ones are drawn with their loops."""
     if design.scene.follower is None:
         return
     disc, phi = design.cam.disc, np.linspace(0.0, TURN, SAMPLES)
@@ -577,7 +586,7 @@ def _flanks(design: Design, name: str, style: Style) -> Iterator[Line]:
 
 
 def _curves(design: Design, style: Style) -> list[list[tuple[str, Line]]]:
-    """Position, acceleration and transmission angle, each with its heading, if there is one."""
+    """Position, acceleration and transmission angle with their headings, if there are any."""
     scene = design.scene
     cam = None if scene.follower is None else design.cam
     all_columns = quantities(design.drive, scene.lift_unit, cam, scene.unit)

@@ -46,7 +46,7 @@ RETURNING = '\n[[tolerance.form]]\nplus_minus = 0.01\nwaves = 3\nside = "return"
         (LEVER, "waves = 12", "waves = 0", "must be a whole number from 1 to 1000"),
         (LEVER, "plus_minus = 0.01\nwaves = 12", "plus_minus = 5\nwaves = 60", "form[1]: "),
         (LEVER, "limit = 0.055  # degrees", 'flank = "outer"',
-         'tolerance.flank = outer: is not where the follower runs; must be "inner"'),
+         'tolerance.flank = outer: is not a flank on which the follower runs; must be "inner"'),
         (PAIR, 'side = "return"\nhole', 'side = "second"\nhole',
          'must be one of "main", "return"'),
         (PAIR, '"follower.return.arm"', '"follower.return.spacing"', "is no dimension of this"),

@@ -126,7 +126,7 @@ WRONG = {
     "sweep scenes/setzhub.toml --vary follower.base_radis=1,2 --ask laws": "did you mean follower",
     "sweep scenes/setzhub.toml --vary cam.speed=3:3:5 --ask laws": "is an empty range",
     "sweep scenes/setzhub.toml --vary cam.speed=1:2:1000000000 --ask laws": "designs are more",
-    "sweep scenes/setzhub.toml --vary cam.speed=1,2": "names nothing: say what is asked",
+    "sweep scenes/setzhub.toml --vary cam.speed=1,2": "names nothing: state what to ask",
     "sweep scenes/setzhub.toml --ask laws": "nothing varies",
     f"{FAMILY} -o runs.xls": "'runs.xls' must end in one of .sqlite, .csv, .json",
     f"{FAMILY} -o {{}}/a.csv -o {{}}/a.csv": "must name different files",

@@ -38,7 +38,7 @@ FAMILY: Final = family("follower.base_radius=45:60:10", "motion.2.law=modified-s
 HELPS: Final = ("--force", "delete it", "resume the run later", "another process")
 """What a message says of the way out."""
 
-UNKNOWN: Final = ("is no store of a sweep", "of another program")
+UNKNOWN: Final = ("is not a store of a sweep", "of another program")
 """What is said of a file that is not replaced: it may be somebody else's."""
 
 BESIDE: Final = ("-wal", "-shm", "-journal")

@@ -139,7 +139,7 @@ def test_a_store_that_a_cluster_began_is_resumed(processes: Processes, tmp_path:
 
 NO_ADDRESS = r"cluster = .*: must be tcp://HOST:PORT"
 
-OPEN = r"cluster = tcp://.*: leaves this machine without TLS"
+OPEN = r"cluster = tcp://.*: leaves this computer without TLS"
 
 HOSTS = ("10.0.0.5", "0.0.0.0", "node-7.example", "[2001:db8::1]")
 
@@ -187,7 +187,7 @@ def test_a_cluster_that_cannot_be_reached_is_a_sentence(
     words = ["sweep", SCENE, "--vary", "follower.base_radius=45,46", "--ask", "laws"]
     assert main([*words, "--cluster", address]) == 2
     told = capsys.readouterr().err
-    assert f"no scheduler of Dask can be reached at {address}: " in told
+    assert f"no Dask scheduler can be reached at {address}: " in told
     assert "Traceback" not in told
 
 

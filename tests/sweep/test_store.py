@@ -183,7 +183,7 @@ def test_a_store_of_another_format_is_refused(tmp_path: Path) -> None:
 def require_refused_then_made_anew(path: Path, said: str) -> None:
     """What cannot be resumed is left alone, and the message says what replaces it."""
     before = path.read_bytes()
-    with pytest.raises(FileError, match=f"{said}.*nothing of it was changed; --force makes"):
+    with pytest.raises(FileError, match=f"{said}.*it was not changed; --force makes"):
         run(path, existing="resume")
     assert path.read_bytes() == before
     run(path, existing="replace").close()
@@ -264,7 +264,7 @@ def test_a_file_of_something_else_is_refused_and_left_alone(tmp_path: Path) -> N
     other = tmp_path / "other.sqlite"
     with closing(sqlite3.connect(other)) as database, database:
         database.execute("CREATE TABLE mine (a)")
-    for file, message in ((path, "is no store of a sweep"), (other, "of another program")):
+    for file, message in ((path, "is not a store of a sweep"), (other, "of another program")):
         before = file.read_bytes()
         for existing in ("resume", "replace"):
             with pytest.raises(FileError, match=message):
@@ -299,7 +299,7 @@ def test_a_store_of_a_later_sqlite_is_read_and_left_alone(tmp_path: Path) -> Non
     data[18] = 3
     path.write_bytes(data)
     assert rows(run(path, existing="resume")) == found
-    with pytest.raises(FileError, match=r"runs\.sqlite is no store of a sweep.*delete it"):
+    with pytest.raises(FileError, match=r"runs\.sqlite is not a store of a sweep.*delete it"):
         run(path, existing="replace")
     assert path.read_bytes() == data
 
@@ -308,7 +308,7 @@ def test_a_second_writer_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "runs.sqlite"
     with closing(Store(path, heading(family()))) as first:
         for existing in ("resume", "replace"):
-            with pytest.raises(OutputError, match="another process writes it"):
+            with pytest.raises(OutputError, match="another process is writing it"):
                 run(path, existing=existing)
         first.add(compute_rows(first.heading.work, [(45, "modified-sine")]))
     engine = Counting()

@@ -74,6 +74,6 @@ def test_whoever_has_no_certificate_of_it_is_refused(
     address = processes.address if who == "stranger" else processes.address.replace("tls", "tcp")
     with (
         certificate("stranger"),
-        pytest.raises(CamgeoError, match=f"no scheduler of Dask can be reached at {address}: "),
+        pytest.raises(CamgeoError, match=f"no Dask scheduler can be reached at {address}: "),
     ):
         list(Cluster(address).rows(work_on(found, "laws"), found.points()))

@@ -218,7 +218,7 @@ def test_each_class_is_as_wide_as_its_grade() -> None:
     [
         ("H17", 20.0, r"grade from IT1 to IT16, e\.g\. \"H7\""),
         ("V7", 20.0, r"letter of holes \(A, B, C, D, E, F, G, H, JS, K, M, N, P, R, S, T and U\)"),
-        ("Hj", 20.0, "no tolerance class"),
+        ("Hj", 20.0, "not a known tolerance class"),
         ("H7", 500.1, "up to 500 mm, and this one is 500.1 mm"),
         ("t6", 24.0, "there are none of t1 to t16 for sizes above 0 up to 24 mm, and this one is"),
         ("K9", 20.0, "no value in ISO 286-1: there are none of K9 to K16 for sizes above 3 up to"),

@@ -1,6 +1,6 @@
-"""The contents of a sheet: lines, arcs, texts, dimensions, and their places. Nothing here draws.
+"""The contents of a sheet: lines, arcs, texts and dimensions, and their places. Nothing here draws.
 
-Marks of the sheet itself are in millimetres of paper, from its lower left corner; those of a view
+Marks of the sheet itself are in millimetres of paper from its lower left corner; those of a view
 are in millimetres of the part. Heights of texts are always those on paper.
 """
 
@@ -24,13 +24,14 @@ Layer = Literal[
     "OUTLINE", "HIDDEN", "SECTION", "EDGES", "CENTRE", "PITCH_CURVE", "BASE_CIRCLE",
     "HATCH", "DIMENSION", "SYMBOL", "TEXT", "FRAME", "GRID", "DIAGRAM", "ENGRAVING",
 ]  # fmt: skip
-"""What a line means. OUTLINE and HIDDEN are the edges of the part seen from above, SECTION what is
-cut, EDGES what is visible behind it and other wide lines, ENGRAVING the outlines of letters."""
+"""The meaning of a line. OUTLINE and HIDDEN are edges of the part seen from above, SECTION edges
+that are cut, EDGES those visible behind the cut and other wide lines, ENGRAVING outlines of
+letters."""
 
 Across = Literal["left", "centre", "right"]
 
 DIAMETER: Final = "%%c"
-"""The diameter sign, as every CAD program knows it."""
+"""The diameter sign in the notation of CAD programs."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -39,9 +40,9 @@ class Chain:
 
     Attributes
     ----------
-    vertices : (n,) complex [mm].
-    sweeps : (n,) angle turned from each vertex to the next [rad]; 0 is a line. The last one counts
-        only if the chain is closed.
+    vertices : (n,) complex points [mm].
+    sweeps : (n,) angle of the arc from each vertex to the next [rad], 0 for a line. The last one
+        counts only if the chain is closed.
     """
 
     vertices: ComplexArray
@@ -55,8 +56,10 @@ class Chain:
 
     @staticmethod
     def along(contour: Contour, first: float, size: float, layer: Layer) -> Chain:
-        """The stretch of a contour of the length `size` that begins at the length `first` [mm],
-        below the whole.
+        """The stretch of a closed contour that begins at the length `first` and is `size` long
+        [mm].
+
+        `first` is less than the length of the whole contour; the stretch may pass its end.
         """
         lengths = contour.lengths
         starts = np.concatenate(([0.0], np.cumsum(lengths)))
@@ -69,7 +72,7 @@ class Chain:
             part = step / float(lengths[index]) if lengths[index] else 0.0
             vertices.append(_piece_point(contour, index, share))
             sweeps.append(float(contour.sweeps[index]) * part)
-            left -= step
+            left -= step  # of the stretch, until only rounding is left
             if left <= 1e-12 * size:
                 vertices.append(_piece_point(contour, index, share + part))
                 return Chain(np.array(vertices), np.array([*sweeps, 0.0]), layer)
@@ -95,7 +98,7 @@ class Round:
 
     @property
     def quarters(self) -> ComplexArray:
-        """(4,) where each quarter of it begins [mm]."""
+        """(4,) points at which the quarters of the circle begin [mm]."""
         return self.centre + self.radius * np.array([1.0, 1j, -1.0, -1j], np.complex128)
 
 
@@ -106,8 +109,8 @@ class Label:
     Attributes
     ----------
     place : where its base line begins, has its middle or ends, see `across` [mm].
-    height : of its capitals [mm of paper].
-    width : at most, in mm of paper, to which a longer text is narrowed; 0 for no limit.
+    height : height of capitals [mm of paper].
+    width : largest width [mm of paper], to which a longer text is narrowed; 0 for no limit.
     """
 
     text: str
@@ -119,7 +122,7 @@ class Label:
 
     @property
     def squeeze(self) -> float:
-        """By what the text is narrowed further to be within `width`; 1 if it need not be."""
+        """Factor by which the text is narrowed further to be within `width`; 1 if it fits."""
         wide = text_width(self.text, self.height)
         return 1.0 if not self.width or wide <= self.width else self.width / wide
 
@@ -144,17 +147,17 @@ class Hatched:
 
 @dataclass(frozen=True, slots=True)
 class Distance:
-    """A dimension: the distance of two points of the part along a direction.
+    """A linear dimension: the distance of two points of the part along a direction.
 
     Attributes
     ----------
     first, second : the points that it measures [mm].
     line : any point on the dimension line [mm].
-    angle : of the dimension line [rad].
-    prefix, suffix : around the measured number, which is never stated itself.
-    decimals : that are written at most; zeros at the end are not.
-    aside : how far the text is from the middle, along the line [mm of paper].
-    bare : which end has no arrow, for a datum stands in its place: 1 or 2, or 0 for neither.
+    angle : direction of the dimension line [rad].
+    prefix, suffix : text around the number, which is always measured and never stated.
+    decimals : largest number of decimals; zeros at the end are not written.
+    aside : distance of the text from the middle of the line, along it [mm of paper].
+    bare : the end without an arrow, because a datum stands in its place: 1 or 2; 0 for neither.
     """
 
     first: complex
@@ -169,24 +172,26 @@ class Distance:
 
     @property
     def measure(self) -> float:
-        """What it measures [mm of the part]."""
+        """The measured distance [mm of the part]."""
         along = complex(np.exp(1j * self.angle))
         return abs(((self.second - self.first) * along.conjugate()).real)
 
 
 @dataclass(frozen=True, slots=True)
 class Diameter:
-    """A dimension: the diameter of a circle. A leader on a ray from the centre ends at the circle;
-    the text stands on a shelf at its other end, after a diameter sign.
+    """A dimension of the diameter of a circle.
+
+    A leader on a ray from the centre ends at the circle; the text stands on a horizontal line at
+    its other end, after a diameter sign.
 
     Attributes
     ----------
     centre, radius : of the circle [mm].
-    angle : of the ray [rad].
+    angle : direction of the ray [rad].
     reach : length of the leader [mm of paper].
     count : how many such circles there are.
-    suffix : after the measured number, which is never stated itself.
-    decimals : that are written at most; zeros at the end are not.
+    suffix : text after the number, which is always measured and never stated.
+    decimals : largest number of decimals; zeros at the end are not written.
     """
 
     centre: complex
@@ -199,12 +204,12 @@ class Diameter:
 
     @property
     def prefix(self) -> str:
-        """Before the number: how many there are, and the diameter sign."""
+        """The text before the number: how many circles there are, and the diameter sign."""
         return f"{self.count}x {DIAMETER}" if self.count > 1 else DIAMETER
 
     @property
     def measure(self) -> float:
-        """What it measures [mm of the part]."""
+        """The measured diameter [mm of the part]."""
         return 2.0 * self.radius
 
 
@@ -213,15 +218,16 @@ LETTERS: Final = 3.5
 
 
 ARROW: Final = 3.0
-"""Length of their arrows [mm of paper]."""
+"""Length of the arrows of dimensions [mm of paper]."""
 
 
 LIFTED: Final = 0.8
-"""Of texts above the dimension line, and the gap beside arrows [mm of paper]."""
+"""Distance of texts above the dimension line, and gap beside arrows [mm of paper]."""
 
 
 EXTENSION_GAP, EXTENSION_OVERSHOOT = 0.8, 1.5
-"""From the part to its extension line, and from the dimension line to its end [mm of paper]."""
+"""Gap between the part and an extension line, and how far that line goes beyond the dimension line
+[mm of paper]."""
 
 
 Mark = Chain | Round | Label | Filled | Hatched | Distance | Diameter
@@ -247,13 +253,13 @@ class Sheet:
 
     Attributes
     ----------
-    width, height : trimmed [mm].
+    width, height : size of the trimmed sheet [mm].
     scale : millimetres of paper for each millimetre of the part.
-    ratio : the same as the title block states it, "1:2".
-    unit : of the dimensions.
-    comma : whether decimals follow a comma.
-    views : the first one is the front view, whose origin is the cam axis.
-    marks : on the sheet itself.
+    ratio : the scale as the title block states it, as "1:2".
+    unit : unit of the dimensions.
+    comma : whether the decimal sign is a comma.
+    views : the views; the first one is the front view, whose origin is the cam axis.
+    marks : marks on the sheet itself.
     """
 
     width: float
@@ -267,12 +273,12 @@ class Sheet:
 
     @property
     def dimensions(self) -> tuple[Distance | Diameter, ...]:
-        """Those of all views."""
+        """The dimensions of all views."""
         marks = (mark for view in self.views for mark in view.marks)
         return tuple(mark for mark in marks if isinstance(mark, Distance | Diameter))
 
     def findings(self) -> Iterator[Finding]:
-        """Warnings of what cannot be read, with what helps."""
+        """Warnings about what cannot be read, with a remedy."""
         texts = [text for view in self.views for text in across(view, self)]
         if texts:
             names = listed([f'"{text}"' for text in texts], NAMED)
@@ -298,8 +304,9 @@ def dimension_text(mark: Distance | Diameter, unit: LengthUnit) -> str:
 
 
 def shelf_length(text: str) -> float:
-    """Length of the line below the text of a diameter [mm of paper]: as if all letters were as wide
-    as high, before they are narrowed.
+    """Length of the line below the text of a diameter [mm of paper].
+
+    It is that for letters which, before they are narrowed, are as wide as high.
     """
     return NARROWED * LETTERS * len(text.replace(DIAMETER, "O"))
 
@@ -345,13 +352,14 @@ def moved(marks: Sequence[Mark], origin: complex, scale: float) -> list[Mark]:
 # Widths of texts, by which a sheet is laid out.
 #
 # They are those of DejaVu Sans, with which sheets are drawn as PDF and SVG; fonts that CAD programs
-# take in its place are narrower.
+# use in its place are narrower.
 
 
 NARROWED: Final = 0.8
 """Width of the letters of a sheet, as a fraction of the font's."""
 
 FIRST: Final = 32
+"""Code of the first character of `WIDTHS`, the space."""
 
 WIDTHS: Final = (
     *(44, 55, 63, 115, 87, 130, 107, 38, 54, 54, 69, 115, 44, 49, 44, 46),
@@ -361,10 +369,10 @@ WIDTHS: Final = (
     *(69, 84, 87, 75, 87, 84, 48, 87, 87, 38, 38, 79, 38, 134, 87, 84),
     *(87, 87, 56, 71, 54, 87, 81, 112, 81, 81, 72, 87, 46, 87, 115),
 )
-"""Of the characters from `FIRST`, in percent of the height of capitals."""
+"""Widths of the characters from `FIRST` on, in per cent of the height of capitals."""
 
 OTHER: Final = 115
-"""Of any other character, in percent; few are wider."""
+"""Width of any other character, in per cent; few are wider."""
 
 
 def text_width(text: str, height: float) -> float:
@@ -379,10 +387,10 @@ def text_width(text: str, height: float) -> float:
 
 
 LETTER = 3.5
-"""Height of letters in frames and at datums."""
+"""Height of letters in frames and at datums [mm of paper]."""
 
 CELL = 7.0
-"""Height of a frame, and the least width of its cells: twice the letters (ISO 7083)."""
+"""Height of a frame, and least width of its cells [mm of paper]: twice the letters (ISO 7083)."""
 
 
 def texture(tip: complex, text: str, letter: float = 2.5) -> list[Mark]:
@@ -404,26 +412,27 @@ def texture(tip: complex, text: str, letter: float = 2.5) -> list[Mark]:
 
 
 CLEAR: Final = 0.7
-"""Around a text, where no line is drawn [mm of paper]."""
+"""Width of the margin around a text in which no line is drawn [mm of paper]."""
 
 UNREADABLE: Final = 1000.0
-"""Costs of each text that is drawn across something, or that something is drawn across."""
+"""Cost of each text that is drawn across something, or that something is drawn across."""
 
 EDGE_CROSSING, LINE_CROSSING, AXIS_CROSSING = 2.0, 1.0, 0.2
-"""Costs of each crossing of an extension line or leader, and of a text on a centre line."""
+"""Costs of a crossing of an edge, of a crossing of another line, and of a text on a centre line."""
 
 ROUNDS: Final = 4
-"""Most times that each place is chosen."""
+"""Largest number of times that each place is chosen."""
 
 Option = tuple[float, Sequence[Mark]]
-"""A place that marks may have, after what it costs by itself."""
+"""Marks at a possible place, after the cost of the place itself."""
 
 Options = Iterable[Option]
 
 
 def cost(candidate: Ink, ink: Ink, enough: float = math.inf) -> float:
-    """The cost of candidate marks next to all that is drawn already; no longer summed once it has
-    reached `enough`.
+    """The cost of candidate marks next to all that is drawn already.
+
+    It is not summed further once it has reached `enough`: the candidate is then no better.
     """
     total = 0.0
     for where in _unreadable(candidate, ink):
@@ -440,7 +449,7 @@ def cost(candidate: Ink, ink: Ink, enough: float = math.inf) -> float:
 
 
 def _unreadable(candidate: Ink, ink: Ink) -> Iterator[BoolArray]:
-    """Where texts, frames and dimension lines meet what they must not."""
+    """For each kind of conflict, which texts, frames and dimension lines are in conflict."""
     texts = candidate.texts.around(CLEAR)
     strokes = np.concatenate([candidate.wide, candidate.thin])
     lines = np.concatenate([ink.wide, ink.thin])
@@ -453,17 +462,19 @@ def _unreadable(candidate: Ink, ink: Ink) -> Iterator[BoolArray]:
     yield candidate.frames.hit(lines)
     yield ink.frames.hit(strokes)
     yield candidate.texts.hit(strokes)
+    # Only pairs above the diagonal: each pair once, and no text with itself.
     yield np.triu(candidate.texts.overlap(candidate.texts), 1)
 
 
 def cheapest_marks(options: Options, ink: Ink, scale: float, unit: LengthUnit) -> tuple[Mark, ...]:
-    """The marks of the option that costs least next to what is there; nothing if there is none.
+    """The marks of the option that costs least next to what is there; nothing without options.
 
-    Options are in the order of what they cost by themselves.
+    Options are in ascending order of their own cost.
     """
     best: tuple[Mark, ...] = ()
     least = math.inf
     for price, marks in options:
+        # No later option can be better, as its own cost is at least this one's.
         if price >= least:
             break
         total = price + cost(measure_ink(marks, scale, unit), ink, least - price)
@@ -475,8 +486,10 @@ def cheapest_marks(options: Options, ink: Ink, scale: float, unit: LengthUnit) -
 def placed_marks(
     requests: Iterable[Options], fixed: Sequence[Mark], scale: float, unit: LengthUnit
 ) -> list[Mark]:
-    """The fixed marks, and those of the best option of each request, one after the other; those
-    that later ones are in the way of are chosen again.
+    """The fixed marks, and the marks of the best option of each request.
+
+    Places are chosen one after the other. In further rounds, those are chosen again that became
+    unreadable by later ones.
     """
     sorted_requests = [sorted(options, key=lambda option: option[0]) for options in requests]
     always = measure_ink(fixed, scale, unit)
@@ -484,6 +497,7 @@ def placed_marks(
     inks = [Ink() for _ in sorted_requests]
     for turn in range(ROUNDS):
         for number, options in enumerate(sorted_requests):
+            # All other marks, including those of later requests from the round before.
             others = together([always, *inks[:number], *inks[number + 1 :]])
             if turn and cost(inks[number], others) < UNREADABLE:
                 continue
@@ -493,6 +507,7 @@ def placed_marks(
 
 
 def _interrupted(mark: Chain, rooms: Sequence[Boxes], lines: ComplexArray) -> Iterator[Mark]:
+    """A straight line without its stretches inside boxes; `lines` is the line on paper."""
     start, end = (complex(vertex) for vertex in mark.vertices)
     spans = []
     for low, high in (room.spans(lines) for room in rooms):
@@ -510,26 +525,26 @@ def _interrupted(mark: Chain, rooms: Sequence[Boxes], lines: ComplexArray) -> It
 
 
 # -- readable -------------------------------------------------------------------------------------
-# What cannot be read on a sheet: texts with lines across them, outlines that are mere dots.
+# What cannot be read on a sheet: texts with lines across them, and outlines that are mere dots.
 
 
 READABLE: Final = "drawing-readable"
 
 DOT: Final = 1.0
-"""Width of an outline on paper below which it is a dot: twice the width of its line [mm]."""
+"""Width on paper below which an outline is a dot: twice the width of its line [mm]."""
 
 SEEN: Final = ("OUTLINE", "HIDDEN")
 """Layers of the outlines of the part."""
 
 NAMED: Final = 3
-"""Most texts that a sentence names."""
+"""Largest number of texts that a sentence names."""
 
 
 def across(view: View, sheet: Sheet) -> Iterator[str]:
-    """The texts of a view that something is drawn across."""
+    """The texts of a view across which something is drawn."""
     ink = measure_ink(view.marks, sheet.scale, sheet.unit)
     overlaps = ink.texts.overlap(ink.texts)
-    np.fill_diagonal(overlaps, val=False)
+    np.fill_diagonal(overlaps, val=False)  # a text covers itself
     lines = np.concatenate([ink.wide, ink.thin])
     written = [mark for mark in view.marks if isinstance(mark, Label | Distance | Diameter)]
     for mark, poor in zip(written, ink.texts.hit(lines) | overlaps.any(axis=1), strict=True):
@@ -539,7 +554,7 @@ def across(view: View, sheet: Sheet) -> Iterator[str]:
 
 
 def dots(sheet: Sheet) -> Iterator[tuple[float, complex]]:
-    """The outlines of the part that are mere dots: width on paper, and middle [mm of the part]."""
+    """Outlines of the part that are mere dots: width [mm of paper] and middle [mm of the part]."""
     for view in sheet.views[:1]:
         for mark in view.marks:
             if isinstance(mark, Chain) and mark.closed and mark.layer in SEEN:
@@ -550,20 +565,20 @@ def dots(sheet: Sheet) -> Iterator[tuple[float, complex]]:
 
 
 # -- ink ------------------------------------------------------------------------------------------
-# What marks cover on paper: rooms of texts, dimension lines, wide and thin lines [mm of paper].
+# What marks cover on paper: boxes of texts, dimension lines, wide and thin lines [mm of paper].
 #
-# The origin is that of the view, or of the sheet. Arcs are chords within `SAGITTA`.
+# The origin is that of the view, or of the sheet. Arcs are approximated by chords within `SAGITTA`.
 
 
 SAGITTA: Final = 0.01
-"""By which chords may leave their arcs [mm of paper]."""
+"""Largest distance of chords from their arcs [mm of paper]."""
 
 
 BAR: Final = 1.0
 """Half the width of a dimension line with its arrows [mm of paper]."""
 
 WIDE: Final = frozenset(("OUTLINE", "HIDDEN", "SECTION", "EDGES", "FRAME", "ENGRAVING"))
-"""Layers of edges, which nothing may be written across."""
+"""Layers of edges, across which nothing may be written."""
 
 AXES: Final = frozenset(("CENTRE", "PITCH_CURVE", "BASE_CIRCLE"))
 """Layers of lines that are interrupted at texts."""
@@ -575,8 +590,8 @@ class Boxes:
 
     Attributes
     ----------
-    middles, alongs : (n,) complex [mm of paper, 1].
-    halves : (n,) half the width, and half the height as imaginary part [mm of paper].
+    middles, alongs : (n,) complex middles [mm of paper], and unit vectors along the width.
+    halves : (n,) half the width as real, and half the height as imaginary part [mm of paper].
     """
 
     middles: ComplexArray
@@ -591,12 +606,12 @@ class Boxes:
         return len(self.middles)
 
     def around(self, by: float) -> Boxes:
-        """Boxes that are larger on all sides."""
+        """The boxes enlarged by `by` on all sides [mm of paper]."""
         return Boxes(self.middles, self.alongs, self.halves + complex(by, by))
 
     @property
     def corners(self) -> ComplexArray:
-        """(n, 4) complex [mm of paper]."""
+        """(n, 4) complex corners, counter-clockwise [mm of paper]."""
         signs = np.array([1 + 1j, -1 + 1j, -1 - 1j, 1 - 1j])
         spread = (
             self.halves.real[:, None] * signs.real + 1j * self.halves.imag[:, None] * signs.imag
@@ -605,9 +620,12 @@ class Boxes:
         return points
 
     def spans(self, lines: ComplexArray) -> tuple[FloatArray, FloatArray]:
-        """(n, k) shares of each of k straight lines, (k, 2), between which they are in each box:
-        inside nowhere if the first is not less than the second.
+        """(n, k) shares of each of k straight lines, (k, 2), between which they are in each box.
+
+        A line is nowhere inside a box if the first share is not less than the second one.
         """
+        # In the coordinates of each box its sides are parallel to the axes: the shares inside are
+        # those between both pairs of sides (slab method).
         turn = self.alongs.conj()[:, None]
         start = (lines[None, :, 0] - self.middles[:, None]) * turn
         step = (lines[:, 1] - lines[:, 0])[None, :] * turn
@@ -616,6 +634,8 @@ class Boxes:
                               (start.imag, step.imag, self.halves.imag[:, None])):  # fmt: skip
             with np.errstate(divide="ignore", invalid="ignore"):
                 one, other = (-half - position) / way, (half - position) / way
+            # A line parallel to a pair of sides is between them everywhere or nowhere; 2 and -1
+            # make the range of shares empty.
             still = way == 0.0
             outside = still & (np.abs(position) >= half)
             near = np.where(still, np.where(outside, 2.0, 0.0), np.minimum(one, other))
@@ -635,13 +655,15 @@ class Boxes:
         return hits
 
     def overlap(self, other: Boxes) -> BoolArray:
-        """(n, k) whether each of the boxes overlaps each of others: no line along a side separates
-        them.
+        """(n, k) whether each of the boxes overlaps each of the others.
+
+        They do unless a line along a side of one of them separates them (separating axes).
         """
         offsets = self.middles[:, None] - other.middles[None, :]
         separated = np.zeros(offsets.shape, dtype=bool)
         for axes in (self.alongs[:, None], other.alongs[None, :]):
             for axis in (axes, 1j * axes):
+                # Sum of half the extents of both boxes along the axis.
                 reach = np.zeros(offsets.shape)
                 for boxes, shape in ((self, (-1, 1)), (other, (1, -1))):
                     along = boxes.alongs.reshape(shape) * np.conj(axis)
@@ -652,7 +674,7 @@ class Boxes:
 
 
 def boxes(rectangles: Sequence[tuple[complex, complex, float, float]]) -> Boxes:
-    """Boxes of middles, unit vectors along them, widths and heights [mm of paper]."""
+    """Boxes from tuples of middle, unit vector along it, width and height [mm of paper]."""
     if not rectangles:
         return NONE
     middles, alongs, widths, heights = zip(*rectangles, strict=True)
@@ -668,15 +690,15 @@ NO_LINES: Final[ComplexArray] = frozen(np.zeros((0, 2)), np.complex128)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Ink:
-    """What some marks cover.
+    """What some marks cover on paper.
 
     Attributes
     ----------
-    texts : their rooms.
-    bars : dimension lines with their arrows.
+    texts : boxes around texts.
+    bars : boxes around dimension lines with their arrows.
     frames : rectangles with a letter or a value in each.
-    wide, thin, axes : (n, 2) straight lines: edges, lines of dimensions and symbols, and those that
-        are interrupted at texts.
+    wide, thin, axes : (n, 2) complex ends of straight lines: edges; lines of dimensions and
+        symbols; lines that are interrupted at texts.
     """
 
     texts: Boxes = NONE
@@ -688,15 +710,16 @@ class Ink:
 
     @property
     def extent(self) -> tuple[complex, complex]:
-        """Lower left and upper right corner of all."""
+        """Lower left and upper right corner of all that is covered [mm of paper]."""
         points = np.concatenate([self.texts.corners.ravel(), self.wide.ravel(), self.thin.ravel(),
                                  self.axes.ravel()])  # fmt: skip
         low = complex(points.real.min(), points.imag.min())
         return low, complex(points.real.max(), points.imag.max())
 
     def cleared(self, marks: Iterable[Mark], scale: float) -> Iterator[Mark]:
-        """The marks, with straight lines of `AXES` interrupted, and short chains of them left out,
-        where they would go through a text or a frame of these.
+        """The marks, kept off the texts and frames of this ink.
+
+        Straight lines of `AXES` are interrupted there, and short chains of them are left out.
         """
         rooms = (self.texts.around(CLEAR), self.frames)
         for mark in marks:
@@ -730,7 +753,7 @@ def together(inks: Iterable[Ink]) -> Ink:
 
 
 def crossings(one: ComplexArray, other: ComplexArray) -> int:
-    """How often straight lines, (n, 2) and (k, 2), cross each other; touching does not count."""
+    """Number of crossings of straight lines (n, 2) with others (k, 2); touching does not count."""
     if not len(one) or not len(other):
         return 0
     a, b = one[:, None, 0], one[:, None, 1]
@@ -740,12 +763,13 @@ def crossings(one: ComplexArray, other: ComplexArray) -> int:
         area: FloatArray = ((end - start).conj() * (point - start)).imag
         return area
 
+    # Two lines cross if the ends of each lie on different sides of the other.
     across = (side(a, b, c) * side(a, b, d) < 0.0) & (side(c, d, a) * side(c, d, b) < 0.0)
     return int(np.count_nonzero(across))
 
 
 def measure_ink(marks: Iterable[object], scale: float, unit: LengthUnit) -> Ink:
-    """What marks cover at a scale [mm of paper for each of the marks]."""
+    """What marks cover at a `scale` [mm of paper per mm of the marks]."""
     paper = _Paper(scale, unit)
     return together([Ink(), *map(paper.ink, marks)])
 
@@ -758,7 +782,7 @@ def _lines(layer: str, lines: ComplexArray) -> Ink:
 
 @dataclass(frozen=True, slots=True)
 class _Paper:
-    """Where marks stand on paper."""
+    """Computes what a mark covers on paper at a scale."""
 
     scale: float
     unit: LengthUnit
@@ -772,6 +796,7 @@ class _Paper:
     def _(self, mark: Chain) -> Ink:
         corners = self.scale * mark.vertices
         line_ink = _lines(mark.layer, chords(corners, mark.sweeps, closed=mark.closed))
+        # A closed symbol with four corners is a frame, across which nothing may be drawn.
         if mark.layer == "SYMBOL" and mark.closed and len(corners) == 4:
             low, across, upper = complex(corners[0]), complex(corners[1]), complex(corners[3])
             along = (across - low) / abs(across - low)
@@ -791,7 +816,7 @@ class _Paper:
 
     @ink.register
     def _(self, _mark: Hatched) -> Ink:
-        return Ink()  # its edges are lines of their own
+        return Ink()  # its edges are marks of their own
 
     @ink.register
     def _(self, mark: Label) -> Ink:
@@ -822,6 +847,7 @@ class _Paper:
             low, high = min(low, text_place - 0.5 * wide), max(high, text_place + 0.5 * wide)
         lines.append((feet[0] + low * along, feet[0] + high * along))
         lifted = middle + along * (mark.aside + 1j * (LIFTED + 0.5 * LETTERS))
+        # A little shorter, so that dimension lines that meet end to end do not overlap.
         bar = (feet[0] + 0.5 * (low + high) * along, along, high - low - 0.1, 2.0 * BAR)
         return Ink(boxes([(lifted, along, wide, LETTERS)]), boxes([bar]), thin=np.array(lines))
 
@@ -846,6 +872,7 @@ def chords(vertices: ComplexArray, sweeps: FloatArray, *, closed: bool) -> Compl
     if not closed:
         starts, ends, sweeps = starts[:-1], ends[:-1], sweeps[:-1]
     bent = sweeps != 0.0
+    # A chord of the sagitta h on an arc of the radius r spans the angle 2 arccos(1 - h/r).
     half = np.where(bent, 0.5 * sweeps, 1.0)
     radii = np.where(bent, 0.5 * np.abs(ends - starts) / np.abs(np.sin(half)), 1.0)
     step = np.where(bent, 2.0 * np.arccos(np.maximum(1.0 - SAGITTA / radii, 0.0)), 1.0)
@@ -856,6 +883,7 @@ def chords(vertices: ComplexArray, sweeps: FloatArray, *, closed: bool) -> Compl
     shares = np.stack([number, number + 1], axis=1) / counts[index, None]
     chord = (ends - starts)[index, None]
     angle = sweeps[index, None]
+    # The point at a share s of an arc: start + chord (e^(i s angle) - 1) / (e^(i angle) - 1).
     with np.errstate(divide="ignore", invalid="ignore"):
         turned = np.expm1(1j * angle * shares) / np.expm1(1j * angle)
     chord_ends: ComplexArray = starts[index, None] + chord * np.where(

@@ -1,4 +1,4 @@
-"""The part as a sheet needs it, its edges as seen from above, its section through the cam axis, and
+"""The part as a sheet needs it: its edges as seen from above, its section through the cam axis, and
 their dimensions.
 """
 
@@ -47,27 +47,27 @@ from camgeo.scene.formats.drawing import DrawingSpec
 from camgeo.units import LengthUnit
 
 # -- shape -----------------------------------------------------------------------------------------
-# The part as a sheet needs it: its contours, and what is seen of them.
+# The part as a sheet needs it: its contours, and what is visible of them.
 
 
 COARSE = 1e-5
-"""Of the size of a part, by which chords may leave its arcs where it is only asked what is seen."""
+"""Sagitta of chords, relative to the size of a part, where only visibility is decided."""
 
 
 FLANKS = frozenset(("outline", "return outline", "inner flank", "outer flank"))
 """Boundaries on which a follower runs."""
 
 ROUND = 1e-9
-"""Of the size of a part: centres that differ by less are the same."""
+"""Centres that differ by less than this, relative to the size of a part, are the same."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Edge:
-    """A boundary with its contour, within the tolerance.
+    """A boundary with its contour within the tolerance.
 
     Attributes
     ----------
-    hidden : whether all of it is below material, seen from above.
+    hidden : whether all of it is below material, as seen from above.
     """
 
     boundary: Boundary
@@ -86,7 +86,7 @@ class Edge:
 
     @property
     def circle(self) -> tuple[complex, float] | None:
-        """Centre and radius [mm] of a round boundary, perhaps with a keyway or a flat; None if it
+        """Centre and radius [mm] of a round boundary, which may have a keyway or a flat; None if it
         is not round.
         """
         contour = self.contour
@@ -105,6 +105,7 @@ class Edge:
         bent = contour.sweeps != 0.0
         starts, sweeps = contour.vertices[bent], contour.sweeps[bent]
         centres = contour.centres[bent]
+        # The angle from the start of each arc to the point, in the direction of the arc.
         turned = np.angle((point - centres) / (starts - centres)) * np.sign(sweeps)
         return bool(np.any(turned % (2.0 * np.pi) <= np.abs(sweeps)))
 
@@ -116,7 +117,7 @@ class Shape:
     Attributes
     ----------
     part : the part.
-    edges : of its boundaries, in its order.
+    edges : the edges along its boundaries, in the order of the part.
     """
 
     part: Part
@@ -124,7 +125,7 @@ class Shape:
 
     @property
     def size(self) -> float:
-        """Largest distance of the part from the cam axis, about [mm]."""
+        """Largest distance of the vertices of the part from the cam axis [mm]."""
         return max(float(np.max(np.abs(edge.contour.vertices))) for edge in self.edges)
 
     @property
@@ -134,7 +135,7 @@ class Shape:
 
     @property
     def has_heights(self) -> bool:
-        """Whether the part has a thickness, and each of its layers."""
+        """Whether all layers of the part have a thickness."""
         return all(layer.z1 > layer.z0 for layer in self.part.layers)
 
     @property
@@ -152,7 +153,7 @@ class Shape:
         return next(edge for edge in self.edges if edge.boundary is boundary)
 
     def contours(self, layer: PartLayer) -> tuple[Contour, ...]:
-        """Those of the boundaries of a layer."""
+        """The contours of the boundaries of a layer."""
         return tuple(self.edge(boundary).contour for boundary in layer.boundaries)
 
     @property
@@ -161,7 +162,7 @@ class Shape:
         return [mark for edge in self.edges for mark in self.edge_chains(edge)]
 
     def edge_chains(self, edge: Edge) -> list[Chain]:
-        """The edge as it is drawn: whole, or in stretches that are seen and hidden in turn."""
+        """The edge as it is drawn: whole, or in alternately visible and hidden stretches."""
         contour, layer = edge.contour, _layer(edge)
         whole = Chain(contour.vertices, contour.sweeps, layer, closed=True)
         covers = _above(self, edge) if layer == "OUTLINE" and not edge.boundary.hole else []
@@ -211,13 +212,14 @@ def _covers(section: Sequence[ComplexArray], points: ComplexArray) -> bool:
 
 
 def enclosing(rings: Sequence[ComplexArray], point: complex) -> int:
-    """How often the ray from `point` to the right crosses closed polygons."""
+    """How often the ray from `point` to the right crosses closed polygons; odd inside material."""
     return sum(int(np.count_nonzero(crossings(ring, point.imag) > point.real)) for ring in rings)
 
 
 def crossings(ring: ComplexArray, y: float) -> FloatArray:
-    """(k,) x of the crossings of a closed polygon with a horizontal line."""
+    """(k,) x of the crossings of a closed polygon with the horizontal line at `y`."""
     ends = np.roll(ring, -1)
+    # Half-open: a vertex on the line belongs to one side, so it is not counted twice.
     across = (ring.imag > y) != (ends.imag > y)
     start, end = ring[across], ends[across]
     x_crossings: FloatArray = (
@@ -227,14 +229,14 @@ def crossings(ring: ComplexArray, y: float) -> FloatArray:
 
 
 def extreme(contours: Sequence[Contour], direction: complex) -> complex:
-    """The point of the contours farthest along a unit vector [mm]; exact for their arcs."""
+    """The point of contours that is farthest along a unit vector [mm]; exact for arcs."""
     best, far = 0j, -np.inf
     for contour in contours:
         bent = contour.sweeps != 0.0
         starts, sweeps = contour.vertices[bent], contour.sweeps[bent]
         centres = contour.centres[bent]
         turned = np.angle(direction / (starts - centres)) * np.sign(sweeps) % (2.0 * np.pi)
-        reached = turned <= np.abs(sweeps)
+        reached = turned <= np.abs(sweeps)  # arcs that contain the farthest point of their circle
         tops = (centres + np.abs(starts - centres) * direction)[reached]
         for point in np.concatenate((contour.vertices, tops)).tolist():
             along = (point * direction.conjugate()).real
@@ -245,16 +247,17 @@ def extreme(contours: Sequence[Contour], direction: complex) -> complex:
 
 @dataclass(frozen=True, slots=True)
 class ViewSubject:
-    """What the views are made of.
+    """What the views of a sheet show.
 
     Attributes
     ----------
     shape : the part.
-    pitch : the pitch curve; None if it is the outline.
-    base_radius : of the base circle [mm]; None if it is not drawn: a pair in one piece has two.
-    cut : the marks of the section, with sharp edges; empty without thickness.
-    unit : of the dimensions.
-    edges : of chamfers that are seen from above.
+    pitch : the pitch curve; None if it is the outline, or is not drawn.
+    base_radius : radius of the base circle [mm]; None if it is not drawn, as of a pair in one
+        piece, which has two.
+    cut : marks of the section with sharp edges; empty without thickness.
+    unit : unit of the dimensions.
+    edges : edges of chamfers that are visible from above.
     """
 
     shape: Shape
@@ -282,32 +285,33 @@ class ViewSubject:
 
 
 # -- hidden ---------------------------------------------------------------------------------------
-# Edges of which a part is hidden: the outline of the lower disc of a pair in one piece.
+# Edges that are partly hidden: the outline of the lower disc of a pair in one piece.
 #
-# What is seen of an edge changes where it passes under an edge above it. Places along it are
-# compared one by one, as polygons, so a stretch shorter than their distance may be drawn as its
-# neighbours are; the edge itself stays what it is, as its stretches are cut from its lines and
-# arcs.
+# The visibility of an edge changes where it passes under an edge above it. It is determined at
+# places along the edge, with polygons, so a stretch shorter than their distance may be drawn as its
+# neighbours are. The edge itself stays exact, as its stretches are cut from its lines and arcs.
 
 
 ALONG: Final = 720
-"""Along an edge."""
+"""Number of places along an edge at which its visibility is determined."""
 
 SEEN_DISTANCE: Final = 1e-4
-"""Of the size of the part: an edge nearer than that to one above it is seen."""
+"""Distance from an edge above, relative to the size of the part, within which an edge is
+visible."""
 
 FINE: Final = 1e-7
-"""Of the length of an edge, to which the ends of its stretches are found."""
+"""Accuracy of the ends of stretches, relative to the length of the edge."""
 
 
 def _layer(edge: Edge) -> Layer:
+    """The layer of an edge that is drawn whole."""
     if edge.is_letter:
         return "ENGRAVING"
     return "HIDDEN" if edge.hidden else "OUTLINE"
 
 
 def _above(shape: Shape, edge: Edge) -> list[list[ComplexArray]]:
-    """The boundaries of each layer above an edge that reaches it, as polygons."""
+    """The boundaries of each layer above an edge that may cover it, as polygons."""
     layers, coarse = shape.part.layers, COARSE * shape.size
     top = max(k for k, layer in enumerate(layers) if edge.boundary in layer.boundaries)
     above = [shape.contours(layer) for layer in layers[top + 1 :]]
@@ -324,13 +328,14 @@ def _inside(rings: Sequence[ComplexArray], point: complex, near: float) -> bool:
 
 
 def _distance(ring: ComplexArray, point: complex) -> float:
+    """Distance of a point from a closed polygon [mm]."""
     way = np.roll(ring, -1) - ring
     share = np.clip(((point - ring) * way.conj()).real / np.abs(way) ** 2, 0.0, 1.0)
     return float(np.min(np.abs(ring + share * way - point)))
 
 
 def _changes(covered: Callable[[float], bool]) -> list[float]:
-    """The places, as shares of the length, at which an edge goes under another or comes out."""
+    """Places, as shares of the length, at which an edge passes under another one or out of it."""
     places = (np.arange(ALONG + 1) / ALONG).tolist()
     seen = [covered(place) for place in places[:-1]]
     changes = []
@@ -349,42 +354,43 @@ def _changes(covered: Callable[[float], bool]) -> list[float]:
 # -- section ---------------------------------------------------------------------------------------
 # The section through the cam axis, from the layers of the part alone.
 #
-# The plane is upright in the front view, x = 0, and one looks along +x, as at a view from the left:
-# in first-angle projection it stands to the right of the front view, with the upper face of the
-# disc on its right. At a height y of the front view and in a layer, what is seen is the first
-# material at or behind the plane. Between the heights at which a boundary passes the plane, turns
-# back or has a corner, that changes steadily; so lines are where it differs between neighbouring
-# layers, or jumps between neighbouring heights.
+# The plane is vertical in the front view, at x = 0, and seen along +x, as a view from the left. In
+# first-angle projection it stands to the right of the front view, with the upper face of the disc
+# on its right. At a height y of the front view and in one layer, the first material at or behind
+# the plane is visible. Its distance is a continuous function of y, except at the heights at which a
+# boundary passes the plane, turns back or has a corner. So a line is drawn where the distance
+# differs between adjacent layers, or jumps between adjacent heights.
 
 
 NOTHING = math.inf
-"""Distance of the first material where there is none."""
+"""Distance of the first material if there is none."""
 
 SAME = 1e-6
-"""Fraction of the size of the part by which distances of the same face may differ."""
+"""Largest difference of distances of the same face, relative to the size of the part."""
 
 JUMP = 0.02
-"""Fraction of the size by which the distance of the first material jumps at an edge."""
+"""Least jump of the distance of the first material at an edge, relative to the size of the part."""
 
 
 NEAR: Final = 30.0 * COARSE
-"""Share of the size of a part within which places of a section are the same."""
+"""Places of a section within this distance, relative to the size of a part, are the same."""
 
 
 SMALL_BEYOND = 2.0
-"""How far centre lines of holes go beyond them [mm of paper]."""
+"""How far centre lines of holes extend beyond them [mm of paper]."""
 
 
 CORNER = 0.1
-"""Smallest turn of a contour's direction that is seen as an edge from the side [rad]."""
+"""Smallest jump of a contour's direction that is visible as an edge from the side [rad]."""
 
 
 def section(shape: Shape) -> list[Mark]:
-    """The cut part: across is the height over its lowest face, up is y of the front view [mm]."""
+    """The cut part [mm]: x is the height over its lowest face, y is that of the front view."""
     size, layers = shape.size, shape.part.layers
     rings = [[c.points(COARSE * size) for c in shape.contours(layer)] for layer in layers]
     sharp = [np.concatenate([kinks(c) for c in shape.contours(layer)]) for layer in layers]
     places = _places(rings, sharp, size)
+    # Between two places the distance is continuous, so the middle stands for all heights.
     middles = [0.5 * (low + high) for low, high in pairwise(places)]
     seen = [[_first(layer_rings, y) for y in middles] for layer_rings in rings]
     low = layers[0].z0
@@ -396,12 +402,14 @@ def section(shape: Shape) -> list[Mark]:
                 (z0, z1), (y0, y1) = heights[k : k + 2], places[index : index + 2]
                 sides = [z0 + 1j * y0, z1 + 1j * y0, z1 + 1j * y1, z0 + 1j * y1]
                 marks.append(Hatched(np.array(sides)))
+    # Lines along the faces between layers, and at the outer faces.
     nothing = [NOTHING] * len(middles)
     for k, height in enumerate(heights):
         below = seen[k - 1] if k else nothing
         above = seen[k] if k < len(seen) else nothing
         for first, last, layer in _stretches(_boundary_lines(below, above, SAME * size)):
             marks.append(line(height + 1j * places[first], height + 1j * places[last], layer))
+    # Lines along the heights at which the first material jumps within a layer.
     for y in places:
         edge_layers = [
             _edge(layer_rings, tips, y, size)
@@ -415,11 +423,12 @@ def section(shape: Shape) -> list[Mark]:
 def _places(
     rings: Sequence[Sequence[ComplexArray]], sharp: Sequence[ComplexArray], size: float
 ) -> list[float]:
-    """Heights [mm], ascending, between which what is seen changes steadily in every layer."""
+    """Heights [mm], ascending, between which the visible distance is continuous in every layer."""
     candidates: list[float] = []
     for ring in (ring for layer_rings in rings for ring in layer_rings):
         candidates += crossings(1j * ring.conj(), 0.0).tolist()  # of its mirror image with x = 0
         previous, following = np.roll(ring, 1), np.roll(ring, -1)
+        # Vertices at which the polygon turns back in y: there an outer edge begins or ends.
         turns = (ring.imag - previous.imag) * (following.imag - ring.imag) <= 0.0
         candidates += ring[turns & (ring.real > 0.0)].imag.tolist()
     for tips in sharp:
@@ -433,6 +442,7 @@ def _places(
 
 def _first(rings: Sequence[ComplexArray], y: float) -> float:
     """Distance from the plane to the first material at the height y [mm]; 0 in cut material."""
+    # An odd number of crossings ahead means that the plane itself is in material.
     ahead = [x for ring in rings for x in crossings(ring, y).tolist() if x > 0.0]
     if len(ahead) % 2:
         return 0.0
@@ -442,7 +452,7 @@ def _first(rings: Sequence[ComplexArray], y: float) -> float:
 def _boundary_lines(
     below: Sequence[float], above: Sequence[float], same: float
 ) -> Iterator[Layer | None]:
-    """What the line between two layers is at each place, None where there is none."""
+    """The layer of the line between two layers of the part at each place; None without a line."""
     for one, other in zip(below, above, strict=True):
         if one == other or abs(one - other) <= same:
             yield None
@@ -451,7 +461,7 @@ def _boundary_lines(
 
 
 def _stretches(lines: Iterable[Layer | None]) -> Iterator[tuple[int, int, Layer]]:
-    """Where a line begins and ends and what it is, of what is at each of many places."""
+    """Start, end and layer of each line, joined from the layers at successive places."""
     start = 0
     for layer, group in groupby(lines):
         end = start + len(list(group))
@@ -463,8 +473,8 @@ def _stretches(lines: Iterable[Layer | None]) -> Iterator[tuple[int, int, Layer]
 def _edge(
     rings: Sequence[ComplexArray], sharp: ComplexArray, y: float, size: float
 ) -> Layer | None:
-    """What is drawn in a layer along the height y: a cut edge, one behind the plane, or nothing."""
-    step = 20.0 * COARSE * size
+    """The line of a layer at the height y: a cut edge, one behind the plane, or None."""
+    step = 20.0 * COARSE * size  # far enough from y for the chords of curves to make no difference
     one, other = _first(rings, y - step), _first(rings, y + step)
     if one == other:
         return None
@@ -479,6 +489,7 @@ def _edge(
 def kinks(contour: Contour) -> ComplexArray:
     """(k,) vertices at which the direction of the contour jumps [mm]."""
     chord = contour.ends - contour.vertices
+    # An arc begins half its sweep before the direction of its chord, and ends as much after it.
     first = np.angle(chord) - 0.5 * contour.sweeps
     last = np.roll(first + contour.sweeps, 1)
     turn = np.abs((first - last + np.pi) % (2.0 * np.pi) - np.pi)
@@ -491,12 +502,12 @@ def kinks(contour: Contour) -> ComplexArray:
 
 @dataclass(frozen=True, slots=True)
 class Corner:
-    """A corner of the section that a chamfer cuts off; across is the height, up is y [mm].
+    """A corner of the section that a chamfer cuts off, in the coordinates of the section [mm].
 
     Attributes
     ----------
-    sharp : where it would be.
-    on_face, on_wall : the ends of the chamfer.
+    sharp : place of the corner without the chamfer.
+    on_face, on_wall : ends of the chamfer.
     hole : whether the wall is that of a hole.
     """
 
@@ -506,12 +517,12 @@ class Corner:
     hole: bool
 
     def has(self, point: complex, near: float) -> bool:
-        """Whether a point is the corner."""
+        """Whether a point is the corner, within `near` [mm]."""
         return abs(point - self.sharp) <= near
 
 
 def edges_above(shape: Shape, tolerance: float, effort: Effort) -> Iterator[Chain]:
-    """The edges of chamfers on faces that look up, each a wide line within `tolerance` [mm]."""
+    """The edges of chamfers on upper faces, as wide lines within `tolerance` [mm]."""
     for bevel in shape.part.bevels:
         if bevel.upper:
             contour = written_contour(bevel.edge, "arcs", effort, tolerance).contour
@@ -520,7 +531,7 @@ def edges_above(shape: Shape, tolerance: float, effort: Effort) -> Iterator[Chai
 
 
 def _mitres(bevel: Bevel, tolerance: float) -> Iterator[Chain]:
-    """The edges between the faces of a chamfer, along corners of its boundary."""
+    """The edges between the faces of a chamfer, at the corners of its boundary."""
     if bevel.boundary.corner_radius is None:
         return
     contour = bevel.boundary.arcs(tolerance).contour
@@ -532,7 +543,7 @@ def _mitres(bevel: Bevel, tolerance: float) -> Iterator[Chain]:
 
 
 def chamfer_corners(shape: Shape) -> list[Corner]:
-    """The corners of the section at which there are chamfers."""
+    """The corners of the section that have chamfers."""
     cut_corners = []
     base, size = shape.part.layers[0].z0, shape.size
     for bevel in shape.part.bevels:
@@ -553,7 +564,7 @@ def chamfer_corners(shape: Shape) -> list[Corner]:
 
 
 def _crossings(boundary: Boundary, size: float) -> list[float]:
-    """Where a boundary crosses the plane of the section [mm], ascending."""
+    """The y at which a boundary crosses the plane of the section [mm], ascending."""
     ring = boundary.distance_fit(COARSE * size).contour.points(COARSE * size)
     return sorted(crossings(1j * ring.conj(), 0.0).tolist())
 
@@ -571,7 +582,7 @@ def bevelled(marks: Sequence[Mark], shape: Shape) -> list[Mark]:
             bevelled_marks.append(mark)
     for corner in corners:
         bevelled_marks.append(line(corner.on_face, corner.on_wall, "SECTION"))
-        if corner.hole:  # behind the plane the edge on the face goes on
+        if corner.hole:  # behind the plane, the edge on the face continues
             bevelled_marks.append(line(corner.sharp, corner.on_face, "EDGES"))
     bevelled_marks += _feet(shape)
     return bevelled_marks
@@ -622,8 +633,9 @@ def _shortened(chain: Chain, corners: Sequence[Corner], near: float) -> Chain:
 
 
 def _feet(shape: Shape) -> Iterator[Mark]:
-    """The edges between the chamfers of holes and their walls, seen behind the plane; not where
-    something else stands in the hole.
+    """The edges between the chamfers of holes and their walls, visible behind the plane.
+
+    They are left out where something else stands in the hole.
     """
     base, size = shape.part.layers[0].z0, shape.size
     for bevel in shape.part.bevels:
@@ -653,14 +665,15 @@ def _neighbours(shape: Shape, bevel: Bevel) -> list[Boundary]:
 
 
 PLACES: Final = 24
-"""Distances from the section that are tried."""
+"""Number of distances from the section that are tried."""
 
 
 def diameters(
     rounds: Sequence[TurnedDiameter], thickness: float, bench: Bench
 ) -> Iterator[Options]:
-    """The diameters that the section shows, the smallest first, which stands nearest; the datum A
-    is at that of the bore.
+    """The diameters that the section shows; the smallest comes first and is nearest to it.
+
+    The datum A is at the diameter of the bore.
     """
     for diameter in rounds:
         if in_section(diameter):
@@ -668,7 +681,7 @@ def diameters(
 
 
 def hole_centres(shape: Shape, scale: float) -> Iterator[Mark]:
-    """Centre lines of the holes off the cam axis whose middles are in the plane."""
+    """Centre lines of the holes off the cam axis whose centres are in the plane."""
     base, far = shape.part.layers[0].z0, SMALL_BEYOND / scale
     for wall in shape.part.walls:
         circle = shape.edge(wall.boundary).circle
@@ -678,6 +691,7 @@ def hole_centres(shape: Shape, scale: float) -> Iterator[Mark]:
 
 
 def _diameter(diameter: TurnedDiameter, thickness: float, bench: Bench) -> Options:
+    """The places of a diameter's dimension beside the section."""
     height = 1j * diameter.radius
     mark = Distance(diameter.z1 - height, diameter.z1 + height, 0j, 0.5 * math.pi,
                     DIAMETER, fit(diameter, bench.spec), EXACT[bench.unit])  # fmt: skip
@@ -686,7 +700,7 @@ def _diameter(diameter: TurnedDiameter, thickness: float, bench: Bench) -> Optio
 
 
 def _dimension_places(start: float, bench: Bench) -> Iterator[tuple[float, float]]:
-    """Distances beyond an edge of the section [mm of the part], and what they cost."""
+    """Places beyond an edge of the section [mm of the part], each after its cost."""
     steps = islice(count(STEP, FINER), PLACES)
     return ((FARTHER * (distance - STEP), start + distance / bench.scale) for distance in steps)
 
@@ -716,6 +730,7 @@ def heights(
         complex(thickness, _lowest(section_marks, layers[-1].z0 - base, thickness)),
     )
     yield _height(on_faces(ends), -1j, -box[0].imag, bench)
+    # Walls between the same heights share a dimension, at the outermost of them.
     tops: dict[tuple[float, float], float] = {}
     for wall in shape.part.walls:
         edge = shape.edge(wall.boundary)
@@ -732,6 +747,7 @@ def heights(
 
 
 def _height(ends: tuple[complex, complex], way: complex, edge: float, bench: Bench) -> Options:
+    """The places of a height's dimension above or below the section."""
     mark = Distance(*ends, 0j, decimals=EXACT[bench.unit])
     return dimension_options(mark, way, _dimension_places(edge, bench), -1.0, bench)
 
@@ -748,63 +764,66 @@ def _lowest(marks: Sequence[Mark], z0: float, z1: float) -> float:
 
 
 # -- dimensions -----------------------------------------------------------------------------------
-# The dimensions of a part: definition points on its edges, and numbers that are measured.
+# The dimensions of a part: their definition points are on its edges, and their numbers are
+# measured.
 #
-# Each function gives the places that a dimension may have, for `placed_marks` to choose from.
+# Each function gives the places that a dimension may have, from which `placed_marks` chooses.
 
 
 EXACT: Final[dict[LengthUnit, int]] = {"mm": 4, "inch": 5}
 """Decimals of lengths that the scene states."""
 
 AUXILIARY: Final[dict[LengthUnit, int]] = {"mm": 2, "inch": 3}
-"""Decimals of auxiliary dimensions, in brackets, of what follows from the curve."""
+"""Decimals of auxiliary dimensions, in brackets, which follow from the curve."""
 
 STEP: Final = 9.0
-"""From an edge to the nearest dimension line [mm of paper]."""
+"""Distance from an edge to the nearest dimension line [mm of paper]."""
 
 FINER: Final = 3.0
-"""Between places that are tried, away from there [mm of paper]."""
+"""Distance between further places that are tried [mm of paper]."""
 
 FARTHER: Final = 0.1
-"""What each millimetre farther away costs: twenty are as bad as to cross an edge."""
+"""Cost of each millimetre farther away: twenty cost as much as crossing an edge."""
 
 TURNED: Final = 0.2
-"""What each direction costs that is tried after others."""
+"""Cost of each further direction that is tried."""
 
 BEYOND: Final = 24.0
-"""How far beyond a view dimensions may stand [mm of paper]."""
+"""Largest distance of dimensions from a view [mm of paper]."""
 
 FIRST_LEADER: Final = 8.0
 """Shortest leader [mm of paper]."""
 
 SLANTED: Final = math.radians(-60.0)
-"""Direction of the leader to a circle about the cam axis where there is room."""
+"""Preferred direction of the leader to a circle about the cam axis [rad]."""
 
 LEANING: Final = 0.06
-"""By which leaders that would be upright are turned [rad]: texts are where they lean to."""
+"""Angle by which upright leaders are turned [rad]: the text is on the side to which they lean."""
 
 MOST_HOLES: Final = 12
-"""Of a pattern, at which its dimension may stand."""
+"""Largest number of holes of a pattern at which its dimension may stand."""
 
 
 UPRIGHT: Final = 1e-9
-"""Angles [rad] that are meant to be 0 or a quarter turn; programs turn texts over at those."""
+"""Angles within this of 0 or a quarter turn [rad] are meant to be that; on the wrong side of it,
+CAD programs turn texts over."""
 
 
 TEXT_OUTSIDE: Final = 7.5
-"""From the measured stretch to a text outside of it: an arrow with its tail [mm of paper]."""
+"""Distance from the measured stretch to a text outside, for an arrow with its tail [mm of
+paper]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Bench:
-    """What places depend on.
+    """What the places of dimensions depend on.
 
     Attributes
     ----------
-    spec : what the scene states.
-    unit : of the dimensions.
-    scale : millimetres of paper for each of the part.
-    reach : distance from the cam axis within which the view is [mm of the part].
+    spec : the drawing that the scene states.
+    unit : unit of the dimensions.
+    scale : millimetres of paper for each millimetre of the part.
+    reach : largest distance of the view from the cam axis [mm of the part].
     """
 
     spec: DrawingSpec
@@ -813,8 +832,9 @@ class Bench:
     reach: float
 
     def places(self, start: float) -> Iterator[tuple[float, float]]:
-        """Distances from the cam axis [mm of the part], `STEP` of paper after `start` and more,
-        and what they cost.
+        """Distances from the cam axis [mm of the part], each after its cost.
+
+        They begin `STEP` of paper beyond `start` [mm of the part].
         """
         far = (self.reach + BEYOND / self.scale - start) * self.scale
         steps = takewhile(lambda distance: distance <= max(far, STEP), count(STEP, FINER))
@@ -827,10 +847,10 @@ class Keyway:
 
     Attributes
     ----------
-    left, right : the corners of its bottom.
-    far : the point of the bore opposite.
-    outward : unit vector from the cam axis along its middle.
-    radius : of the bore.
+    left, right : corners of its bottom.
+    far : the opposite point of the bore.
+    outward : unit vector from the cam axis through the middle of the keyway.
+    radius : radius of the bore.
     """
 
     left: complex
@@ -846,11 +866,12 @@ class Keyway:
 
 
 def find_keyway(edge: Edge) -> Keyway | None:
-    """The keyway of a bore: three lines and the rest of the circle; None if it has none."""
+    """The keyway of a bore, from its contour of three lines and an arc; None if it has none."""
     contour, circle = edge.contour, edge.circle
     lines = np.flatnonzero(contour.sweeps == 0.0)
     if not edge.boundary.hole or circle is None or len(lines) != 3:
         return None
+    # The first of the three lines is the one that does not follow another line.
     side = int(next((k for k in lines if (k - 1) % len(contour) not in lines), -1))
     if side < 0:
         return None
@@ -879,12 +900,12 @@ def has_room(mark: Distance, scale: float, unit: LengthUnit) -> bool:
 
 
 def has_arrows_outside(mark: Distance, scale: float) -> bool:
-    """Whether the arrows of a dimension point at it from outside."""
+    """Whether there is no room for the arrows of a dimension between its extension lines."""
     return mark.measure * scale < 2.0 * ARROW + LIFTED
 
 
 def upright(mark: Distance) -> Distance:
-    """The same dimension, its text to be read from below or from the right, its first end first."""
+    """The same dimension with its text readable from below or from the right, and ends in order."""
     angle = math.remainder(mark.angle, math.pi)
     if abs(angle + 0.5 * math.pi) < UPRIGHT:
         angle = 0.5 * math.pi
@@ -895,10 +916,10 @@ def upright(mark: Distance) -> Distance:
 
 
 def placed(mark: Distance, scale: float, unit: LengthUnit, preferred: complex) -> Iterator[Option]:
-    """The dimension with its text in the middle, if there is room, and outside, rather in the
-    direction `preferred`.
+    """The dimension with its text in the middle, if there is room, and at either side.
 
-    Its line goes on below a text outside.
+    A text outside is rather in the direction `preferred`, and the dimension line continues below
+    it.
     """
     mark = upright(mark)
     along = cmath.rect(1.0, mark.angle)
@@ -929,8 +950,9 @@ def dimension_options(
     preferred: complex,
     bench: Bench,
 ) -> Iterator[Option]:
-    """The dimension with its line through each of the `places` along `way`, after their cost, and
-    its text as `placed` has it.
+    """The dimension at each of the `places` along `way`, which come after their costs.
+
+    Its text is where `placed` puts it.
     """
     for price, place in places:
         candidate = replace(mark, line=way * place)
@@ -939,8 +961,9 @@ def dimension_options(
 
 
 def with_datum(options: Iterable[Option], name: str, bench: Bench) -> Iterator[Option]:
-    """If there are datums, each option's dimension with one at either end of its line where no text
-    is, in place of an arrow that would be there.
+    """Each option with a datum at one end of the dimension line, if the drawing has datums.
+
+    The datum is at an end without text, in place of an arrow that would be outside.
     """
     if bench.spec.flank_tolerance is None:
         yield from options
@@ -973,7 +996,7 @@ def keyway_depth(key: Keyway, bench: Bench) -> Options:
 
 
 def flat_options(edge: Edge, bench: Bench) -> Options:
-    """The size across the flat of a bore for a D-shaft; nothing without one."""
+    """The size across the flat of a bore for a D-shaft; no options without a flat."""
     contour, circle = edge.contour, edge.circle
     flats = np.flatnonzero(contour.sweeps == 0.0)
     if circle is None or len(flats) != 1:
@@ -987,8 +1010,10 @@ def flat_options(edge: Edge, bench: Bench) -> Options:
 def _through_bore(
     far: complex, ends: Sequence[complex], outward: complex, radius: float, bench: Bench
 ) -> Options:
-    """A distance along `outward` from the point of a bore that is `far`, to the one of two `ends`
-    on the side on which its line stands.
+    """A distance along `outward` from the point `far` of a bore to a flat bottom.
+
+    It is measured to that of the two `ends` of the bottom that is on the side of the dimension
+    line.
     """
     for aside in (1j * outward, -1j * outward):
         near = max(ends, key=lambda end: (end * aside.conjugate()).real)
@@ -999,7 +1024,7 @@ def _through_bore(
 
 
 def overall(shape: Shape, box: tuple[complex, complex], bench: Bench) -> Iterator[Options]:
-    """Width and height of a part whose outermost boundary is no circle, in brackets."""
+    """Width and height of a part whose outermost boundary is not a circle, in brackets."""
     if shape.outermost.circle is not None:
         return
     contours = tuple(edge.contour for edge in shape.edges)
@@ -1044,7 +1069,7 @@ class TurnedDiameter:
 
 
 def find_diameters(shape: Shape) -> list[TurnedDiameter]:
-    """The round boundaries about the cam axis, the smallest first."""
+    """The diameters of round boundaries about the cam axis, the smallest first."""
     low = shape.part.layers[0].z0
     turned_diameters: list[TurnedDiameter] = []
     for wall in shape.part.bands:
@@ -1065,12 +1090,12 @@ def find_diameters(shape: Shape) -> list[TurnedDiameter]:
 
 
 def in_section(diameter: TurnedDiameter) -> bool:
-    """Whether both ends of the diameter are on its edge in the section."""
+    """Whether both ends of the diameter are on its edge in the plane of the section."""
     return all(diameter.edge.has(end) for end in (1j * diameter.radius, -1j * diameter.radius))
 
 
 def fit(diameter: TurnedDiameter, spec: DrawingSpec) -> str:
-    """The tolerance class behind a diameter, empty without one."""
+    """The tolerance class after a diameter; empty without one."""
     return f" {spec.bore_fit}" if diameter.is_bore and spec.bore_fit else ""
 
 
@@ -1098,7 +1123,7 @@ def _shelf(mark: Diameter, bench: Bench) -> complex:
 def leaders(
     centre: complex, radius: float, ways: Sequence[float], suffix: str, bench: Bench
 ) -> Iterator[tuple[float, Diameter]]:
-    """A diameter with leaders in some directions, the better ones first, and of many lengths."""
+    """A diameter with leaders in several directions, the better ones first, and of many lengths."""
     outside = (bench.reach - abs(centre) - radius) * bench.scale + BEYOND
     for number, way in enumerate(ways):
         angle = way if abs(math.cos(way)) > 0.5 * LEANING else way + LEANING
@@ -1108,9 +1133,10 @@ def leaders(
 
 
 def hole_requests(shape: Shape, bench: Bench) -> Iterator[Options]:
-    """Round holes off the cam axis: one of each kind, after their number, and each pitch circle."""
+    """Dimensions of round holes off the cam axis: one for each kind and each pitch circle."""
     kinds: dict[tuple[float, float], list[complex]] = {}
     for centre, radius in shape.holes:
+        # Rounded to 1e-9 mm, so that equal holes have equal keys.
         kinds.setdefault((round(radius, 9), round(abs(centre), 9)), []).append(centre)
     for (radius, _), centres in kinds.items():
         yield _hole_options(centres, radius, bench)
@@ -1120,7 +1146,7 @@ def hole_requests(shape: Shape, bench: Bench) -> Iterator[Options]:
 
 
 def _hole_options(centres: Sequence[complex], radius: float, bench: Bench) -> Options:
-    """The diameter of one of equal holes, after their number."""
+    """The places of the diameter of equal holes, at any of them, with their number before it."""
     for number, centre in enumerate(centres[:MOST_HOLES]):
         ways = [phase(centre) + math.radians(degrees) for degrees in (0, 30, -30, 60, -60, 90, -90)]
         for price, mark in leaders(centre, radius, ways, "", bench):
@@ -1128,7 +1154,7 @@ def _hole_options(centres: Sequence[complex], radius: float, bench: Bench) -> Op
 
 
 def _pitch_circle_options(centres: Sequence[complex], bench: Bench) -> Options:
-    """The diameter of the circle through the middles of holes, between two of them."""
+    """The places of the diameter of a pitch circle, with the leader between two of its holes."""
     half_pitch = math.pi / len(centres)
     first = [phase(centre) for centre in centres[:MOST_HOLES]]
     ways = [direction + share * half_pitch for share in (1.0, 0.6, 1.4) for direction in first]

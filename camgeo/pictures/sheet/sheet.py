@@ -1,4 +1,4 @@
-"""The whole sheet of one disc: its views, with dimensions and symbols, and their places."""
+"""The whole sheet of one disc: its views with dimensions and symbols, and their places."""
 
 from __future__ import annotations
 
@@ -46,26 +46,27 @@ from camgeo.scene.formats.drawing import DrawingSpec
 from camgeo.units import MM_PER, LengthUnit
 
 VIEW_GAP: Final = 6.0
-"""Between front view and section, with all that belongs to them, and farther where there is room,
-up to `SPREAD` [mm]."""
+"""Least distance between front view and section, with all that belongs to them [mm of paper]."""
 
 SPREAD: Final = 20.0
+"""Largest distance by which they are farther apart where there is room [mm of paper]."""
 
 DWARFED: Final = 4
-"""How many times larger a part is without pitch curve and base circle for them to be left out."""
+"""Pitch curve and base circle are left out if the scale is larger by this factor without them."""
 
 EDGE: Final = 1.5
-"""Around the views [mm]."""
+"""Margin around the views [mm of paper]."""
 
 
 def build_sheets(product: Product, tolerance: float) -> tuple[Sheet, ...]:
-    """The sheets of a disc, whose edges lie within `tolerance` [mm]: the views are on the first
-    one, and a table that does not fit there is on the next.
+    """The sheets of a disc, with edges within `tolerance` [mm].
+
+    The views are on the first sheet; a table that does not fit there is on the next one.
 
     Raises
     ------
     SceneError
-        With the key of `[drawing]` that is at fault, if not all of it fits.
+        With the key of `[drawing]` that has to be changed, if the contents do not fit.
     """
     try:
         return _build_sheets(product, tolerance)
@@ -79,6 +80,7 @@ def build_sheets(product: Product, tolerance: float) -> tuple[Sheet, ...]:
 
 
 def _build_sheets(product: Product, tolerance: float) -> tuple[Sheet, ...]:
+    """The sheets; `build_sheets` adds the scene to errors."""
     spec = product.scene.drawing
     sheets_per_disc = 2 if Texts(product, spec).has_table_sheet else 1
     if product.is_pair:  # the sheets of its discs have their curves
@@ -87,6 +89,7 @@ def _build_sheets(product: Product, tolerance: float) -> tuple[Sheet, ...]:
     texts = Texts(product, spec)
     regions, marks = texts.layout(tolerance, subject)
     scale, views = _fitted(subject, regions, product, spec)
+    # A small part of a large mechanism may be drawn far larger without pitch curve and base circle.
     if not spec.scale and _may_fit(subject.alone, regions, DWARFED * float(scale)):
         bare, bare_marks = texts.layout(tolerance, subject.alone)
         larger, bare_views = _fitted(subject.alone, bare, product, spec)
@@ -95,6 +98,7 @@ def _build_sheets(product: Product, tolerance: float) -> tuple[Sheet, ...]:
     contents = [(views, marks)]
     if texts.has_table_sheet:
         contents.append(((), texts.table_sheet()))
+    # Sheets are numbered over all discs of the design; one of both discs in one piece is the last.
     last = len(product.judgement.cams) * sheets_per_disc + is_in_one_piece(product)
     first = last if product.is_pair else product.position * sheets_per_disc + 1
     return tuple(
@@ -104,7 +108,7 @@ def _build_sheets(product: Product, tolerance: float) -> tuple[Sheet, ...]:
 
 
 def is_in_one_piece(product: Product) -> bool:
-    """Whether the disc is one piece with another."""
+    """Whether the disc is in one piece with another one."""
     part = product.scene.part
     return part is not None and part.pair is not None
 
@@ -125,13 +129,13 @@ def _sheet(
 
 @dataclass(frozen=True, slots=True)
 class _Laid:
-    """Views at a scale, by their origins: the first one's at 0 [mm of paper].
+    """Views at a scale, with the origin of the first one at 0 [mm of paper].
 
     Attributes
     ----------
-    views : the front view, and of a part with thickness the section to its right, as near as may
-        be.
-    low, high : corners of all that they show.
+    views : the front view, and for a part with thickness the section to its right, at the least
+        distance.
+    low, high : lower left and upper right corner of all that they show.
     """
 
     views: tuple[View, ...]
@@ -139,16 +143,18 @@ class _Laid:
     high: complex
 
     def fits(self, region: Region) -> bool:
-        """Whether they fit in a region."""
+        """Whether the views fit in a region."""
         spare = self.spare(region)
         return spare.real >= 0.0 and spare.imag >= 0.0
 
     def spare(self, region: Region) -> complex:
-        """What a region is larger."""
+        """Width and height of a region beyond those that the views need; negative if they do not
+        fit.
+        """
         return region.size - (self.high - self.low) - complex(2.0 * EDGE, 2.0 * EDGE)
 
     def placed(self, region: Region) -> tuple[View, ...]:
-        """The views in the middle of a region, the section farther away if there is room."""
+        """The views in the middle of a region, with the section farther away if there is room."""
         spare = self.spare(region)
         gap = min(spare.real / 3.0, SPREAD) if len(self.views) > 1 else 0.0
         aside = 0.5 * (spare.real - gap)
@@ -158,6 +164,7 @@ class _Laid:
 
 
 def _laid(subject: ViewSubject, scale: float, product: Product, spec: DrawingSpec) -> _Laid:
+    """The views at a scale, side by side."""
     marks = tuple(front_view(subject, scale, product, spec))
     low, high = measure_ink(marks, scale, product.unit).extent
     views = [View(0j, marks)]
@@ -174,7 +181,7 @@ def _laid(subject: ViewSubject, scale: float, product: Product, spec: DrawingSpe
 def _fitted(
     subject: ViewSubject, regions: Sequence[Region], product: Product, spec: DrawingSpec
 ) -> tuple[Fraction, tuple[View, ...]]:
-    """The stated scale, or the largest standard one at which the views fit, and the views."""
+    """The stated scale, or else the largest standard one at which the views fit, and the views."""
     stated = parse_scale(spec.scale) if spec.scale else None
     candidates = scales() if stated is None else (stated,)
     for scale in candidates:
@@ -191,7 +198,7 @@ def _fitted(
 
 
 def _may_fit(subject: ViewSubject, regions: Sequence[Region], scale: float) -> bool:
-    """Whether the part itself fits, without anything around it."""
+    """Whether the part itself fits, without dimensions; a quick check before views are laid out."""
     low, high = subject.box
     size = high - low + (subject.shape.part.thickness if subject.cut else 0.0)
     rooms = [region.size / scale for region in regions]
@@ -208,7 +215,7 @@ SMALLEST: Final = 100_000
 
 
 def scales() -> tuple[Fraction, ...]:
-    """Millimetres of paper for each of the part, the largest first."""
+    """The standard scales, as millimetres of paper for each of the part, the largest first."""
     sizes = [step * 10**power for power in range(6) for step in (1, 2, 5)]
     enlargements = [Fraction(size) for size in sizes if size <= LARGEST]
     reductions = [Fraction(1, size) for size in sizes if 1 < size <= SMALLEST]
@@ -216,12 +223,12 @@ def scales() -> tuple[Fraction, ...]:
 
 
 def spelled(scale: Fraction) -> str:
-    """As it stands in the title block, "1:2"."""
+    """The scale as the title block states it, as "1:2"."""
     return f"{scale.numerator}:{scale.denominator}"
 
 
 def parse_scale(text: str) -> Fraction:
-    """The scale that is spelled so."""
+    """The scale from text as "1:2"."""
     first, _, second = text.partition(":")
     return Fraction(int(first), int(second))
 
@@ -231,7 +238,7 @@ def parse_scale(text: str) -> Fraction:
 
 
 PLANE_LETTER: Final = 5.0
-"""Of the cutting plane [mm]."""
+"""Height of the letters at the cutting plane [mm of paper]."""
 
 LEAST_RADIUS: Final = 24.0
 """Least radius of the arrow in the sense of rotation [mm of paper]."""
@@ -240,14 +247,14 @@ ALL_AROUND: Final = 1.5
 """Radius of the circle that extends a tolerance to all of a closed flank [mm of paper]."""
 
 ARROW_SPAN: Final = math.radians(13.0)
-"""Half of what it spans."""
+"""Half of the angle that the arrow in the sense of rotation spans [rad]."""
 
 TITLE: Final = 5.0
-"""From the upper edge of the section to its title, beside the letter of its plane [mm of paper]."""
+"""Least distance from the upper edge of the part to the title of the section [mm of paper]."""
 
 
 def view_subject(product: Product, tolerance: float) -> ViewSubject:
-    """What the views of a disc are made of, its curves within `tolerance` [mm]."""
+    """What the views of a disc show, with curves within `tolerance` [mm]."""
     contents = product.drawn
     shape = Shape.from_part(contents.part, tolerance, contents.effort)
     cut = tuple(dimensions.section(shape)) if shape.has_heights else ()
@@ -263,7 +270,7 @@ def view_subject(product: Product, tolerance: float) -> ViewSubject:
 def front_view(
     subject: ViewSubject, scale: float, product: Product, spec: DrawingSpec
 ) -> list[Mark]:
-    """The part from above, its origin in the cam axis."""
+    """The part from above, with the origin in the cam axis."""
     shape, unit = subject.shape, product.unit
     low, high = subject.box
     reach = max(abs(complex(x, y)) for x in (low.real, high.real) for y in (low.imag, high.imag))
@@ -279,6 +286,7 @@ def front_view(
     fixed += subject.edges
     if subject.cut:
         fixed += _plane(low, high, scale)
+    # Earlier requests choose their places first.
     requests: list[Options] = []
     rounds = dimensions.find_diameters(shape)
     for diameter in rounds:
@@ -296,7 +304,7 @@ def front_view(
 
 
 def _cleared(marks: list[Mark], scale: float, unit: LengthUnit) -> list[Mark]:
-    """The marks of a view with thin lines kept off its texts and frames."""
+    """The marks of a view, with centre lines in dashes and kept off texts and frames."""
     return list(measure_ink(marks, scale, unit).cleared(in_dashes(marks, scale), scale))
 
 
@@ -310,7 +318,7 @@ def _cross(low: complex, high: complex, scale: float) -> list[Mark]:
 
 
 def _reach(subject: ViewSubject, first: float, last: float) -> float:
-    """Largest distance from the cam axis of what is shown between two polar angles [mm]."""
+    """Largest distance from the cam axis of what is drawn between two polar angles [mm]."""
     contours = [edge.contour for edge in subject.shape.edges]
     contours += [] if subject.pitch is None else [subject.pitch]
     points = np.concatenate([contour.points(0.001 * subject.shape.size) for contour in contours])
@@ -320,7 +328,7 @@ def _reach(subject: ViewSubject, first: float, last: float) -> float:
 
 
 def _zero_mark(subject: ViewSubject, scale: float) -> Options:
-    """A wide stroke at cam angle 0, outside of all."""
+    """The places of a wide stroke at cam angle 0, outside of all that is drawn there."""
     nearest = _reach(subject, -0.03, 0.03) + 4.5 / scale
     for farther in range(0, 40, 2):
         start = nearest + farther / scale
@@ -335,7 +343,9 @@ def arrow(tip: complex, direction: complex, layer: Layer = "SYMBOL", size: float
 
 
 def _sense(subject: ViewSubject, rotation: int, scale: float) -> Options:
-    """An arrow in the sense of rotation around the view, on the lower right if there is room."""
+    """The places of an arrow in the sense of rotation around the view, the first on the lower
+    right.
+    """
     for number, middle in enumerate(np.radians([-49.0, -131.0, 49.0, 131.0, -30.0, 30.0])):
         first, last = middle - ARROW_SPAN, middle + ARROW_SPAN
         start, end = (first, last) if rotation > 0 else (last, first)
@@ -343,6 +353,8 @@ def _sense(subject: ViewSubject, rotation: int, scale: float) -> Options:
         for farther in range(0, 40, 4):
             radius = least + farther / scale
             begin, tip = cmath.rect(radius, start), cmath.rect(radius, end)
+            # The head has the direction of the arc 1.5 mm of paper before the tip, so it lies along
+            # it.
             way = 1j * rotation * tip / radius
             chord = way * cmath.exp(-1j * rotation * 1.5 / (radius * scale))
             head = moved([arrow(0j, chord, size=4.0)], tip, scale)
@@ -350,8 +362,9 @@ def _sense(subject: ViewSubject, rotation: int, scale: float) -> Options:
 
 
 def arc(centre: complex, start: complex, sweep: float, layer: Layer) -> Chain:
-    """An arc from `start` that turns by `sweep` [rad], in quarters at most: half circles are turned
-    over by some programs.
+    """An arc from `start` that turns by `sweep` [rad], in pieces of at most a quarter turn.
+
+    Some programs draw half circles on the wrong side.
     """
     count = math.ceil(abs(sweep) / (0.5 * math.pi) - 1e-9)
     turns = np.exp(1j * sweep * np.arange(count + 1) / count)
@@ -360,7 +373,7 @@ def arc(centre: complex, start: complex, sweep: float, layer: Layer) -> Chain:
 
 
 def _plane(low: complex, high: complex, scale: float) -> list[Mark]:
-    """The ends of the cutting plane A-A, with arrows in the direction of sight."""
+    """The ends of the cutting plane A-A, with arrows in the viewing direction."""
     marks: list[Mark] = []
     for y, way in ((low.imag, -1.0), (high.imag, 1.0)):
         start = complex(0.0, y + way * (BEYOND + 0.5) / scale)
@@ -375,7 +388,7 @@ def _plane(low: complex, high: complex, scale: float) -> list[Mark]:
 
 
 def _flank(subject: ViewSubject, scale: float, spec: DrawingSpec) -> Options:
-    """The profile tolerance and the texture of the flanks, with a leader from above the view."""
+    """The places of profile tolerance and texture of the flanks, with a leader to the flank."""
     if spec.flank_tolerance is None and not spec.flank_surface:
         return
     points = _flank_edge(subject).points(0.0005 * subject.shape.size)
@@ -386,6 +399,7 @@ def _flank(subject: ViewSubject, scale: float, spec: DrawingSpec) -> Options:
         foot = complex(points[np.argmin(np.abs(np.angle(points / way)))])
         head = moved([arrow(0j, -way, size=3.0)], foot, scale)
         for higher in range(0, 60, 4):
+            # The leader ends above the view, and is at least 4 mm of paper long.
             level = above + higher / scale
             knee = foot + way * max((level - foot.imag) / way.imag, 4.0 / scale)
             leader = line(foot + 1.0 / scale * way, knee, "SYMBOL")
@@ -394,7 +408,7 @@ def _flank(subject: ViewSubject, scale: float, spec: DrawingSpec) -> Options:
 
 
 def _stated(subject: ViewSubject, sense: float, spec: DrawingSpec) -> list[Mark]:
-    """What the leader states, on the left or on the right of its end [mm of paper]."""
+    """Tolerance and texture, to the left or to the right (`sense`) of the leader [mm of paper]."""
     shelf = sense * 4.0
     marks: list[Mark] = [line(0j, complex(shelf), "SYMBOL")]
     wide, flanks = 0.0, sum(edge.is_flank for edge in subject.shape.edges)
@@ -418,13 +432,13 @@ def _stated(subject: ViewSubject, sense: float, spec: DrawingSpec) -> list[Mark]
 
 
 def _flank_edge(subject: ViewSubject) -> Contour:
-    """The flank, of a groove the inner one."""
+    """The contour of the flank; for a groove that of the inner one."""
     flanks = (edge for edge in subject.shape.edges if edge.is_flank)
     return next(flanks, subject.shape.outermost).contour
 
 
 def _datums(subject: ViewSubject) -> int:
-    """How many datums the part has: its bore, and its keyway."""
+    """Number of datums of the part: A for its bore, B for its keyway."""
     bores = [
         diameter
         for diameter in dimensions.find_diameters(subject.shape)
@@ -436,7 +450,7 @@ def _datums(subject: ViewSubject) -> int:
 def section_view(
     subject: ViewSubject, scale: float, product: Product, spec: DrawingSpec
 ) -> list[Mark]:
-    """The section, its origin where the cam axis meets the lowest face."""
+    """The section, with the origin where the cam axis meets the lowest face."""
     shape, unit = subject.shape, product.unit
     thick = shape.part.thickness
     bench = dimensions.Bench(spec, unit, scale, shape.size)
@@ -454,6 +468,7 @@ def section_view(
 
 
 SINK = 0.5 * (CELL - LETTER)
+"""Height of the base line of letters above the lower edge of their frame [mm of paper]."""
 
 
 def tolerance_frame(corner: complex, value: str, datums: Sequence[str]) -> list[Mark]:
@@ -476,24 +491,24 @@ def tolerance_frame(corner: complex, value: str, datums: Sequence[str]) -> list[
 
 
 def frame_width(value: str, datums: Sequence[str]) -> float:
-    """Width of such a frame [mm]."""
+    """Width of a tolerance frame [mm of paper]."""
     return CELL * (1 + len(datums)) + text_width(value, LETTER) + 3.0
 
 
 # -- front -----------------------------------------------------------------------------------------
-# The front view: the part from above, with centre lines, pitch curve and base circle.
+# Centre lines, pitch curve and base circle of the front view, and their dashes.
 
 
 DASH_DOT = (8.4, 1.05, 0.25, 1.05)
-"""Line 04.1 of ISO 128-2 for lines 0.35 wide: dash, gap, dot, gap [mm of paper]."""
+"""Line 04.1 of ISO 128-2 for a line width of 0.35: dash, gap, dot, gap [mm of paper]."""
 
 DASH_DOTS = (8.4, 1.05, 0.25, 1.05, 0.25, 1.05)
-"""Line 05.1: the same with two dots."""
+"""Line 05.1 of ISO 128-2: the same with two dots."""
 
 PATTERNS = {"CENTRE": DASH_DOT, "BASE_CIRCLE": DASH_DOTS}
 
 BEYOND = 4.0
-"""How far centre lines go beyond what they are of [mm of paper]."""
+"""How far centre lines extend beyond what they belong to [mm of paper]."""
 
 
 def pattern_centres(shape: Shape, scale: float) -> list[Mark]:
@@ -518,8 +533,8 @@ def pattern_centres(shape: Shape, scale: float) -> list[Mark]:
 def in_dashes(marks: Iterable[Mark], scale: float) -> Iterator[Mark]:
     """The marks of a view, with its centre lines and auxiliary curves in dashes and dots.
 
-    These are lines of their own: many programs know no patterns, have patterns of another size, or
-    begin them anew at each vertex, so that a curve of short arcs is drawn solid.
+    Each dash is a line of its own: many programs do not know line patterns, have them in another
+    size, or begin them anew at each vertex, so that a curve of short arcs would be drawn solid.
     """
     for mark in marks:
         pattern = PATTERNS.get(getattr(mark, "layer", ""))
@@ -539,6 +554,7 @@ def dashed(
 ) -> Iterator[Chain]:
     """A closed contour in dashes and dots, with a whole number of patterns around it."""
     total = float(np.cumsum(contour.lengths)[-1])
+    # The pattern is stretched so that a whole number of it fits.
     count = max(1, round(total * scale / sum(pattern)))
     share = total / (count * sum(pattern))
     ends = _dashes(pattern, count * len(pattern), share, -0.5 * pattern[0] * share)
@@ -547,8 +563,10 @@ def dashed(
 
 
 def dashed_stretch(mark: Chain, scale: float, pattern: Sequence[float]) -> Iterator[Chain]:
-    """Lines and arcs end to end in dashes, a closed chain with a whole number of patterns around
-    it, an open one with a dash at each end; what is too short for a gap stays as it is.
+    """A chain of lines and arcs in dashes.
+
+    A closed chain has a whole number of patterns around it, an open one has a dash at each end. A
+    chain that is too short for a gap stays as it is.
     """
     contour = Contour.through(mark.vertices, mark.sweeps)
     if mark.closed:
@@ -565,7 +583,7 @@ def dashed_stretch(mark: Chain, scale: float, pattern: Sequence[float]) -> Itera
 
 
 def _dashed_line(mark: Chain, scale: float, pattern: Sequence[float]) -> Iterator[Chain]:
-    """A straight line that begins and ends with a dash; a short one is one dash."""
+    """A straight line in dashes that begins and ends with one; a short line is a single dash."""
     start, end = (complex(vertex) for vertex in mark.vertices)
     count = round((abs(end - start) * scale - pattern[0]) / sum(pattern))
     if count < 1:
@@ -580,7 +598,7 @@ def _dashed_line(mark: Chain, scale: float, pattern: Sequence[float]) -> Iterato
 def _dashes(
     pattern: Sequence[float], pieces: int, share: float, place: float = 0.0
 ) -> Iterator[tuple[float, float]]:
-    """Where each dash begins and how long it is, of so many dashes and gaps in turn."""
+    """Start and length of each dash among `pieces` dashes and gaps in turn, scaled by `share`."""
     for number in range(pieces):
         size = pattern[number % len(pattern)] * share
         if number % 2 == 0:

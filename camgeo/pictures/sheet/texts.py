@@ -34,7 +34,7 @@ from camgeo.units import MM_PER, TURN, LengthUnit
 
 
 Words = Mapping[str, str]
-"""Labels of the title block, headings and notes of one language; braces are for values."""
+"""Labels of the title block, headings and notes in one language, with braces for values."""
 
 LANGUAGES: Final[tuple[Language, ...]] = ("en", "de")
 
@@ -168,7 +168,7 @@ TABLE: Final = {
         "Rollenmittelpunktsbahn und Grundkreis, viel größer als das Teil, sind nicht gezeichnet.",
     ),
 }
-"""Each of the words in the `LANGUAGES`."""
+"""The words in the order of `LANGUAGES`."""
 
 WORDS: Final[dict[Language, Words]] = {
     language: {key: words[place] for key, words in TABLE.items()}
@@ -200,20 +200,20 @@ CHAMFERED: Final[dict[Language, dict[str, str]]] = {
         BOTH: "{edge} {width}",
     },
 }
-"""What has chamfers, by the keys of the scene, and on which side."""
+"""Names of edges with chamfers by their keys in the scene, and phrases by the side they are on."""
 
 
 def decimal(number: str, language: Language) -> str:
-    """A number with the decimal sign of a language."""
+    """A number with the decimal sign of the language."""
     return number.replace(".", ",") if language == "de" else number
 
 
 # -- texts ----------------------------------------------------------------------------------------
-# What stands where, and the room that is left for the views.
+# The layout of a sheet, and the room that is left for the views.
 
 
 FURTHER: Final = 36
-"""Most rows of the table beside the views on A4; a longer one has a further sheet."""
+"""Largest number of rows of the table on the sheet of the views in A4; a longer one has its own."""
 
 DIAGRAM: Final[dict[SheetName, float]] = {"A3": 48.0, "A4": 36.0}
 """Height of the motion diagram [mm]."""
@@ -241,7 +241,7 @@ class Texts:
 
     @property
     def size(self) -> Size:
-        """That of the sheet."""
+        """The size of the sheet."""
         return SIZES[self.spec.sheet]
 
     @property
@@ -262,13 +262,17 @@ class Texts:
 
     @property
     def has_table_sheet(self) -> bool:
-        """Whether the table is on a sheet of its own."""
+        """Whether the table of polar coordinates is on a sheet of its own."""
         return not self._is_wide and bool(self.spec.step) and 360 // self.spec.step > FURTHER
 
     def layout(
         self, tolerance: float, subject: ViewSubject
     ) -> tuple[tuple[Region, ...], list[Mark]]:
-        """The regions that are left for the views, the better one first, and all other marks."""
+        """The regions that are left for the views, the best one first, and all other marks.
+
+        On A3 everything but the views is in a column above the title block; on A4 it is stacked
+        above the title block, with the views on top.
+        """
         spec, words, width = self.spec, WORDS[self.spec.language], BLOCK_WIDTH - 4.0
         stated = drawing_notes(
             self.product, spec, tolerance, self._length, has_table_sheet=self.has_table_sheet,
@@ -289,6 +293,7 @@ class Texts:
         if spec.has_motion:
             size = complex(width, DIAGRAM[spec.sheet])
             corner = complex(top.real, floor)
+            # Where the column of A3 has no room for the diagram, it is in the lower left corner.
             if self._is_wide and ceiling - floor < size.imag + 4.0:
                 corner, low = self._low + complex(3.0, 5.0), self._low.imag + 5.0 + size.imag
             elif not self._is_wide:
@@ -303,14 +308,15 @@ class Texts:
         return (region,), marks
 
     def table_sheet(self) -> list[Mark]:
-        """The table on a sheet of its own, with all that it can state."""
+        """The marks of a table on a sheet of its own, with all its columns."""
         title = WORDS[self.spec.language]["table"]
         corner = complex(self._left + 2.0, self._high.imag - 2.0)
         return table_marks(self._table(centre=True), title, corner, BLOCK_WIDTH - 4.0, 2)
 
     def frame_and_title(self, scale: str, sheet: tuple[int, int]) -> list[Mark]:
-        """The frame, and the title block with its symbols; `sheet` is the number of the sheet and
-        how many there are.
+        """The frame, and the title block with its symbols.
+
+        `sheet` is the number of the sheet, and the number of sheets.
         """
         spec, corner = self.spec, complex(self._left, MARGIN)
         marks = [*frame(self.size), *title_block(corner, spec, scale, self.product.unit, sheet)]
@@ -328,30 +334,32 @@ class Texts:
         return polar_table(self.product, words, self.spec.step, self._written, centre=centre)
 
     def _written(self, value: float, decimals: int) -> str:
+        """A number with a fixed number of decimals in the language of the sheet, without -0."""
         text = f"{value + 0.0:.{decimals}f}"
         text = text.removeprefix("-") if float(text) == 0.0 else text
         return decimal(text, self.spec.language)
 
     def _length(self, value: float) -> str:
+        """A length [mm] in the unit of the drawing, without zeros at the end."""
         decimals = 4 if self.product.unit == "mm" else 5
         text = self._written(value / MM_PER[self.product.unit], decimals).rstrip("0")
         return text.rstrip(".,")
 
 
 # -- notes ----------------------------------------------------------------------------------------
-# The notes on a sheet: what it shows, and by what it was made.
+# The notes on a sheet: what it shows, and from what it was made.
 
 
 LETTER = 2.5
 
 STEP = 3.6
-"""From line to line [mm]."""
+"""Distance between lines [mm]."""
 
 SPARING: Final = 0.96
-"""How much of a line is used: fonts that programs take in place of ours may be wider."""
+"""Fraction of a line that is used, as other fonts that programs use instead may be wider."""
 
 Length = Callable[[float], str]
-"""Writes a length [mm] in the unit of the drawing."""
+"""Function that writes a length [mm] in the unit of the drawing."""
 
 
 def drawing_notes(
@@ -392,7 +400,7 @@ def drawing_notes(
 
 
 def _follower(product: Product, spec: DrawingSpec, words: Words, length: Length) -> str:
-    """What touches the disc, how it is guided, and the base circle."""
+    """The note on what touches the disc, how it is guided, and the base circle."""
     cam, follower = product.cam, product.cam.follower
     touching = words["flat_face"]
     if follower.rolls:
@@ -419,7 +427,7 @@ def _legend(
     has_table_sheet: bool,
     subject: ViewSubject,
 ) -> list[str]:
-    """What lines and columns are."""
+    """The notes on the meaning of lines and of columns of the table."""
     cam, follower = product.cam, product.cam.follower
     legend = [words["pitch"] if subject.pitch is not None else words["base_circle"]]
     if subject.base_radius is None:
@@ -439,8 +447,8 @@ def _legend(
 def _features(
     part: PartSpec | None, words: Words, length: Length, spec: DrawingSpec
 ) -> Iterator[str]:
-    """What views and dimensions leave open: a timing mark, counterbores, and the hole of a
-    set screw.
+    """Notes on what views and dimensions do not show: timing mark, counterbores, chamfers,
+    engraving, and the hole of a set screw.
     """
     if part is None:
         return
@@ -493,7 +501,7 @@ def _features(
 
 
 def _pair(part: PartSpec | None, words: Words, length: Length) -> Iterator[str]:
-    """How the disc stands to the other one of a pair in one piece."""
+    """The note on the position of both discs of a pair in one piece."""
     if part is None or part.pair is None:
         return
     pair = part.pair
@@ -506,7 +514,7 @@ def _pair(part: PartSpec | None, words: Words, length: Length) -> Iterator[str]:
 
 
 def wrapped(text: str, height: float, width: float) -> tuple[str, ...]:
-    """The text in lines at most `width` [mm] wide, broken at spaces; longer words stay whole."""
+    """The text in lines of at most `width` [mm], broken at spaces; longer words are not broken."""
     lines: list[str] = []
     for word in text.split(" "):
         longer = f"{lines[-1]} {word}" if lines else word
@@ -518,7 +526,7 @@ def wrapped(text: str, height: float, width: float) -> tuple[str, ...]:
 
 
 def note_lines(notes: list[str], width: float) -> list[tuple[str, bool]]:
-    """The notes in lines at most `width` [mm] wide, and whether each begins a note."""
+    """The notes in lines of at most `width` [mm], each with whether it begins a note."""
     lines = []
     for note in notes:
         first, *rest = wrapped(note, LETTER, SPARING * (width - 6.0))
@@ -534,7 +542,7 @@ def notes_height(lines: list[tuple[str, bool]]) -> float:
 def note_marks(
     lines: list[tuple[str, bool]], heading: str, top: complex, width: float
 ) -> list[Mark]:
-    """The notes, numbered, below `top`."""
+    """The marks of numbered notes below `top`."""
     marks: list[Mark] = [Label(heading, top - 4.5j, 3.5)]
     number = 0
     for row, (text, begins) in enumerate(lines):
@@ -563,41 +571,41 @@ SAMPLES: Final = 361
 DECIMALS: Final = {"mm": 3, "inch": 4}
 
 GAP: Final = "-"
-"""In place of a point that is not on the disc."""
+"""Text in place of a point that is not on the disc."""
 
 Written = Callable[[float, int], str]
-"""Writes a number with so many decimals."""
+"""Function that writes a number with so many decimals."""
 
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """Columns with their headings; every cell is text.
+    """A table; every cell is text.
 
     Attributes
     ----------
-    heads : of the columns.
-    rows : from cam angle 0 on.
+    heads : headings of the columns.
+    rows : rows from cam angle 0 on.
     """
 
     heads: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
 
     def groups(self, number: int) -> int:
-        """Rows of each of `number` groups side by side."""
+        """Number of rows of each of `number` groups side by side."""
         return math.ceil(len(self.rows) / number)
 
     def height(self, number: int) -> float:
-        """Of the table in `number` groups [mm]."""
+        """Height of the table in `number` groups [mm]."""
         return HEAD + ROW * self.groups(number)
 
 
 def polar_table(
     product: Product, words: Words, step: int, written: Written, *, centre: bool
 ) -> Table:
-    """Cam angle, lift, and polar coordinates of the point of contact at every `step` degrees.
+    """Cam angle, lift and polar coordinates of the point of contact at every `step` degrees.
 
-    Of a groove, whose flanks are parallels of it, those of the roller's centre; with `centre` both,
-    where both exist.
+    For a groove, whose flanks are parallels of the pitch curve, they are those of the roller's
+    centre; with `centre` there are both, where both exist.
     """
     cam, unit = product.cam, product.unit
     degrees = np.arange(0.0, 360.0, step)
@@ -629,6 +637,7 @@ def _polar(
     points: ComplexArray, mm: float, decimals: int, written: Written, lost: BoolArray
 ) -> list[list[str]]:
     radii = [written(value, decimals) for value in (np.abs(points) / mm).tolist()]
+    # The second remainder makes 0 of the 360 to which 359.9996 is rounded.
     turns = np.round(np.degrees(np.angle(points)) % 360.0, 3) % 360.0
     angles = [written(value, 3) for value in turns.tolist()]
     return [
@@ -638,15 +647,16 @@ def _polar(
 
 
 def _lost(product: Product, phi: FloatArray) -> BoolArray:
-    """(n,) which cam angles belong to points of the flank that are cut off from the disc."""
+    """(n,) whether the points of the flank at the cam angles `phi` are cut off from the disc."""
     is_lost = np.zeros(len(phi), dtype=bool)
     for cut in product.pictured.trimmed_stretches:
+        # Modulo a turn, as the range may pass cam angle 0.
         is_lost |= (phi - cut.start) % TURN < cut.end - cut.start
     return is_lost
 
 
 def table_marks(table: Table, title: str, top: complex, width: float, number: int) -> list[Mark]:
-    """The table in `number` groups side by side, its upper left corner at `top`."""
+    """The marks of the table in `number` groups side by side, its upper left corner at `top`."""
     marks: list[Mark] = [Label(title, top - 4.5j, 3.5)]
     rows, group = table.groups(number), width / number
     wide = group / len(table.heads)
@@ -684,11 +694,12 @@ def table_marks(table: Table, title: str, top: complex, width: float, number: in
 def diagram(
     product: Product, words: Words, corner: complex, size: complex, written: Written
 ) -> list[Mark]:
-    """The lift over the cam angle, in a box of `size` whose lower left corner is at `corner`."""
+    """The marks of the lift over the cam angle, in a box of `size` with its lower left `corner`."""
     drive, unit = product.cam.drive, product.unit
     turning = product.cam.lift_unit == "rad"
     factor = math.degrees(1.0) if turning else 1.0 / MM_PER[unit]
     phi = np.linspace(0.0, TURN, SAMPLES)
+    # Left-hand values, as the last angle is the end of the revolution.
     values = drive.motion.jet(phi, "left")[0] * factor
     low, high = (lift * factor for lift in lift_range(drive.motion))
     low, high = min(low, 0.0), max(high, 0.0)
@@ -724,12 +735,13 @@ def diagram(
 
 
 # -- frame ----------------------------------------------------------------------------------------
-# The sheet itself: trimmed size, frame and grid (ISO 5457), and the title block (ISO 7200).
+# The sheet itself: trimmed size, frame and grid reference system (ISO 5457), and the title block
+# (ISO 7200).
 
 
 @dataclass(frozen=True, slots=True)
 class Size:
-    """A sheet: width and height [mm], and the fields of its grid along each."""
+    """The size of a sheet [mm], and the number of fields of its grid along each side."""
 
     width: float
     height: float
@@ -740,23 +752,25 @@ class Size:
 SIZES: Final[dict[SheetName, Size]] = {"A3": Size(420, 297, 8, 6), "A4": Size(210, 297, 4, 6)}
 
 LEFT, MARGIN = 20.0, 10.0
-"""Of the frame, on the left for filing and on the other sides [mm]."""
+"""Distance of the frame from the edge of the sheet, on the left for filing and on other sides
+[mm]."""
 
 BAND = 5.0
 """Width of the grid outside the frame [mm]."""
 
 FIELD = 50.0
-"""Length of a field of the grid, from the middle of the sheet [mm]."""
+"""Length of a field of the grid; fields begin at the middle of the sheet [mm]."""
 
 BLOCK_WIDTH, BLOCK_HEIGHT = 180.0, 38.0
-"""Of the title block [mm]."""
+"""Size of the title block [mm]."""
 
 Row = tuple[float, float, tuple[tuple[str, str, float, float], ...]]
-"""Bottom and height of a row of the title block, and its cells: label, text, width, letters."""
+"""A row of the title block: bottom, height, and cells of label, text, width and letter height
+[mm]."""
 
 
 def frame(size: Size) -> list[Mark]:
-    """Trimmed edge, frame, centring marks and grid; an A4 sheet has letters on two sides only."""
+    """Trimmed edge, frame, centring marks and grid, which on A4 is lettered on two sides only."""
     low, high = complex(LEFT, MARGIN), complex(size.width - MARGIN, size.height - MARGIN)
     inner, outer = high - low, high - low + complex(2 * BAND, 2 * BAND)
     marks: list[Mark] = [
@@ -790,6 +804,7 @@ def frame(size: Size) -> list[Mark]:
 
 
 def _clipped(start: float, length: float, low: float, high: float) -> tuple[float, float]:
+    """Start and end of a field of the grid, cut off at the frame."""
     return max(start, low), min(start + length, high)
 
 
@@ -800,7 +815,7 @@ def title_block(
     unit: LengthUnit,
     sheet: tuple[int, int],
 ) -> list[Mark]:
-    """The title block by its lower left corner; `sheet` is its number and how many there are."""
+    """The title block at its lower left corner; `sheet` is the sheet's number and their total."""
     words = WORDS[spec.language]
     numbered = f"{sheet[0]}/{sheet[1]}"
     rows: tuple[Row, ...] = (
@@ -851,7 +866,7 @@ def title_block(
 
 
 def first_angle(middle: complex) -> list[Mark]:
-    """The symbol of first-angle projection (ISO 5456-2), about 16 wide and 8 high."""
+    """The symbol of first-angle projection (ISO 5456-2), about 16 mm wide and 8 mm high."""
     left, right = middle - 6.5, middle - 0.5
     cone = (left - 1.5j, right - 3.0j, right + 3.0j, left + 1.5j)
     rings = middle + 4.5
@@ -866,13 +881,14 @@ def first_angle(middle: complex) -> list[Mark]:
 
 
 def texture_width(text: str, letter: float = 2.5) -> float:
-    """From the tip of that symbol to its right end [mm]."""
+    """Width of the symbol of `texture`, from its tip to its right end [mm]."""
     return 3.0 * letter * math.tan(math.pi / 6.0) + text_width(text, letter) + 1.5
 
 
 def others(tip: complex, letter: float = 2.5) -> list[Mark]:
-    """The basic symbol in brackets, behind the texture of all surfaces: some state another one. Its
-    tip is at `tip`.
+    """The basic symbol in brackets with its tip at `tip`.
+
+    After the texture of all surfaces it says that some surfaces have another one.
     """
     aside = 1.4 * letter * complex(math.tan(math.pi / 6.0), 1.0)
     end = tip + 2.6 * letter * complex(math.tan(math.pi / 6.0), 1.0)
@@ -885,7 +901,7 @@ def others(tip: complex, letter: float = 2.5) -> list[Mark]:
 
 
 def edges(corner: complex, text: str, letter: float = 2.5) -> list[Mark]:
-    """The symbol of ISO 13715 for edges of undefined shape, its corner at `corner`."""
+    """The symbol of ISO 13715 for edges of undefined shape, with its corner at `corner`."""
     tip = corner + complex(2.0, 2.0) * letter / 2.5
     return [
         path((corner - 1.5, corner, corner - 1.5j), "SYMBOL"),

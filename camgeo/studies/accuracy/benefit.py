@@ -1,12 +1,13 @@
 """What accuracy buys, and where more of it stops paying.
 
-The first is what the written contour does to acceleration and contact force.
+A tighter tolerance buys a motion that is nearer to the exact one: this module computes what the
+written contour does to acceleration, contact force and lift-off speed.
 
-A contour within eps of the exact one has a curvature that is off by much more. With n pieces, eps
-falls with n^-k, k as of `camgeo.studies.accuracy.contours.ORDER`, and the curvature with n^-(k -
-2): so the acceleration of the follower is off in proportion to eps^(1 - 2/k), that is eps^0 for
-straight pieces, eps^(1/3) for arcs and eps^(1/2) for cubics. On straight pieces the acceleration
-never comes near the demanded one, however many they are.
+A contour within eps of the exact one has a curvature that deviates by much more. With n pieces, eps
+falls with n^-k, where k is the order in `camgeo.studies.accuracy.contours.ORDER`, and the error of
+the curvature with n^-(k - 2). The error of the follower's acceleration is therefore proportional to
+eps^(1 - 2/k), that is eps^0 for straight pieces, eps^(1/3) for arcs and eps^(1/2) for cubics. On
+straight pieces the acceleration never approaches the demanded one, however many there are.
 """
 
 from __future__ import annotations
@@ -37,12 +38,12 @@ from camgeo.studies.accuracy.contours import FORMS, ContourRow, FileCost, Progre
 from camgeo.units import RPM, counted
 
 SLOW: Final = 1e-3
-"""Share of the lowest speed at which forces with a rigid train are looked at first: as good as at
-rest, where contact is lost nowhere."""
+"""Fraction of the lowest speed at which forces with a rigid train are computed first: practically
+at rest, where contact is lost nowhere."""
 
 MOST_PIECES: Final = 500
-"""Pieces of the motion up to which forces with an elastic train are computed: its lift-off speed is
-searched at about a hundred speeds, on all pieces each time."""
+"""Number of pieces of the motion up to which forces with an elastic train are computed: the search
+for its lift-off speed computes about a hundred speeds, each on all pieces."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,15 +58,15 @@ class BenefitRow:
     form, tolerance : of the contour; the tolerance in mm.
     speed : of the cam [rad/s].
     acceleration : largest deviation of the output's acceleration from the exact one [mm/s^2 or
-        rad/s^2], jumps of the velocity apart. It is exact but for rounding, as are all figures here
-        for the given contour.
+        rad/s^2], without the impulses at jumps of the velocity. Like all figures of a row, it is
+        exact for the given contour except for rounding.
     exact_acceleration : largest magnitude of the exact one.
     jump : largest jump of the output's velocity [mm/s or rad/s].
-    force : largest deviation of the contact force [N], jumps of the velocity apart; None if the
-        scene has no forces.
-    lowest, highest : contact force on the flank [N], negative where that would have to pull; of a
-        follower that is held both ways as `camgeo.dynamics.effects.results.ContactForce` has it,
-        negative where the other side carries.
+    force : largest deviation of the contact force [N], without the impulses at jumps of the
+        velocity; None if the scene has no forces.
+    lowest, highest : extremes of the contact force on the flank [N], negative where the flank would
+        have to pull. For a follower that is held both ways, with the sign of
+        `camgeo.dynamics.effects.results.ContactForce`: negative where the other side carries.
     exact_lowest, exact_highest : the same for the exact motion.
     lift_off_speed : speed [rad/s] from which the contact force is 0 somewhere; infinite if it never
         is; None also if it was not found for an elastic train, and if the follower is held both
@@ -75,8 +76,8 @@ class BenefitRow:
     octaves : effective value of the deviation of the acceleration, jumps of the velocity included,
         in each octave of the cam's frequency: its harmonics 1, 2 and 3, 4 to 7 and so on [mm/s^2 or
         rad/s^2]. Empty if there are no values.
-    octave_error : of each harmonic's amplitude at most, in the same unit.
-    strongest : number of the harmonic of them with the largest amplitude.
+    octave_error : bound on the error of each harmonic's amplitude, in the same unit.
+    strongest : number of the harmonic with the largest amplitude.
     """
 
     form: Form
@@ -99,7 +100,7 @@ class BenefitRow:
 
     @property
     def ripple(self) -> float | None:
-        """The deviation of the acceleration over its exact peak; None if that is 0."""
+        """The deviation of the acceleration relative to its exact peak; None if the peak is 0."""
         if self.acceleration is None:
             return None
         return self.acceleration / self.exact_acceleration if self.exact_acceleration else None
@@ -111,21 +112,21 @@ class BenefitRow:
 
     @property
     def exact_force(self) -> float | None:
-        """The largest contact force of the exact motion, of either side; None if there is none."""
+        """The largest contact force of the exact motion on either side; None without forces."""
         if self.exact_lowest is None or self.exact_highest is None:
             return None
         return max(self.exact_highest, -self.exact_lowest)
 
     @property
     def force_share(self) -> float | None:
-        """The deviation of the contact force over `exact_force`; None if there is none."""
+        """The deviation of the contact force relative to `exact_force`; None without forces."""
         return (
             self.force / self.exact_force if self.force is not None and self.exact_force else None
         )
 
     @property
     def lift_off_share(self) -> float | None:
-        """How far the speed of lift-off is from the exact one, over that one; None if infinite."""
+        """Relative error of the lift-off speed; None if it is infinite or not known."""
         actual, exact = self.lift_off_speed, self.exact_lift_off_speed
         if actual is None or exact is None or not math.isfinite(actual + exact):
             return None
@@ -142,11 +143,13 @@ def benefit_rows(
 ) -> tuple[BenefitRow, ...]:
     """One row per form, tolerance [mm] and constant speed of the cam [rad/s], in this order.
 
-    Forces are those of the effects that the scene names, with its elastic train at that speed; no
-    speed is found. A row states why it has no values: a form or follower whose motion is not
-    computed, a tolerance that cannot be reached, forces without an answer.
+    Forces are those of the effects that the scene names, with its elastic train. The speed is taken
+    as constant; no speed variation is computed. A row states why it has no values: a form or
+    follower whose motion is not computed, a tolerance that cannot be reached, forces without an
+    answer.
     """
     first = exact_motion(design, min(speeds))
+    # Forces that hold for any speed are computed nearly at rest, where no contact is lost.
     if not first.of_one_speed:
         first = exact_motion(design, SLOW * first.speed)
     exact = {speed: first.for_speed(speed) for speed in speeds}
@@ -177,9 +180,9 @@ class SteadyMotion:
 
     Attributes
     ----------
-    subject : with that motion and that speed.
-    tables : of the effects that the scene names; no speed is found.
-    speed : [rad/s].
+    subject : the machine with that motion at that speed.
+    tables : of the effects that the scene names, by their names.
+    speed : of the cam [rad/s].
     """
 
     subject: Subject
@@ -187,7 +190,7 @@ class SteadyMotion:
     speed: float
 
     def with_contour(self, writing: Writing) -> SteadyMotion:
-        """That of a contour of the same disc."""
+        """The motion on a written contour of the same disc."""
         return replace(self, subject=self.subject.with_written_contours(writing, FIRST))
 
     @property
@@ -197,47 +200,53 @@ class SteadyMotion:
 
     @property
     def of_one_speed(self) -> bool:
-        """Whether forces are known for this speed only: those of an elastic train, and those on a
-        follower that is held both ways, on which the other side carries at another speed.
+        """Whether forces are known at this speed only.
+
+        That is so for an elastic train, and for a follower that is held both ways: which of its
+        sides carries depends on the speed.
         """
         return self.elastic or holds_both_ways(self.subject)
 
     def for_speed(self, speed: float) -> SteadyMotion:
-        """That of which the forces at `speed` [rad/s] are known."""
+        """The motion with which the forces at `speed` [rad/s] can be computed."""
         if not self.of_one_speed or speed == self.speed:
             return self
         return replace(self, subject=self.subject.turning(ConstantSpeed(speed)), speed=speed)
 
     @cached_property
     def effects(self) -> Effects:
-        """Of the scene, with contact lost where the force is 0, whatever margin it wants."""
+        """The effects of the scene. Contact is lost where the force is 0, whatever margin of the
+        contact force the scene states.
+        """
         tables = {**self.tables, LIFT_OFF: {}}
         return Effects(self.subject, tables, Ledger(), speed="stated")
 
     @cached_property
     def contact(self) -> ContactForce | None:
-        """The contact force; None without forces.
+        """The contact force; None if the scene has no forces.
 
         Raises
         ------
         EffectError
-            As the effects; with an elastic train on more than `MOST_PIECES`.
+            If an effect has no answer, or with an elastic train on more than `MOST_PIECES` pieces.
         """
         if self.elastic and len(self.subject.state.smooth_angles) > MOST_PIECES:
             raise EffectError(
-                "forces with an elastic train are computed on contours of up to"
-                f" {MOST_PIECES} pieces only"
+                "forces with an elastic train are computed only on contours of up to"
+                f" {MOST_PIECES} pieces"
             )
         contact_force = self.effects.result(CONTACT_FORCE)
         return contact_force if contact_force.forces else None
 
     def acceleration(self, phi: FloatArray, side: Side) -> FloatArray:
-        """(n,) of the output over the cam angle [mm or rad per rad^2]."""
+        """(n,) second derivative of the output by the cam angle [mm or rad per rad^2]."""
         return np.asarray(self.subject.state.output.jet(phi, side, 2)[2])
 
     def force(self, speed: float) -> Quantity:
-        """(n,) the contact force [N] at a constant `speed` [rad/s], see `for_speed`: on the only
-        flank, or in the sense of `ContactForce`.
+        """The contact force [N] as a function of the cam angle, at a constant `speed` [rad/s].
+
+        It is positive where the flank pushes; of a follower that is held both ways it has the sign
+        of `ContactForce`. See `for_speed` for which speeds it is known.
         """
         contact = self.contact
         assert contact is not None
@@ -247,7 +256,7 @@ class SteadyMotion:
             if self.of_one_speed:
                 return sense * contact.normal(phi, side)
             rates = np.zeros((2, len(phi)))
-            rates[0] = speed
+            rates[0] = speed  # and no angular acceleration
             return sense * contact.normal_at_rates(phi, side, rates)
 
         return normal_force
@@ -266,13 +275,14 @@ class SteadyMotion:
 
 @dataclass(frozen=True)
 class _MotionPair:
-    """The exact motion and that of a contour."""
+    """The exact motion and the motion on a written contour, at one speed of the cam."""
 
     exact: SteadyMotion
     written: SteadyMotion
 
     def row(self, bare: BenefitRow, exact: SteadyMotion) -> BenefitRow:
-        """The row with its values; `exact` is the exact motion known at its speed."""
+        """The row with its values; `exact` is the exact motion at the speed of the row."""
+        # At a constant speed the time derivatives are those by the angle times its powers.
         square = bare.speed**2
         row = replace(
             bare,
@@ -338,7 +348,7 @@ class _MotionPair:
 
     @cached_property
     def _joints(self) -> AccelerationJoints:
-        """Of the exact motion, as the contour places them."""
+        """The joints of the exact acceleration, at the cam angles where the contour has them."""
         state, exact = self.written.subject.state, self.exact.subject.state
         assert isinstance(state, Written)
         edges = merged(np.concatenate((state.smooth_angles, exact.smooth_angles)))
@@ -347,7 +357,7 @@ class _MotionPair:
         )
 
     def _deviation(self, quantity: Quantity, exact: Quantity, edges: FloatArray) -> float:
-        """The largest magnitude of the difference; both are smooth between `edges` (k,) [rad]."""
+        """The largest difference of two quantities that are smooth between `edges` (k,) [rad]."""
         return piecewise_extremes(self._joints.deviation(quantity, exact), edges).magnitude
 
 
@@ -360,30 +370,31 @@ class _MotionPair:
 
 
 OCTAVES: Final = 9
-"""Of a spectrum: the first is harmonic 1, the second 2 and 3, the last 256 to 511."""
+"""Number of octaves of a spectrum: the first is harmonic 1, the second 2 and 3, the last 256 to
+511."""
 
 MOST: Final = 2**OCTAVES - 1
-"""Harmonics in them."""
+"""Number of harmonics in these octaves."""
 
 GAUSS: Final = (12, 16)
-"""Nodes of Gauss's quadrature of a cell, and of the one that it is compared with."""
+"""Nodes of the two Gauss quadratures of each cell; their difference estimates the error."""
 
 PHASE: Final = 2.0
-"""Most by which the phase of the highest harmonic changes over a cell [rad]."""
+"""Largest change of the phase of the highest harmonic over a cell [rad]."""
 
 EPS: Final = float(np.finfo(np.float64).eps)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Spectrum:
-    """Harmonics of a ripple at a constant speed of 1 rad/s; they go with the square of the speed.
+    """Harmonics of a ripple at a constant speed of 1 rad/s; they grow with the square of the speed.
 
     Attributes
     ----------
-    numbers : (n,) of the harmonics, from 1: number k has k times the frequency of the cam.
-    amplitudes : (n,) of the output's acceleration that is off [mm or rad per rad^2].
-    error : of each amplitude at most, in the same unit: the difference of two quadratures, and the
-        rounding of their sums.
+    numbers : (n,) numbers of the harmonics, from 1: number k has k times the frequency of the cam.
+    amplitudes : (n,) of the deviation of the output's acceleration [mm or rad per rad^2].
+    error : bound on the error of each amplitude, in the same unit: the difference of two
+        quadratures, and the rounding of their sums.
     """
 
     numbers: IntArray
@@ -393,6 +404,7 @@ class Spectrum:
     @property
     def octaves(self) -> FloatArray:
         """(m,) effective value of the harmonics 1, 2 to 3, 4 to 7, ..., in the same unit."""
+        # Octave m begins with harmonic 2^m, at index 2^m - 1; a sine's mean square is half A^2.
         starts = 2 ** np.arange(int(np.log2(len(self.numbers) + 1))) - 1
         return np.asarray(np.sqrt(0.5 * np.add.reduceat(self.amplitudes**2, starts)))
 
@@ -406,6 +418,8 @@ def ripple_spectrum(written: State, exact: State, most: int = MOST) -> Spectrum:
     """The first `most` harmonics of the `written` motion's acceleration less the `exact` one's."""
     edges = merged(np.concatenate((written.smooth_angles, exact.smooth_angles)))
     widths = np.diff(edges)
+    # Each smooth stretch is cut into equal cells, in which the highest harmonic turns by PHASE at
+    # most, so that a quadrature of few nodes resolves it.
     index, rank = grouped(np.maximum(1, np.ceil(widths * most / PHASE)).astype(np.intp))
     counts = np.bincount(index)
     width = (widths / counts)[index]
@@ -419,6 +433,7 @@ def ripple_spectrum(written: State, exact: State, most: int = MOST) -> Spectrum:
         term = shares * (
             written.output.jet(phi, "right", 1)[1] - exact.output.jet(phi, "right", 1)[1]
         )
+        # Term k + 1 follows from term k by one product: the exponentials are computed only once.
         term, turn = term.astype(np.complex128), np.exp(-1j * phi)
         sizes.append(float(np.sum(np.abs(term))))
         sums = np.empty(most, np.complex128)
@@ -428,6 +443,7 @@ def ripple_spectrum(written: State, exact: State, most: int = MOST) -> Spectrum:
         integrals.append(sums)
     # Each product turns by a phase rounded like phi, and is itself rounded.
     rounded = numbers * 8.0 * EPS * max(sizes)
+    # The integral of the velocity's harmonic k, times k, over pi: the acceleration's amplitude.
     factor = numbers / np.pi
     error = float(np.max(factor * (np.abs(integrals[1] - integrals[0]) + rounded), initial=0.0))
     return Spectrum(numbers, factor * np.abs(integrals[1]), error)
@@ -446,7 +462,7 @@ def ripple_spectrum(written: State, exact: State, most: int = MOST) -> Spectrum:
 #   controller's number of decimals, and beyond that the printed numbers set the limit, not the
 #   contour;
 # - ripple: the error of the acceleration in a replay, if it was requested, falls by at least 5 %,
-#   or benefit: at a speed of the cam, if one was asked for, a tighter contour changes one of the
+#   or benefit: at a speed of the cam, if one was requested, a tighter contour changes one of the
 #   figures of `camgeo.studies.accuracy.benefit` by more than 5 %;
 # - cost, where none of these two is known: what a contour costs, the geometric mean of its pieces,
 #   of the bytes of its drawing and of the seconds to fit, prove, write and read that, is at most
@@ -463,13 +479,13 @@ SLACK: Final = 1.05
 rounding of a plan change them more."""
 
 STEP: Final = 1.5
-"""Factor by which costs must differ to be told apart: two runs on a busy machine differ by less."""
+"""Least ratio of costs that counts as a difference: two runs on a busy machine differ by less."""
 
 STEPS: Final = 2
-"""Of that factor by which a contour may cost more than the cheapest one."""
+"""How many of these steps a contour may cost more than the cheapest one."""
 
 LEAST_TIME: Final = 5e-4
-"""Difference of computing times [s] below which there is none."""
+"""Differences of computing times [s] below this are reported as none."""
 
 NAMES: Final[dict[Form, str]] = {
     "polyline": "straight pieces",
@@ -487,7 +503,7 @@ BEYOND: Final[dict[End, str]] = {
     "reach": "tighter tolerances cannot be reached",
     "range": "that is the end of what was tried, not a knee",
 }
-"""What is said of tighter tolerances; of decimals, it is how many."""
+"""What the advice says of tighter tolerances; for decimals, `_beyond` adds their number."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -499,11 +515,11 @@ class Knee:
     row : the recommended contour.
     end : what a tighter tolerance loses, see above; "reach" if it cannot be reached, "range" if
         none was measured.
-    quick : with milling the tightest tolerance [mm] that is milled in at most 5 % more than the
-        least time; None without.
-    step : the same contour at two tolerances, the last step up to the knee, or the first one beyond
-        it if there is none; empty if there is no other.
-    bought : by which share of the peak of the acceleration the second of them is less off than the
+    quick : the tightest tolerance [mm] that is milled in at most 5 % more than the least time; None
+        without milling.
+    step : the same contour at two tolerances: the last step up to the knee, or the first one beyond
+        it if the knee is the loosest; empty if only one was measured.
+    bought : by which share of the acceleration's peak the second of them deviates less than the
         first; None if that is not known.
     """
 
@@ -515,7 +531,7 @@ class Knee:
 
     @property
     def step_sentence(self) -> str:
-        """What the `step` costs and buys, in words; empty if there is none."""
+        """What the `step` costs and buys, as the end of a sentence; empty without a step."""
         if not self.step:
             return ""
         loose, tight = self.step
@@ -537,12 +553,13 @@ class Knee:
 def find_knee(
     rows: Sequence[ContourRow], benefits: Sequence[BenefitRow] = (), *, timed: bool = True
 ) -> Knee | None:
-    """The knee of `rows` of one form and effort, the loosest first; None if nothing can be reached.
+    """The knee of `rows` of one form and effort, the loosest first; None if no tolerance can be
+    reached.
 
     Parameters
     ----------
-    benefits : of that form at one speed of the cam, if they are known.
-    timed : whether seconds of computing count, which are those of one machine.
+    benefits : rows of that form at one speed of the cam, if they are known.
+    timed : whether seconds of computing count, which hold for one computer only.
     """
     known = [row for row in rows if row.count is not None and row.drawing is not None]
     if not known:
@@ -566,9 +583,11 @@ def find_knee(
     if benefits:
         sufficient = find_sufficient(benefits)
         limits.append((None if sufficient is None else sufficient.row.tolerance, "benefit"))
+    # Cost alone decides only where nothing is known of what a tighter contour is good for.
     if not deviations:
         costs = {row.tolerance: _cost(row, timed=timed) for row in known}
         limits.append((_tightest(costs, STEP**STEPS), "cost"))
+    # The benefit that ends first, at the loosest tolerance, sets the knee.
     tightest, end = max(
         ((limit, name) for limit, name in limits if limit is not None), key=lambda pair: pair[0]
     )
@@ -582,8 +601,8 @@ def find_knee(
 
 
 def _tightest(costs: Mapping[float, float | None], factor: float) -> float | None:
-    """The tightest tolerance whose cost is at most `factor` times the least one; None if costs are
-    not known.
+    """The tightest tolerance whose cost is at most `factor` times the least one; None if no costs
+    are known.
     """
     known = {tolerance: cost for tolerance, cost in costs.items() if cost is not None}
     if not known:
@@ -593,13 +612,13 @@ def _tightest(costs: Mapping[float, float | None], factor: float) -> float | Non
 
 
 def _cost(row: ContourRow, *, timed: bool) -> float:
-    """The geometric mean of what a contour costs; only ratios of it mean something."""
+    """The geometric mean of what a contour costs. Its unit is meaningless: only ratios count."""
     costs = [_pieces(row), _drawing(row).size, *([_drawing(row).seconds] if timed else [])]
     return math.prod(costs) ** (1.0 / len(costs))
 
 
 def advice(knee: Knee | None) -> str:
-    """The sentence for a knee, without seconds of computing; for None, that none can be reached."""
+    """The advice in words, without seconds of computing, which differ from run to run."""
     if knee is None:
         return "none of these tolerances can be reached"
     row = knee.row
@@ -613,7 +632,7 @@ def advice(knee: Knee | None) -> str:
 
 
 def _beyond(knee: Knee) -> str:
-    """What a tighter tolerance costs, or why there is none."""
+    """What a tighter tolerance costs, or why no tighter one is recommended."""
     if knee.end != "decimals":
         return BEYOND[knee.end]
     down = "" if knee.quick is None else f" are no slower down to {knee.quick:g} mm, but"
@@ -628,7 +647,7 @@ def _time(seconds: float) -> str:
 
 
 def _digits(value: float) -> str:
-    """Two digits, the units at least."""
+    """The number with two significant digits, or all digits before the decimal point."""
     return f"{value:,.0f}" if abs(value) >= 9.95 else f"{value:.2g}"
 
 
@@ -645,13 +664,13 @@ def _pieces(row: ContourRow) -> int:
 # -- enough ---------------------------------------------------------------------------------------
 # Which tolerance is enough at one speed of the cam: beyond it, the cam runs no better.
 #
-# Of the contours of one form the loosest is enough from which on each tighter one, of those
-# measured, changes none of three benefits by more than `SHARE` of the exact motion's figure: the
-# deviation of the acceleration, that of the contact force, and the lift-off speed.
+# Of the measured contours of one form, the loosest is enough for which no tighter one changes any
+# of three benefits by more than `SHARE` of the exact motion's figure: the deviation of the
+# acceleration, that of the contact force, and the lift-off speed.
 
 
 SHARE: Final = 0.05
-"""Change of a benefit, relative to the exact motion, that is worth nothing."""
+"""Largest change of a benefit, relative to the exact motion, that counts as no improvement."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -660,10 +679,10 @@ class SufficientContour:
 
     Attributes
     ----------
-    row : of it.
-    gain : largest share by which a tighter one of those measured changes a benefit; 0 if there is
-        none.
-    last : whether it is the tightest one measured, so that a tighter one may be worth it.
+    row : the measurement of this contour.
+    gain : largest share by which a tighter measured contour changes a benefit; 0 if none is
+        tighter.
+    last : whether it is the tightest one measured, so that a tighter one may still improve.
     """
 
     row: BenefitRow
@@ -672,7 +691,7 @@ class SufficientContour:
 
 
 def find_sufficient(rows: Sequence[BenefitRow]) -> SufficientContour | None:
-    """The contour that is enough, of `rows` of one form and speed; None if none has values."""
+    """The contour that is enough among `rows` of one form and speed; None if no row has values."""
     known = sorted(
         (row for row in rows if row.acceleration is not None),
         key=lambda row: row.tolerance,
@@ -701,7 +720,7 @@ def change(row: BenefitRow, other: BenefitRow) -> float:
 
 
 def sufficient_sentence(sufficient: SufficientContour | None) -> str:
-    """What is enough, and why."""
+    """Which tolerance is enough, and why, in words."""
     if sufficient is None:
         return "the motion on the written contour is not known for any of these tolerances"
     row = sufficient.row

@@ -1,4 +1,4 @@
-"""The contours of a design over the tolerance: pieces, proof, files, times."""
+"""Measures the contours of a design over the tolerance: pieces, proof, files, times."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ from camgeo.scene.formats.gcode import FORMAT
 from camgeo.units import TURN
 
 # -- rows -----------------------------------------------------------------------------------------
-# The rows measured: one for each form of the contour, each solid, table step and effect.
+# The measured rows: one for each form of the contour, each solid, table step and effect.
 
 
 FORMS: Final[tuple[Form, ...]] = ("polyline", "arcs", "spline")
@@ -57,12 +57,12 @@ class Count:
     Attributes
     ----------
     pieces : of all flanks together.
-    forced : those of them for dwells and turns, needed at any tolerance.
-    least : asymptotic limit of the others for small tolerances, see `LEAST`.
-    deviation : proved [mm], the largest.
-    fit_seconds, proof_seconds : of the fits with their own proof, and of proofs repeated from
-        the finished contours alone.
-    spread : of both, as `camgeo.studies.accuracy.contours.Timing`.
+    forced : how many of them are dwells and arcs about a point, which any tolerance needs.
+    least : asymptotic limit of the number of the others for small tolerances, see `LEAST`.
+    deviation : the largest deviation that is proved [mm].
+    fit_seconds, proof_seconds : time of the fits with their own proof, and of the proofs repeated
+        from the finished contours alone.
+    spread : of both times, see `Timing`.
     """
 
     pieces: int
@@ -75,7 +75,7 @@ class Count:
 
     @property
     def ratio(self) -> float | None:
-        """Pieces that are not forced, as a multiple of the limit; None where the limit is 0."""
+        """Pieces that are not forced, as a multiple of their limit; None where the limit is 0."""
         return (self.pieces - self.forced) / self.least if self.least > 0.0 else None
 
 
@@ -86,11 +86,11 @@ class FileCost:
     Attributes
     ----------
     size : in bytes.
-    deviation : proved for the file as read back [mm]; None if it has none.
-    write_seconds, read_seconds : of writing it, fits included, and of reading it back and proving.
+    deviation : proved for the file as read back [mm]; None if the format states none.
+    write_seconds, read_seconds : time of writing it, fits included, and of reading it back and
+        proving its deviation.
     facts : what its writer reports about it.
-    spread : of these seconds without the fits of a drawing, as
-    `camgeo.studies.accuracy.contours.Timing`.
+    spread : of these times without the fits of a drawing, see `Timing`.
     """
 
     size: int
@@ -102,7 +102,7 @@ class FileCost:
 
     @property
     def seconds(self) -> float:
-        """Of writing and reading it."""
+        """Time of writing the file and reading it back."""
         return self.write_seconds + self.read_seconds
 
 
@@ -115,14 +115,14 @@ class ContourRow:
     form, effort, tolerance : as requested; the tolerance in mm.
     count : of the contours; None if there are none.
     drawing : the DXF with that entity; None if there is none.
-    program : the G-code, if it was asked for, for arcs only and if the scene asks for milling.
+    program : the G-code; only of arcs, if it was requested and the scene states milling.
     round_seconds : estimated time of milling once along the flanks; None for splines, and where the
         machine's acceleration is not known.
     ripple : largest error of the acceleration in a replay, relative to its prescribed peak; None if
         it was not requested, and for splines.
-    shortest_seconds : time of the round at the largest feed that the controller can hold.
-    fault : why something is missing; empty if nothing is.
-    decimals : of a program within that tolerance; None if the scene does not ask for one.
+    shortest_seconds : time of the same round at the largest feed that the controller can hold.
+    fault : why a value is missing; empty if none is.
+    decimals : number of decimals of a program within that tolerance; None without milling.
     """
 
     form: Form
@@ -139,13 +139,13 @@ class ContourRow:
 
     @property
     def spread(self) -> float:
-        """Of what the drawing takes: the larger one of its fits and of its file."""
+        """Spread of the drawing's times: the larger one of its fits and of its file."""
         return max((cost.spread for cost in (self.count, self.drawing) if cost), default=1.0)
 
 
 @dataclass(frozen=True, slots=True)
 class SolidRow:
-    """A solid at one tolerance; `fault` states why there is no `file`."""
+    """A solid at one tolerance [mm]; `fault` states why there is no `file`."""
 
     format: str
     tolerance: float
@@ -159,11 +159,11 @@ class TableRow:
 
     Attributes
     ----------
-    step : [degrees].
-    rows, size : of the table, and of its CSV file in bytes.
-    seconds : of computing it.
+    step : of the cam angle [degrees].
+    rows, size : number of rows of the table, and size of its CSV file in bytes.
+    seconds : time of computing it.
     error : bound on the error of the lift interpolated linearly between rows [mm or rad].
-    spread : of the seconds, as `camgeo.studies.accuracy.contours.Timing`.
+    spread : of the time, see `Timing`.
     """
 
     step: Decimal
@@ -182,16 +182,16 @@ class EffectRow:
     ----------
     effect : its name.
     tolerance : requested, relative to the scale of each figure, see
-    `camgeo.dynamics.effects.effect.Bound`. seconds : of computing it, without the effects that it
-    needs; None if it has no answer. error : its own estimate, the largest of all figures, relative
-    likewise; None if it is exact. difference : the largest of all figures from a result to a
-    tolerance at most a hundredth of
-        this, relative likewise; None where there is no such result.
-    fault : why it has no answer, or which figures are off by more than estimated; else empty.
+        `camgeo.dynamics.effects.effect.Bound`.
+    seconds : time of computing it, without the effects that it needs; None if it has no answer.
+    error : its own estimate for the worst figure, relative to its scale; None if it is exact.
+    difference : largest difference of a figure from the result at a tolerance of at most a
+        hundredth, relative to its scale; None where there is no such result.
+    fault : why it has no answer, or which figures deviate by more than estimated; else empty.
     figure : name of the finding or column with this difference; empty if it is 0.
-    rounded : whether estimate and difference are those of rounding. The effect then has no further
+    rounded : whether estimate and difference are rounding errors. The effect then has no further
         rows, as no tolerance changes it.
-    spread : of the seconds, as `camgeo.studies.accuracy.contours.Timing`.
+    spread : of the time, see `Timing`.
     """
 
     effect: str
@@ -206,8 +206,9 @@ class EffectRow:
 
 
 def in_length(row: Any, mm: float, moved: float = 1.0) -> Any:
-    """A row with its tolerance, and what it has of deviations, in units of `mm`; octaves of the
-    acceleration in units of `moved`.
+    """A row in another unit of length, which has `mm` millimetres: its tolerance and deviations.
+
+    Octaves of the acceleration are divided by `moved`, as the output may be an angle.
     """
     values: dict[str, Any] = {}
     for field in fields(row):
@@ -222,23 +223,23 @@ def in_length(row: Any, mm: float, moved: float = 1.0) -> Any:
 
 
 # -- clock ----------------------------------------------------------------------------------------
-# Seconds of work: CPU time of this process, the median of several runs, and how far they differ.
+# Computing time: CPU time of this process, as the median of several runs, and how far they differ.
 #
-# Other work on a machine makes a run wait, which is in no CPU time, and slows it down by what they
-# share, the caches above all, which is in all of its runs. So a row is run several times, and all
-# its steps with it: their medians belong together.
+# Other work on the computer makes a run wait, which does not count as CPU time, and slows it down
+# by the resources that they share, the caches above all, which does. So a row is run several times,
+# each time with all its steps: their medians belong together.
 
 
 Result = TypeVar("Result")
 
 RUNS: Final = 3
-"""Fewest runs of what takes less than `LONG`."""
+"""Least number of runs, where all of them take less than `LONG`."""
 
 SHORT_RUNS: Final = 5
-"""Fewest runs of what takes less than `SHORT`."""
+"""Least number of runs, where all of them take less than `SHORT`."""
 
 MOST_RUNS: Final = 15
-"""Most runs, where they are short and differ."""
+"""Largest number of runs, where they are short and differ."""
 
 ALIKE: Final = 1.15
 """Spread up to which `SHORT_RUNS` are enough."""
@@ -256,8 +257,8 @@ class Timing:
 
     Attributes
     ----------
-    seconds : the median of each, by name.
-    spread : of all of them together, see `repeated`.
+    seconds : the median time of each step, by name.
+    spread : ratio of the upper to the lower quartile of all runs, see `repeated`.
     """
 
     seconds: Mapping[str, float]
@@ -271,7 +272,7 @@ class Clock:
         self.seconds: defaultdict[str, float] = defaultdict(float)
 
     def step(self, name: str, work: Callable[[], Result]) -> Result:
-        """The result of `work`, whose time counts for the step `name`."""
+        """Return the result of `work` and add its time to the step `name`."""
         start = time.process_time()
         result = work()
         self.seconds[name] += time.process_time() - start
@@ -279,11 +280,11 @@ class Clock:
 
 
 def repeated(run: Callable[[Clock], Result], most_runs: int = MOST_RUNS) -> tuple[Result, Timing]:
-    """The result of `run`, which does all its work in steps of the clock, and what they take.
+    """The result of `run`, which does all its work in steps of the clock, and their times.
 
-    It is called several times. Medians, and the spread, the ratio of the upper quartile to the
-    lower one, are those of all runs but the first, which fills the caches of the motion; the spread
-    of one run is 1.
+    `run` is called several times. The medians and the spread, the ratio of the upper quartile to
+    the lower one, are those of all runs but the first, which fills the caches of the motion. The
+    spread of a single run is 1.
     """
     clocks: list[Clock] = []
     totals: list[float] = []
@@ -297,7 +298,7 @@ def repeated(run: Callable[[Clock], Result], most_runs: int = MOST_RUNS) -> tupl
 
 
 def _again(totals: Sequence[float], most_runs: int) -> bool:
-    """Whether there is to be another run after those that took `totals` [s]."""
+    """Whether another run is needed after those that took `totals` [s]."""
     count, spent = len(totals), math.fsum(totals)
     if count < min(RUNS, most_runs):
         return spent < LONG
@@ -305,6 +306,7 @@ def _again(totals: Sequence[float], most_runs: int) -> bool:
 
 
 def _spread(totals: Sequence[float]) -> float:
+    # The first run fills caches, so it counts only where there are too few others.
     counted = totals[1:] if len(totals) >= RUNS else totals
     if len(counted) < 2 or min(counted) <= 0.0:
         return 1.0
@@ -343,10 +345,13 @@ the error falls with the power 5/4: some 3e-5 of a piece."""
 
 
 def least_chords(path: Path, tolerance: float) -> float:
-    """Chords that a polyline within `tolerance` [mm] of `path` needs, dwells and turns included."""
+    """Asymptotic number of chords of a polyline within `tolerance` [mm] of `path`, including those
+    of dwells and of arcs about a point.
+    """
     total = 0.0
     for leg in path_legs(path):
         if isinstance(leg, TurnLeg):
+            # The integral of sqrt(kappa) ds over an arc: kappa = 1/r and ds = r times the angle.
             total += math.sqrt(leg.radius) * leg.end
         else:
             total += math.fsum(_chords(leg.curve, piece) for piece in leg.pieces)
@@ -354,41 +359,48 @@ def least_chords(path: Path, tolerance: float) -> float:
 
 
 def least_arcs(path: Path, tolerance: float) -> float:
-    """Arcs that a G1 contour within `tolerance` [mm] of `path` needs beyond `forced_pieces`."""
+    """Asymptotic number of arcs of a G1 contour within `tolerance` [mm] of `path`, in addition to
+    `forced_pieces`.
+    """
     total = math.fsum(_arcs(curve, piece) for curve, piece in _curved(path))
     return total * math.cbrt(ARC / tolerance)
 
 
 def least_cubics(path: Path, tolerance: float) -> float:
-    """Cubics that a spline within `tolerance` [mm] of `path` needs beyond `forced_pieces`."""
+    """Asymptotic number of cubics of a spline within `tolerance` [mm] of `path`, in addition to
+    `forced_pieces`.
+    """
     total = math.fsum(_cubics(curve, piece) for curve, piece in _curved(path))
     return total * math.sqrt(math.sqrt(CUBIC / tolerance))
 
 
 def forced_pieces(path: Path, widest: float = TURN) -> int:
-    """Dwells and turns of `path`: each is one arc, or several of at most `widest` [rad], whatever
-    the tolerance.
+    """Number of arcs for dwells and for turns about a point of `path`, whatever the tolerance.
+
+    Each of these is one arc, or several of at most `widest` [rad].
     """
     legs = path_legs(path)
     sweeps = [leg.end for leg in legs if isinstance(leg, TurnLeg)]
     stretches = [leg.pieces for leg in legs if isinstance(leg, StretchLeg)]
     sweeps += [piece.end - piece.start for pieces in stretches for piece in pieces if piece.is_arc]
-    # As a contour is split: rounding makes no arc wider.
+    # As in the split of a contour, where rounding does not make an arc too wide.
     return sum(max(1, math.ceil(sweep / widest - 1e-12)) for sweep in sweeps)
 
 
 def _curved(path: Path) -> list[tuple[WorkingCurve, SmoothPiece]]:
-    """The smooth pieces that are no dwells."""
+    """The smooth pieces that are not dwells, each with its curve."""
     stretches = [leg for leg in path_legs(path) if isinstance(leg, StretchLeg)]
     return [(leg.curve, piece) for leg in stretches for piece in leg.pieces if not piece.is_arc]
 
 
 def _middles(piece: SmoothPiece) -> tuple[FloatArray, float]:
+    """(CELLS,) middles of equal cells of a piece [rad], and the width of a cell [rad]."""
     borders = np.linspace(piece.start, piece.end, CELLS + 1)
     return 0.5 * (borders[:-1] + borders[1:]), (piece.end - piece.start) / CELLS
 
 
 def _speed(curve: WorkingCurve, phi: FloatArray) -> FloatArray:
+    """(n,) |Z'| of the pitch curve [mm/rad]."""
     return curve.pitch.speed(curve.pitch.relative_jet(phi, order=1))
 
 
@@ -408,18 +420,19 @@ def _arcs(curve: WorkingCurve, piece: SmoothPiece) -> float:
 
 
 def _cubics(curve: WorkingCurve, piece: SmoothPiece) -> float:
-    """Integral of |kappa'' - kappa^3|^(1/4) ds of the parallel itself.
+    """Integral of |kappa'' - kappa^3|^(1/4) ds, with the curvature kappa of the parallel itself.
 
-    The mean of kappa'' over a cell is the growth of kappa' over it, divided by its length.
+    The mean of kappa'' over a cell is the growth of kappa' over it, divided by its length, so that
+    no fourth derivative of the motion is needed.
     """
     phi, width = _middles(piece)
-    # One-sided values at both ends, from inside.
+    # One-sided values at both ends, from inside: kappa' may jump between pieces.
     borders = np.concatenate(([phi[0]], 0.5 * (phi[:-1] + phi[1:]), [phi[-1]]))
     growth = np.diff(_bend_slope(curve, borders))
     kappa = curve.pitch.curvature(phi)
     regular = np.maximum(1.0 + curve.distance * kappa, 0.0)
     length = width * _speed(curve, phi) * regular
-    length[[0, -1]] *= 0.5
+    length[[0, -1]] *= 0.5  # from the middle of an outermost cell to its inner border
     moves = length > 0.0
     bend = kappa[moves] / regular[moves]
     fourth = np.abs(growth[moves] / length[moves] - bend**3)
@@ -461,7 +474,7 @@ NOT_WRITTEN: Final = (ToleranceError, GeometryError, SceneError, FileError)
 
 
 def flank_boundaries(design: Design) -> tuple[CurveBoundary, ...]:
-    """The boundaries of the part that are flanks; bore and rim are exact at any tolerance."""
+    """The boundaries of the part that are fitted: its flanks. Bore and rim are exact anyway."""
     return tuple(
         boundary
         for boundary in design.disc.drawn.part.boundaries
@@ -482,14 +495,14 @@ def contour_rows(
 ) -> tuple[ContourRow, ...]:
     """One row per form, effort and tolerance [mm], in this order.
 
-    A row states what cannot be reached. The first use of what all rows use is in none of them.
+    A row states what cannot be reached. The time of what all rows share is in none of them.
 
     Parameters
     ----------
     ripple : whether the contours are also replayed.
     progress : called with the name of each row.
-    programs : whether those of arcs are written too, if the scene asks for milling.
-    timed : whether seconds of computing matter; else everything is done once.
+    programs : whether G-code of arcs is written too, if the scene states milling.
+    timed : whether computing times matter; else everything is computed once.
     """
     runs = MOST_RUNS if timed else 1
     rows = []
@@ -497,6 +510,7 @@ def contour_rows(
         for effort in efforts:
             variant = with_contour_form(design, form, effort)
             with suppress(*NOT_WRITTEN):  # which the row will state
+                # Loads modules and fills caches, so that the first row is not slower than others.
                 file_cost(variant.disc, DRAWING, max(tolerances), runs=1)
             for tolerance in tolerances:
                 progress(f"{form}, {effort}, {tolerance:g} mm")
@@ -510,24 +524,25 @@ def contour_rows(
 
 
 def with_contour_form(design: Design, form: Form, effort: Effort) -> Design:
-    """The same design with its drawing in another form."""
+    """The same design with another form of the contour in its drawing."""
     return design.with_output({"fit": effort, "dxf.entity": form})
 
 
 def _row(design: Design, row: ContourRow, *, ripple: bool, programs: bool, runs: int) -> ContourRow:
-    """The row with all values that exist."""
+    """The row with all values that can be computed."""
     form, effort, tolerance = row.form, row.effort, row.tolerance
-    # Machine of the scene, or the default; without a tool there is no feed, and no time.
+    # The scene's machine, or the default one; without a tool there is no feed, and hence no time.
     spec = design.disc.options[FORMAT]
     machine = load(spec.machine)
     flanks, milled = flank_boundaries(design), not FORMAT.lacking(design.disc.values)
 
     def fitted_and_proved(clock: Clock) -> list[Fit | SplineFit]:
-        forget(design.disc, tolerance)
+        forget(design.disc, tolerance)  # so that every run fits and proves anew
         fits = clock.step(
             "fit", lambda: [written_contour(flank, form, effort, tolerance) for flank in flanks]
         )
         for flank, fit in zip(flanks, fits, strict=True):
+            # `replace` copies the flank without what it has already proved.
             clock.step("proof", partial(replace(flank).deviation, fit.contour))
         return fits
 
@@ -574,7 +589,9 @@ def _row(design: Design, row: ContourRow, *, ripple: bool, programs: bool, runs:
 def _round(
     contours: Sequence[Contour], feed: float, machine: Machine, tolerance: float
 ) -> float | None:
-    """Time [s] of one round along all `contours`; None without any, or without dynamics."""
+    """Time [s] of milling once along all `contours`; None without contours, or if the machine's
+    dynamics are not known.
+    """
     if not contours or machine.dynamics is None:
         return None
     smoothing, chord = machine.smoothed(tolerance), machine.arcs.interpolation
@@ -591,15 +608,15 @@ def file_cost(
     fit_seconds: float | None = None,
     runs: int = MOST_RUNS,
 ) -> FileCost:
-    """The file of one format, or all of its files, written and read back; facts of the first.
+    """The cost of writing and reading back the file of one format, or all its files.
 
-    `fit_seconds` are those of fits that are known, and counted for writing; it is done `runs` times
-    at most.
+    The facts are those of the first file. `fit_seconds` is the time of fits that are known already,
+    which counts for writing. Everything is done at most `runs` times.
 
     Raises
     ------
     ToleranceError
-        If its tolerance cannot be reached.
+        If the tolerance cannot be reached.
     """
     writer = find_writer(format)
     pieces = file_products(writer, product)
@@ -623,10 +640,10 @@ def file_cost(
 
 
 def forget(product: Product, tolerance: float, *, fits: bool = True, plans: bool = False) -> None:
-    """Make what was computed for a file be computed again: proofs, and if asked for fits and plans.
+    """Discard what was computed for a file: proofs, and if requested fits and milling plans.
 
-    Fits looser than `tolerance` [mm] are kept, and those by which contours are told apart, which
-    are the same for all files.
+    Fits looser than `tolerance` [mm] are kept, and so are those that only decide how contours lie
+    to each other, which are the same for all files.
     """
     boundaries = list(product.drawn.part.boundaries)
     if plans:
@@ -646,7 +663,7 @@ def forget(product: Product, tolerance: float, *, fits: bool = True, plans: bool
 
 
 def reason(error: ToleranceError | GeometryError | EffectError | SceneError | FileError) -> str:
-    """Why a row has no value, in one short sentence."""
+    """Why a row has no value, in one short sentence, without keys and places."""
     if isinstance(error, FileError):
         return str(error)
     if isinstance(error, SceneError):
@@ -657,7 +674,7 @@ def reason(error: ToleranceError | GeometryError | EffectError | SceneError | Fi
 def _ripple(
     design: Design, flanks: Sequence[CurveBoundary], contours: Sequence[Contour]
 ) -> float | None:
-    """The largest ripple of all flanks; None where no acceleration is prescribed, or where the
+    """The largest ripple of all flanks; None where no acceleration is prescribed, and where the
     roller drops off an edge.
     """
     ripples = (

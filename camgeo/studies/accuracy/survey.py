@@ -1,4 +1,4 @@
-"""All measurements of one design."""
+"""Measures one design: contours, solids, value tables, effects, and whole builds."""
 
 from __future__ import annotations
 
@@ -49,27 +49,27 @@ from camgeo.units import MM_PER, TURN, LengthUnit
 # -- effects --------------------------------------------------------------------------------------
 # The numerical effects of a design over their tolerance: computing time and error.
 #
-# Every figure, that is the value of each finding and each column over a turn, is compared with that
-# of a computation to a tolerance at least `TIGHTER` times as small. What a result states as its
-# error holds if no figure is off by more.
+# Every figure, that is the value of each finding and each column over a revolution, is compared
+# with that of a computation whose tolerance is smaller by a factor of at least `TIGHTER`. The error
+# that a result states holds if no figure deviates by more.
 
 
 TOLERANCES_OF_EFFECTS: Final = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10)
-"""Tolerances measured, see `camgeo.dynamics.effects.effect.Bound`."""
+"""Tolerances at which effects are measured, see `camgeo.dynamics.effects.effect.Bound`."""
 
 TIGHTER: Final = 100.0
 """Factor from the tolerance of the reference to those of the rows compared with it."""
 
 ROUNDED: Final = 1e-11
-"""Errors up to this share are those of rounding, which no tolerance changes: some thousand
-roundings, as many as a chain of motion, mechanism, forces and a sum over the turn has."""
+"""Relative errors up to this are rounding errors, which no tolerance changes: some thousand
+roundings, as many as motion, mechanism, forces and a sum over the revolution have."""
 
 ANGLES: Final = 720
-"""Cam angles over a turn at which columns are compared."""
+"""Number of cam angles over a revolution at which columns are compared."""
 
 OFFSET: Final = 0.381966
-"""Offset of the first of these angles from 0, as a fraction of their spacing: the ends of a motion,
-where a quantity may jump, are hardly ever among them."""
+"""Offset of the first of these angles from 0, as a fraction of their spacing. With the golden
+section the ends of motions, where a quantity may jump, are hardly ever among these angles."""
 
 Figures = dict[str, FloatArray]
 """The values of findings, in order, and of columns over the turn, by name."""
@@ -77,13 +77,13 @@ Figures = dict[str, FloatArray]
 
 @dataclass(frozen=True, slots=True)
 class FigureDifference:
-    """How far a figure is off.
+    """How far a figure deviates from that of the reference.
 
     Attributes
     ----------
     figure : name of the finding or column.
     difference : from the reference, in the unit of the figure.
-    bound : what the result states.
+    bound : the error that the result states.
     """
 
     figure: str
@@ -92,12 +92,12 @@ class FigureDifference:
 
     @property
     def share(self) -> float:
-        """Relative to the scale of the figure."""
+        """The difference relative to the scale of the figure."""
         return Bound(self.difference, self.bound.scale).share
 
     @property
     def holds(self) -> bool:
-        """Whether the figure is off by no more than stated."""
+        """Whether the figure deviates by no more than stated."""
         return self.difference <= self.bound.error
 
 
@@ -106,8 +106,9 @@ def effect_rows(
 ) -> tuple[EffectRow, ...]:
     """Rows of the numerical effects that the scene names.
 
-    One for each of `tolerances`, the loosest first; a row states why it has no answer. An effect
-    that reaches rounding at the loosest tolerance has this row alone, see `EffectRow.rounded`.
+    Each effect has a row for each of `tolerances`, the loosest first; a row states why it has no
+    answer. An effect whose error is rounding at the loosest tolerance has this row alone, see
+    `EffectRow.rounded`.
     """
     rows: list[EffectRow] = []
     for name in design.scene.effects:
@@ -138,8 +139,9 @@ def _reference(
 ) -> tuple[float, Result] | None:
     """The most accurate result, with its tolerance; None if there is no answer.
 
-    It is `TIGHTER` than the tightest of `tolerances`, or what rounding leaves of that. Computing it
-    first keeps what does not depend on the tolerance out of the times of the rows.
+    Its tolerance is the tightest of `tolerances` divided by `TIGHTER`, or the next one that can be
+    reached. Computing it first keeps what does not depend on the tolerance out of the times of the
+    rows.
     """
     tightest = tolerances[-1]
     for tolerance in (tightest / TIGHTER, tightest, *reversed(tolerances[:-1])):
@@ -172,7 +174,7 @@ def _row(design: Design, name: str, tolerance: float) -> tuple[EffectRow, Result
 
 
 def _with_difference(row: EffectRow, result: Result, reference: Result) -> EffectRow:
-    """The row with the differences; a figure that is off by more than stated is a fault."""
+    """The row with its difference; a figure that deviates by more than stated is a fault."""
     differences = compare_figures(result, reference)
     wrong = [difference.figure for difference in differences if not difference.holds]
     largest = max(differences, key=lambda each: each.share, default=None)
@@ -187,10 +189,10 @@ def _with_difference(row: EffectRow, result: Result, reference: Result) -> Effec
 
 
 def compare_figures(result: Result, reference: Result) -> tuple[FigureDifference, ...]:
-    """All figures that both results have, with their differences.
+    """The differences of all figures that both results have.
 
-    A figure without an error is exact to rounding, `camgeo.numeric.arrays.SHARE` of its largest
-    magnitude.
+    A figure for which the result states no error is exact except for rounding, which is
+    `camgeo.numeric.arrays.SHARE` of its largest magnitude.
     """
     figures, reference_figures = result_figures(result), result_figures(reference)
     differences = []
@@ -206,7 +208,7 @@ def compare_figures(result: Result, reference: Result) -> tuple[FigureDifference
 
 
 def result_figures(result: Result) -> Figures:
-    """All figures of a result."""
+    """The figures of a result by name: values of findings, and columns over the revolution."""
     finding_values: dict[str, list[float]] = {}
     for finding in result.findings:
         if finding.value is not None:
@@ -223,14 +225,14 @@ def _sampled(column: Column) -> FloatArray:
 # -- tables ---------------------------------------------------------------------------------------
 # The value table of a design over its step: rows, bytes, and the error of interpolation.
 #
-# Between two rows a step h apart a lift s with a continuous velocity departs from its chord by at
-# most max|s''| h^2/8. A jump j of the velocity at the distance x after a row adds j x (h - x)/h.
+# Between two rows with the step h, a lift s with a continuous velocity deviates from its chord by
+# at most max|s''| h^2/8. A jump j of the velocity at the distance x after a row adds j x (h - x)/h.
 
 
 STEPS: Final = tuple(
     Decimal(text) for text in ("10", "5", "2", "1", "0.5", "0.2", "0.1", "0.05", "0.02", "0.01")
 )
-"""Steps measured [degrees]."""
+"""Steps of the cam angle that are measured [degrees]."""
 
 CELL: Final = np.radians(0.05)
 """Largest cell [rad] over which |s''| is bounded. The bound exceeds the largest value in the cell
@@ -242,7 +244,7 @@ def table_rows(
 ) -> tuple[TableRow, ...]:
     """One row per step [degrees]; the lift is that of the motion plan.
 
-    The effects that columns are of are computed before, as no step changes them.
+    Effects with columns in the table are computed beforehand, as no step changes them.
     """
     if steps:
         design.tabulated.table(max(steps))
@@ -269,6 +271,8 @@ def interpolation_error(motion: Motion, phi: FloatArray) -> float:
     phi : (n,) [rad] ascending in [0, 2 pi), the first 0; the last chord ends at 2 pi.
     """
     rows = np.append(phi, TURN)
+    # Cells of equal number in each chord, narrow enough for the bounds to be sharp, and cut at the
+    # borders of the motion, where s'' may jump.
     parts = max(1, int(np.ceil(np.max(np.diff(rows)) / CELL)))
     shares = np.arange(parts) / parts
     cuts = (rows[:-1, None] + np.diff(rows)[:, None] * shares).ravel()
@@ -279,10 +283,11 @@ def interpolation_error(motion: Motion, phi: FloatArray) -> float:
     # Each cell lies in one chord, as the rows are among the cuts.
     chord = np.clip(np.searchsorted(rows, 0.5 * (low + high), side="right") - 1, 0, len(phi) - 1)
     largest = np.zeros(len(phi))
-    np.maximum.at(largest, chord, bounds[2])
+    np.maximum.at(largest, chord, bounds[2])  # unbuffered: many cells belong to one chord
     steps = np.diff(rows)
     errors = largest * steps**2 / 8.0
     kinks = motion.breaks[(motion.breaks > 0.0) & (motion.breaks < TURN)]
+    # The deviations by curvature and by jumps add up in the worst case.
     if len(kinks):
         jumps = np.abs(motion.jet(kinks, "right", 1)[1] - motion.jet(kinks, "left", 1)[1])
         place = np.clip(np.searchsorted(rows, kinks, side="right") - 1, 0, len(phi) - 1)
@@ -295,8 +300,9 @@ def interpolation_error(motion: Motion, phi: FloatArray) -> float:
 
 
 TOLERANCES: Final = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
-"""Default tolerances [mm]. One more decade multiplies straight pieces and triangles by 3.16, and
-with them the time of the survey: two thirds of it would go into files of some 7 MB."""
+"""Default tolerances [mm]. Another decade would multiply the number of straight pieces and
+triangles by 3.16, and with it the time of the survey: two thirds of that would go into files of
+some 7 MB."""
 
 SOLIDS: Final = ("stl", "3mf", "step")
 """Names of the writers of solids."""
@@ -309,10 +315,10 @@ class Survey:
     Attributes
     ----------
     contours, solids, tables : the measured rows.
-    knee : beyond which more cost gains nothing; None if nothing could be reached.
+    knee : the contour beyond which more cost gains nothing; None if no tolerance can be reached.
     effects : rows of the numerical effects that the scene names and that a tolerance changes.
-    rounded : a row for each of the others, which reach rounding at once.
-    bill : whole builds; empty if they were not asked for.
+    rounded : one row for each of the others, whose error is rounding at any tolerance.
+    bill : rows of whole builds; empty if they were not requested.
     """
 
     contours: tuple[ContourRow, ...]
@@ -357,8 +363,8 @@ def survey(
         fits, programs, solids, value tables and effects.
     bill : whether all files are also built.
     benefits : what the contours do at one speed of the cam, if that is known.
-    timed : whether seconds of computing matter; else contours are made once, and the knee does not
-        depend on them.
+    timed : whether computing times matter; else contours are made once, and the knee does not
+        depend on times.
     progress : called with the name of each step.
 
     Raises
@@ -393,12 +399,12 @@ def survey(
 
 
 def scene_contour(scene: Scene) -> tuple[Form, Effort]:
-    """Form and fit of the contour in the drawing of a scene."""
+    """Form and effort of the contour that the drawing of a scene has."""
     return scene.output.options[FORMAT].form, scene.output.fit
 
 
 def scene_rows(scene: Scene, rows: Sequence[ContourRow]) -> tuple[ContourRow, ...]:
-    """Those of the contour in the drawing of a scene."""
+    """The `rows` of the contour that the drawing of a scene has."""
     return tuple(row for row in rows if (row.form, row.effort) == scene_contour(scene))
 
 
@@ -413,6 +419,7 @@ def solid_rows(
         for tolerance in tolerances:
             progress(f"{name}, {tolerance:g} mm")
             try:
+                # The first run loads modules, which must not count for the first row.
                 if tolerance == tolerances[0]:
                     file_cost(design.disc, name, tolerance, runs=1)
                 rows.append(SolidRow(name, tolerance, file_cost(design.disc, name, tolerance)))
@@ -422,39 +429,40 @@ def solid_rows(
 
 
 # -- bill -----------------------------------------------------------------------------------------
-# Where the seconds of CPU time of a build go, from the build itself.
+# Where the CPU time of a build is spent, measured on the build itself.
 #
-# A new design is built into a folder of its own, and its ledger says what each quantity took
-# without what it asked for. Each belongs to one stage; what no quantity took, the certificate and
-# the disk, belongs to writing. So the stages add up to the whole, from the loaded scene to the last
-# file.
+# A new design is built into a folder of its own, and its ledger states the time of each quantity
+# without that of the quantities it depends on. Each quantity belongs to one stage. Time in no
+# quantity, that of the certificate and the disk, belongs to writing. So the stages add up to the
+# whole time from the loaded scene to the last file.
 
 Stage = Literal["evaluate", "fit", "prove", "write", "read"]
 
 STAGES: Final[tuple[Stage, ...]] = ("evaluate", "fit", "prove", "write", "read")
-"""Motion, mechanism, findings, part, effects and tool paths; the contours with the proofs that
-decide their fit; further proofs, also of what was read back; files; reading them back."""
+"""`evaluate` has motion, mechanism, findings, part, effects and tool paths; `fit` the contours with
+the proofs that decide their fit; `prove` further proofs, also of what was read back; `write` and
+`read` the files."""
 
 FITS: Final = ("arcs of ", "chords of ", "cubics of ", "distances from ")
 PROOFS: Final = ("proof of ",)
 WRITTEN, READ = " file", " file, measured"
-"""What names of quantities of these stages begin with, or have in them."""
+"""By what names of quantities their stage is recognised: how they begin, or what they contain."""
 
 
 @dataclass(frozen=True, slots=True)
 class BillRow:
-    """A build within one tolerance.
+    """A whole build within one tolerance.
 
     Attributes
     ----------
     tolerance : [mm].
     evaluate, fit, prove, write, read : seconds of the stages, see `STAGES`; None if nothing was
         built.
-    pieces : of the flanks of all discs, as drawings have them.
-    size : of all files, the certificate included [bytes].
-    machining_seconds : estimated by the programs; None if there are none that know it.
+    pieces : number of pieces of the flanks of all discs in the drawings.
+    size : of all files, including the certificate [bytes].
+    machining_seconds : time that the programs estimate; None if none states it.
     fault : why nothing was built; else empty.
-    spread : of the seconds, as `camgeo.studies.accuracy.contours.Timing`.
+    spread : of the seconds, see `camgeo.studies.accuracy.contours.Timing`.
     """
 
     tolerance: float
@@ -484,7 +492,7 @@ class BillRow:
 def bill_rows(
     design: Design, tolerances: Sequence[float], *, progress: Progress = lambda _: None
 ) -> tuple[BillRow, ...]:
-    """One row per tolerance [mm]: the scene built within it, all its formats."""
+    """One row per tolerance [mm]: a build of all formats of the scene within it."""
     rows = []
     progress("build, to load what all builds use")
     with suppress(*NOT_WRITTEN):
@@ -496,7 +504,10 @@ def bill_rows(
 
 
 def _built(scene: Scene, tolerance: float, clock: Clock) -> tuple[Design, Report, int]:
-    """The design built, what was written, and how many bytes, with the time of each stage."""
+    """A new design after its build, the report, and the size of its files [bytes].
+
+    The time of each stage is added to `clock`.
+    """
     design, build = Design(scene), Clock()
     design.ledger.clock = time.process_time
     with tempfile.TemporaryDirectory() as folder:
@@ -527,12 +538,13 @@ def staged(runs: Iterable[Computation], total: float) -> dict[str, float]:
     for run in runs:
         seconds_by_stage[quantity_stage(run.name)].append(run.net_seconds)
     spent = {stage: math.fsum(seconds) for stage, seconds in seconds_by_stage.items()}
-    spent["write"] += total - math.fsum(spent.values())
+    spent["write"] += total - math.fsum(spent.values())  # what no quantity accounts for
     return spent
 
 
 def quantity_stage(name: str) -> Stage:
-    """The stage of the quantity of that name."""
+    """The stage to which the quantity of that name belongs."""
+    # The name of a file read back also contains that of a file written, so it is tested first.
     if READ in name:
         return "read"
     if WRITTEN in name:
@@ -543,7 +555,7 @@ def quantity_stage(name: str) -> Stage:
 
 
 def _pieces(design: Design, tolerance: float) -> int:
-    """Of the flanks of all discs; where drawings were written, these are known."""
+    """Number of pieces of the flanks of all discs; fits of written drawings are known already."""
     output = design.scene.output
     form = output.options[FORMAT].form
     return sum(
@@ -555,10 +567,10 @@ def _pieces(design: Design, tolerance: float) -> int:
 
 
 def _machining(report: Report) -> float | None:
-    """Seconds that the programs state, together."""
+    """Sum of the machining times [s] that the programs state; None if none states it."""
     known = [float(file.facts[MACHINED]) for file in report.files if MACHINED in file.facts]
     return math.fsum(known) if known else None
 
 
 MACHINED: Final = "machining_time_s"
-"""The fact of a program that has its time."""
+"""Name of the fact by which a program states its machining time."""

@@ -1,5 +1,5 @@
-"""Optimisation: the design of a family that is best in what is asked, within limits.
+"""Optimisation: the best design of a family for given objectives, within limits.
 
-A `Task` says what is sought, a `Space` how designs become places in a box, `Trials` what was
-computed; `optimise` searches and returns an `OptimisationResult`.
+A `Task` states the objectives and what varies, a `Space` represents designs as places in a box, and
+`Trials` are the designs computed; `optimise` searches and returns an `OptimisationResult`.
 """

@@ -1,4 +1,4 @@
-"""An optimisation: what it seeks and where, the search, and what it finds."""
+"""An optimisation: its objectives and limits, its variables, the search, and its result."""
 
 from __future__ import annotations
 
@@ -51,10 +51,10 @@ from camgeo.units import counted
 Sense = Literal["least", "largest"]
 
 EVALUATIONS: Final = 2000
-"""Designs that are tried unless another number is stated."""
+"""Number of designs that are tried unless another one is stated."""
 
 MOST_GOALS: Final = 5
-"""Objectives; of more, nearly every design is on the front."""
+"""Largest number of objectives: with more, nearly every design is on the Pareto front."""
 
 FORM: Final = re.compile(r"\s*(?P<word>[^<>=]+?)\s*(?P<sign><=|>=)\s*(?P<bound>[^<>=\s]+)\s*")
 
@@ -64,13 +64,13 @@ ALL: Final = "limits"
 
 @dataclass(frozen=True, slots=True)
 class Goal:
-    """An objective: what is asked, and whether it should be small or large."""
+    """An objective: a quantity, and whether it should be small or large."""
 
     question: Question
     sense: Sense
 
     def cost(self, value: float) -> float:
-        """The value so that less is better."""
+        """The value with the sign by which less is better."""
         return value if self.sense == "least" else -value
 
 
@@ -93,20 +93,20 @@ class Limit:
         return f"{self.question.word} {self.sign} {self.bound:g}"
 
     def margin(self, value: float) -> float:
-        """How far the value is within the limit, relative to it; negative beyond."""
+        """Distance of the value from the limit, relative to the limit; negative beyond it."""
         distance = value - self.bound if self.sign == ">=" else self.bound - value
-        return distance / (abs(self.bound) or 1.0)
+        return distance / (abs(self.bound) or 1.0)  # a limit of 0 has no scale of its own
 
 
 @dataclass(frozen=True, slots=True)
 class Effort:
-    """How long is sought, unless the call says otherwise.
+    """How much the search may compute, unless the call says otherwise.
 
     Attributes
     ----------
-    seed : of what is drawn.
-    evaluations : designs that may be tried.
-    seconds : after which no other is tried; None for no limit.
+    seed : of the random numbers.
+    evaluations : largest number of designs that are tried.
+    seconds : time after which no further design is tried; None for no limit.
     """
 
     seed: int = 0
@@ -115,7 +115,7 @@ class Effort:
 
     @classmethod
     def from_table(cls, table: Mapping[str, Any]) -> Effort:
-        """What a table of a scene states."""
+        """The effort that the table `[optimise]` of a scene states."""
         seconds = table.get("seconds")
         return cls(
             int(table.get("seed", 0)),
@@ -126,13 +126,13 @@ class Effort:
 
 @dataclass(frozen=True, slots=True)
 class Criteria:
-    """What makes a design good or bad.
+    """The criteria by which designs are compared.
 
     Attributes
     ----------
     goals : the objectives.
-    limits : stated with the call; one on a finding replaces that of the scene.
-    ignored : findings of which a broken limit does not matter.
+    limits : limits stated with the call; one on a finding replaces that of the scene.
+    ignored : names of findings whose limits may be exceeded.
     """
 
     goals: tuple[Goal, ...]
@@ -141,7 +141,7 @@ class Criteria:
 
     @property
     def questions(self) -> tuple[Question, ...]:
-        """What is asked of each design, each once: objectives, then limits."""
+        """The questions to each design, without repetition: objectives, then limits."""
         questions = [
             *(goal.question for goal in self.goals),
             *(limit.question for limit in self.limits),
@@ -150,29 +150,32 @@ class Criteria:
 
     @property
     def replaced(self) -> frozenset[str]:
-        """Findings whose limits in the scene have others in their place."""
+        """Names of findings whose limits in the scene are replaced by those of the call."""
         return frozenset(
             limit.question.name for limit in self.limits if limit.question.how == "value"
         )
 
     @property
     def machining(self) -> bool:
-        """Whether the milling programs count: whoever asks for their time means to run them."""
+        """Whether findings on the milling programs count.
+
+        They do if the machining time is asked for: who minimizes it means to run the programs.
+        """
         return any(question.group == "machining" for question in self.questions)
 
     def matters(self, name: str) -> bool:
-        """Whether a broken limit of the scene, of the finding of that name, matters."""
+        """Whether the scene's limit for the finding `name` has to be kept."""
         return ALL not in self.ignored and name not in self.ignored | self.replaced
 
 
 @dataclass(frozen=True, slots=True)
 class Task(Criteria):
-    """What is sought, and where.
+    """The criteria, and the designs among which the best one is searched for.
 
     Attributes
     ----------
-    family : its variables, of which ranges without a count are continuous.
-    effort : how long is sought.
+    family : the designs; its ranges without a count are continuous variables.
+    effort : how much the search may compute.
     """
 
     family: Family
@@ -188,28 +191,28 @@ def task_of(
     keep: Iterable[str] = (),
     ignore: Iterable[str] = (),
 ) -> Task:
-    """The task from texts as of the command line, and from `[optimise]` in the scene.
+    """The task from texts as on the command line, and from `[optimise]` in the scene.
 
     Parameters
     ----------
-    vary : variables; if there are none, those that the scene states in `[optimise]`, else in
+    vary : variables; if there are none, those that the scene states in `[optimise]`, else those in
         `[sweep]`.
-    least, largest : objectives, see `camgeo.studies.sweep.rows`; if there are none at all, those
-    of the
-        scene.
+    least, largest : objectives, named as in `camgeo.studies.sweep.rows`; if there are none at all,
+        those of the scene.
     keep : limits, as "transmission-angle>=50"; if there are none, those of `[optimise]`.
-    ignore : findings whose limits in the scene do not count, or "limits" for all of them; likewise.
+    ignore : names of findings whose limits in the scene do not count, or "limits" for all of them;
+        if there are none, those of `[optimise]`.
 
     Raises
     ------
     SceneError
-        With a key that there is not, and the nearest one.
+        For an unknown key, with the nearest one.
     GeometryError
-        For an empty range, a limit that is none, and objectives that are none.
+        For an empty range, a malformed limit, and missing, repeated or too many objectives.
     UnknownNameError
         For a name that no finding or column has, with the nearest one.
     """
-    # Of designs that are drawn, ranges need no count; how many is not used.
+    # In a sample ranges need no count; the number of samples is not used here.
     family = family_of(scene, vary or stated_variables(scene, OPTIMISE), Sample(1))
     table = scene.values.get(OPTIMISE, {})
     least, largest = tuple(least), tuple(largest)
@@ -223,7 +226,7 @@ def task_of(
     )
     names = [goal.question.word for goal in goals]
     if not goals:
-        raise GeometryError("names no objective: say what should be --least or --largest", "least")
+        raise GeometryError("names no objective: state one with --least or --largest", "least")
     if len(set(names)) < len(names):
         raise GeometryError("names an objective twice", "least", ", ".join(names))
     if len(goals) > MOST_GOALS:
@@ -240,7 +243,7 @@ def task_of(
 def _number(design: Design, word: str) -> Question:
     (question,) = parse_questions(design, [word])
     if question.name == VERDICT and question.how == "value":
-        raise GeometryError("is a word, which is neither small nor large", VERDICT)
+        raise GeometryError("is a word, which can be neither small nor large", VERDICT)
     return replace(question, word=canonical(word))
 
 
@@ -257,33 +260,34 @@ def _limit(design: Design, text: str) -> Limit:
 
 
 # -- space ----------------------------------------------------------------------------------------
-# Designs as places in a box: a side for each variable, with its numbers or places of a list.
+# Designs as places in a box, with one side for each variable: a range of numbers, or the places of
+# a list.
 
 
 DIGITS: Final = 6
-"""A value is rounded by at most 10^-6 of itself."""
+"""Short numbers differ from a value by at most 10^-6 of it."""
 
 SMALL: Final = 9
-"""Values near 0 are rounded to at most 10^-9 of the range."""
+"""Near 0 they differ from it by at most 10^-9 of the range."""
 
 
 @dataclass(frozen=True, slots=True)
 class Space:
     """The box of the variables of a family.
 
-    A continuous variable has a side from 0 to 1, from the start of its range to its end; of a list,
-    or a range with a count, the side has the places from 0.
+    The side of a continuous variable goes from 0 at the start of its range to 1 at its end. The
+    side of a list, or of a range with a count, has the places from 0 to the count less 1.
 
     Attributes
     ----------
-    variables : of the family.
+    variables : those of the family.
     """
 
     variables: tuple[Variable, ...]
 
     @property
     def continuous(self) -> BoolArray:
-        """(n,) which variables take any number of their range."""
+        """(n,) which variables can have any number of their range."""
         return np.array([_continuous(variable) is not None for variable in self.variables])
 
     @property
@@ -298,7 +302,7 @@ class Space:
 
     @property
     def count(self) -> int | None:
-        """How many designs there are; None if a variable is continuous."""
+        """Number of designs; None if a variable is continuous."""
         total = 1
         for variable in self.variables:
             if _continuous(variable):
@@ -307,7 +311,7 @@ class Space:
         return total
 
     def point(self, place: FloatArray) -> Point:
-        """The values of the design at (n,) a place; outside the box, those at its border."""
+        """The values of the design at a place (n,), which is first moved into the box."""
         values: list[Value] = []
         for variable, coordinate in zip(self.variables, place, strict=True):
             interval = _continuous(variable)
@@ -324,7 +328,7 @@ class Space:
             yield np.array(numbers, dtype=float)
 
     def scene_place(self, scene: Scene) -> FloatArray | None:
-        """(n,) where the scene lies; None if it does not state all values, or has others."""
+        """(n,) place of the scene itself; None if it lacks a value, or has one outside the box."""
         tree: Any = scene.stated.scene.exact
         coordinates = []
         for variable in self.variables:
@@ -341,10 +345,11 @@ class Space:
         return np.array(coordinates)
 
     def rounded(self, place: FloatArray, finer: int = 0) -> Iterator[Point]:
-        """Designs next to a place with short numbers, all combinations of up and down.
+        """Designs near a place with short numbers: all combinations of rounding up and down.
 
-        `finer` adds decimals. Of more than six continuous variables only the nearest is tried, and
-        those with one number rounded the other way.
+        `finer` adds decimals. With more than six continuous variables there would be too many
+        combinations: then there are only the nearest one and those with one number rounded the
+        other way.
         """
         choices: list[Sequence[tuple[Value, ...]]] = []
         for variable, coordinate in zip(self.variables, place, strict=True):
@@ -364,12 +369,13 @@ class Space:
 
 
 def _continuous(variable: Variable) -> Range | None:
-    """The range of a variable that takes any number of it."""
+    """The range of a continuous variable; None for others."""
     values = variable.values
     return values if isinstance(values, Range) and values.steps is None else None
 
 
 def _interpolate(interval: Range, share: float) -> float:
+    """The number of a range at a share from 0 to 1, exact at both ends."""
     start, stop = float(interval.start), float(interval.stop)
     if share >= 1.0:
         return stop
@@ -377,6 +383,9 @@ def _interpolate(interval: Range, share: float) -> float:
 
 
 def _share_of_range(interval: Range, stated: tuple[Any, ...]) -> float | None:
+    """Where the values of tied keys lie in a range, from 0 to 1; None if they differ or are
+    outside.
+    """
     if any(isinstance(value, bool) or not isinstance(value, int | Decimal) for value in stated):
         return None
     if any(value != stated[0] for value in stated):
@@ -386,6 +395,7 @@ def _share_of_range(interval: Range, stated: tuple[Any, ...]) -> float | None:
 
 
 def _list_position(variable: Variable, stated: tuple[Any, ...]) -> float | None:
+    """Where the values lie in a list, from 0; None if they are not in it."""
     for number in range(variable.values.count):
         if all(_same(*pair) for pair in zip(variable.values.row(number), stated, strict=True)):
             return float(number)
@@ -393,18 +403,19 @@ def _list_position(variable: Variable, stated: tuple[Any, ...]) -> float | None:
 
 
 def _same(one: Any, other: Any) -> bool:
+    """Whether a value of a list is that of the scene; True is not 1."""
     if isinstance(one, bool) or isinstance(other, bool) or isinstance(one, str):
         return type(one) is type(other) and bool(one == other)
     return isinstance(other, int | Decimal) and float(one) == float(other)
 
 
 def _short_numbers(value: float, interval: Range, finer: int) -> list[float]:
-    """The short numbers below and above a value that lie in its range; itself if there are none."""
+    """The short numbers next to a value within its range; the value itself without any."""
     low, high = sorted((interval.start, interval.stop))
     size = max(
         Decimal(abs(value)).scaleb(-DIGITS), (high - low).scaleb(-SMALL)
     )  # above 0, as the range is not empty
-    last = Decimal(1).scaleb(size.adjusted() - finer)
+    last = Decimal(1).scaleb(size.adjusted() - finer)  # the unit of the last digit that is kept
     near = (Decimal(value).quantize(last, way) for way in (ROUND_FLOOR, ROUND_CEILING))
     numbers = [float(number) for number in dict.fromkeys(near) if low <= number <= high]
     return sorted(numbers, key=lambda each: abs(each - value)) or [value]
@@ -413,6 +424,7 @@ def _short_numbers(value: float, interval: Range, finer: int) -> list[float]:
 def _one_other(
     choices: Sequence[Sequence[tuple[Value, ...]]],
 ) -> Iterator[tuple[tuple[Value, ...], ...]]:
+    """The first choice of all, and then each other choice of one with the first of all others."""
     first = [choice[0] for choice in choices]
     yield tuple(first)
     for number, choice in enumerate(choices):
@@ -421,14 +433,14 @@ def _one_other(
 
 
 # -- pareto ---------------------------------------------------------------------------------------
-# The Pareto front: designs that no other one beats in every objective.
+# The Pareto front: designs that no other one dominates.
 
 
 def front(costs: FloatArray) -> BoolArray:
-    """(n,) which rows of `costs` (n, k), less being better, no other row dominates.
+    """(n,) which rows of `costs` (n, k), where less is better, are dominated by no other row.
 
-    A row dominates another if it is nowhere worse and somewhere better; equal rows stay together. A
-    row with a NaN has no place in the order: it neither dominates nor is on the front.
+    A row dominates another if it is nowhere worse and somewhere better, so equal rows are on the
+    front together. A row with a NaN cannot be compared: it neither dominates nor is on the front.
     """
     undominated = np.zeros(len(costs), dtype=bool)
     whole = np.flatnonzero(~np.isnan(costs).any(axis=1))
@@ -452,30 +464,31 @@ def front(costs: FloatArray) -> BoolArray:
 MOST: Final = 1_000_000
 
 LOST: Final = 2e-6
-"""Of an objective that short numbers may cost, relative to it; else they get another decimal."""
+"""How much worse an objective may become by short numbers, relative to it; else they get another
+decimal."""
 
 FINER: Final = 9
-"""Decimals that may be added."""
+"""Largest number of decimals that are added."""
 
 INTERRUPTED: Final = "interrupted"
 
 
 @dataclass(frozen=True, slots=True)
 class OptimisationResult:
-    """What an optimisation found.
+    """The result of an optimisation.
 
     Attributes
     ----------
-    task : what was sought.
-    seed : of what was drawn.
-    most : designs that were allowed.
+    task : what was optimised.
+    seed : of the random numbers.
+    most : number of designs that were allowed.
     trials : all designs that were tried, in their order.
     start : the design of the scene itself; None if it lies outside the ranges.
-    best : the best design; of several objectives one in the middle of the front; if none keeps the
-        limits, that which violates them least.
+    best : the best design; with several objectives one in the middle of the front; if none keeps
+        the limits, the one that violates them least.
     made : the best design with short numbers; None if no design keeps the limits.
-    front : designs that no other one beats in all objectives; those that keep the limits.
-    ended : why no more were tried.
+    front : the Pareto front of the designs that keep the limits.
+    ended : why the search ended.
     """
 
     task: Task
@@ -508,22 +521,22 @@ def optimise(
     engine: Engine | None = None,
     progress: Callable[[str], None] = lambda _: None,
 ) -> OptimisationResult:
-    """Search for the best design; the same seed finds the same, unless time ends the search.
+    """Search for the best design; the same seed finds the same one, unless time ends the search.
 
     Parameters
     ----------
-    seed, evaluations, seconds : as of `Effort`, in place of what the task says; a few more designs
+    seed, evaluations, seconds : as in `Effort`, in place of those of the task; a few more designs
         are tried for short numbers.
-    engine : where designs are computed of which several are known at once, those of a generation;
-        None for this process. Where they are computed changes nothing of what is found.
+    engine : where the designs of a generation are computed; None for this process. The result does
+        not depend on it.
     progress : called with words on how far the search is.
 
-    Ctrl-C ends the search; what was found until then is the answer, if there is anything.
+    Ctrl-C ends the search; the result is then that of the designs tried so far, if there are any.
 
     Raises
     ------
     GeometryError
-        For numbers that are none.
+        For a seed, a number of designs or a time out of range.
     """
     effort = task.effort
     seed = effort.seed if seed is None else seed
@@ -552,7 +565,7 @@ def optimise(
 
 
 def _searched(trials: Trials, seed: int) -> str:
-    """Search; why it ended, if that was not before anything was found."""
+    """Search, and return why the search ended; KeyboardInterrupt if there is no design yet."""
     try:
         return search(trials, seed)
     except KeyboardInterrupt as stop:
@@ -564,7 +577,7 @@ def _searched(trials: Trials, seed: int) -> str:
 
 
 class _Watch:
-    """Tells how far a search is."""
+    """Reports how far a search is."""
 
     def __init__(self, task: Task, progress: Callable[[str], None]) -> None:
         self._goal = task.goals[0]
@@ -588,7 +601,7 @@ class _Watch:
 
 
 def _front(trials: tuple[Trial, ...]) -> tuple[Trial, ...]:
-    """The designs within limits that no other one beats, ordered by the first objective."""
+    """The Pareto front of the designs within limits, ordered by the first objective."""
     feasible = [trial for trial in trials if trial.feasible]
     if not feasible:
         return ()
@@ -598,6 +611,7 @@ def _front(trials: tuple[Trial, ...]) -> tuple[Trial, ...]:
 
 
 def _best(trials: Trials, on_front: tuple[Trial, ...]) -> Trial:
+    """The best design: by the first objective alone if none keeps the limits, else of the front."""
     ways = directions(len(trials.task.goals))
     if not on_front:
         return scaled_direction(ways[0], trials).best(trials.computed)
@@ -608,7 +622,7 @@ def _best(trials: Trials, on_front: tuple[Trial, ...]) -> Trial:
 
 
 def _short(trials: Trials, best: Trial) -> Trial:
-    """The best design with numbers as short as keep the limits and cost next to nothing."""
+    """The best design with the shortest numbers that keep the limits and cost next to nothing."""
     if best.place is None or not trials.space.continuous.any():
         return best
     for finer in range(FINER):
@@ -626,49 +640,50 @@ def _equal(one: Trial, best: Trial) -> bool:
 
 
 # -- search ---------------------------------------------------------------------------------------
-# The search: differential evolution over the whole box, then local searches of the numbers in it.
+# The search: differential evolution over the whole box, then local searches in its continuous
+# variables.
 #
-# A design that breaks a limit is worse than any that breaks none, and the less it violates, the
+# A design that exceeds a limit is worse than any that exceeds none, and the less it violates, the
 # better (after K. Deb, Comput. Methods Appl. Mech. Engrg. 186, 2000, p. 311). Differential
 # evolution (R. Storn and K. Price, J. Global Optim. 11, 1997, p. 341) is that of scipy, with whole
 # numbers where there is a list; a generation is computed as a whole, so that several processes may
 # share it. From its best design COBYQA (T. M. Ragonneau, Model-Based Derivative-Free Optimization
 # Methods and Software, 2022) goes on with limits as constraints; then steps along each number and
-# in drawn directions become smaller until they are nothing.
+# in random directions become smaller until they are negligible.
 
 
 WALL: Final = 1e30
-"""Energy of designs that break limits: above that of all others."""
+"""Least energy of designs that exceed limits: above that of all others."""
 
 POPULATION: Final = 12
-"""Designs of a generation for each variable, and at least."""
+"""Number of designs of a generation for each variable, and its least number."""
 
 CONVERGED: Final = 1e-7
-"""Spread of a generation's energies, relative to them, at which it has come together."""
+"""Relative spread of a generation's energies at which it has converged."""
 
 FIRST: Final = 0.02
 """First steps of local searches, as a fraction of a range."""
 
 FINEST: Final = 1e-9
-"""Last ones."""
+"""Last steps of local searches, as a fraction of a range."""
 
 SHRINK, GROW = 0.5, 1.5
 """Factors of the step where no direction helps, and where one does."""
 
 RANDOM_SETS: Final = 2
-"""Sets of directions at right angles to each other that are drawn for each step."""
+"""Number of random sets of orthogonal directions for each step."""
 
 HALVINGS: Final = 34
-"""Of a way between a design within limits and one beyond them: to 10^-10 of it."""
+"""Number of bisections between a design within limits and one beyond: to 10^-10 of the way."""
 
 POLISHED: Final = 0.3
-"""Share of the designs that is kept for local searches."""
+"""Share of the designs that is reserved for local searches."""
 
 BATCH: Final = 1000
-"""Designs that are handed out at once where all are tried."""
+"""Number of designs that are handed out at once where all are tried."""
 
 LATTICE: Final = {1: 1, 2: 6, 3: 3}
-"""Parts into which the weights of so many objectives are divided; else 2."""
+"""Number of parts into which weights are divided, by the number of objectives; 2 for more."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -677,8 +692,9 @@ class Direction:
 
     Attributes
     ----------
-    weights : (k,) of the costs, 1 together; of one objective alone 1 and else 0.
-    ideal, span : (k,) least costs and range of the costs on the front so far, for several.
+    weights : (k,) weights of the costs, with the sum 1.
+    ideal, span : (k,) least costs and range of the costs on the front so far; used where several
+        weights are not 0.
     """
 
     weights: FloatArray
@@ -686,10 +702,10 @@ class Direction:
     span: FloatArray
 
     def cost(self, trial: Trial) -> float:
-        """Less is better; NaN where an objective has no answer.
+        """The weighted cost, where less is better; NaN where an objective has no answer.
 
-        The largest weighted distance from the ideal, and a little of all of them, so that no other
-        design with that distance beats the best.
+        It is the largest weighted distance from the ideal (Chebyshev), plus a small part of all
+        distances, so that the best design is not dominated by another one with the same distance.
         """
         costs = np.array(trial.costs)
         if np.isnan(costs).any():
@@ -700,22 +716,22 @@ class Direction:
         return float(np.max(self.weights * distances) + 1e-3 * np.sum(distances))
 
     def key(self, trial: Trial) -> tuple[float, float]:
-        """By which designs are ordered, the best first; the first of equal ones wins."""
+        """Key by which designs are ordered, the best first; the first of equal ones wins."""
         if not trial.feasible:
             return (trial.violation, 0.0)
         return (0.0, self.cost(trial))
 
     def energy(self, trial: Trial) -> float:
-        """The order as one number."""
+        """The order as one number, for differential evolution."""
         return self.cost(trial) if trial.feasible else WALL * (1.0 + trial.violation)
 
     def best(self, trials: Iterable[Trial]) -> Trial:
-        """The best of some."""
+        """The best of some trials."""
         return min(trials, key=self.key)
 
 
 def directions(count: int) -> list[FloatArray]:
-    """Weights of `count` objectives: each alone, then evenly spaced."""
+    """Weights of `count` objectives: each objective alone, then evenly spaced combinations."""
     parts = LATTICE.get(count, 2)
     all_weights = [np.eye(count)[number] for number in range(count)]
     for chosen in combinations_with_replacement(range(count), parts):
@@ -726,7 +742,7 @@ def directions(count: int) -> list[FloatArray]:
 
 
 def scaled_direction(weights: FloatArray, trials: Trials) -> Direction:
-    """The direction with these weights, the range of the costs taken from the trials so far."""
+    """The direction with these weights, with the range of the costs of the trials so far."""
     costs = np.array([trial.costs for trial in trials.computed if trial.feasible])
     if not len(costs):
         return Direction(weights, np.zeros_like(weights), np.ones_like(weights))
@@ -737,10 +753,11 @@ def scaled_direction(weights: FloatArray, trials: Trials) -> Direction:
 
 
 def evolve(trials: Trials, direction: Direction, seed: int, most: int) -> bool:
-    """Differential evolution with at most so many new designs; whether it came together."""
+    """Differential evolution with at most `most` new designs; returns whether it converged."""
     from scipy.optimize import differential_evolution
 
     space = trials.space
+    # A variable with a single value has no side along which to search.
     sides = np.flatnonzero(space.upper > 0.0)
     size = max(POPULATION, POPULATION * len(sides))
     start = _population(trials, direction, sides, seed, size)
@@ -758,14 +775,14 @@ def evolve(trials: Trials, direction: Direction, seed: int, most: int) -> bool:
     if ended():
         return False
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # that it did not converge, which is told
+        warnings.simplefilter("ignore")  # that it did not converge, which is reported elsewhere
         result = differential_evolution(
             float,  # a generation is computed as a whole
             [(0.0, space.upper[side]) for side in sides],
             integrality=~space.continuous[sides],
             init=start,
             rng=np.random.default_rng(seed),
-            maxiter=10 * most // size + 10,
+            maxiter=10 * most // size + 10,  # more than `ended` allows
             tol=CONVERGED,
             polish=False,
             updating="deferred",
@@ -778,14 +795,14 @@ def evolve(trials: Trials, direction: Direction, seed: int, most: int) -> bool:
 def _population(
     trials: Trials, direction: Direction, sides: np.ndarray, seed: int, size: int
 ) -> FloatArray:
-    """The first generation: a Latin square, in which the best designs so far take places."""
+    """The first generation: a Latin hypercube, whose first rows are the best designs so far."""
     from scipy.stats import qmc
 
     space = trials.space
     shares = qmc.LatinHypercube(len(sides), rng=np.random.default_rng(seed)).random(size)
     generation: FloatArray = shares * space.upper[sides]
     whole = ~space.continuous[sides]
-    # Each number of a list is as likely as the others.
+    # Each place of a list is equally likely: shares are cut into equal parts, and not rounded.
     counts = space.upper[sides][whole] + 1.0
     generation[:, whole] = np.minimum(np.floor(shares[:, whole] * counts), counts - 1.0)
     known = sorted(
@@ -798,19 +815,20 @@ def _population(
 
 
 def polish(trials: Trials, direction: Direction, seed: int) -> None:
-    """Local searches from the best design so far, in its continuous variables."""
+    """Search locally from the best design so far, in the continuous variables."""
     free = np.flatnonzero(trials.space.continuous)
     start = direction.best(trial for trial in trials.computed if trial.place is not None)
     if not len(free) or not np.isfinite(direction.cost(start)):
         return
-    if np.count_nonzero(direction.weights) == 1:  # else the cost has edges
+    # With several objectives the cost has edges, which no quadratic model of COBYQA fits.
+    if np.count_nonzero(direction.weights) == 1:
         _follow(trials, direction, start, free)
     start = direction.best(trial for trial in trials.computed if trial.place is not None)
     _step(trials, direction, start, free, seed)
 
 
 def _follow(trials: Trials, direction: Direction, start: Trial, free: np.ndarray) -> None:
-    """COBYQA, then bisection to the border of what is allowed if it ended beyond."""
+    """COBYQA; if it ends beyond a limit, bisection back to the border of the allowed region."""
     from scipy.optimize import Bounds, NonlinearConstraint, minimize
 
     base = start.place
@@ -826,10 +844,13 @@ def _follow(trials: Trials, direction: Direction, start: Trial, free: np.ndarray
 
     def cost(numbers: FloatArray) -> float:
         trial_cost = direction.cost(evaluate(numbers))
+        # A finite wall, as a model of the cost cannot be fitted to NaN.
         return trial_cost / scale if np.isfinite(trial_cost) else 1e6
 
     def margins(numbers: FloatArray) -> FloatArray:
         trial = evaluate(numbers)
+        # A limit on which this design has no finding is kept, unless the design is impossible or
+        # has no answer.
         missing = -1.0 if trial.violation >= 1.0 else 1.0
         limit_margins = [min(trial.margins.get(name, missing), 1.0) for name in names]
         return np.array([*limit_margins, -min(trial.violation, 1e6)])
@@ -853,6 +874,7 @@ def _follow(trials: Trials, direction: Direction, start: Trial, free: np.ndarray
     if beyond.feasible or not best.feasible or best.place is None:
         return
     low, high = best.place, np.array(beyond.place)
+    # Between different places of a list there is nothing to bisect.
     if not np.array_equal(low[~trials.space.continuous], high[~trials.space.continuous]):
         return
     for _ in range(HALVINGS):
@@ -865,9 +887,10 @@ def _follow(trials: Trials, direction: Direction, start: Trial, free: np.ndarray
 
 
 def _step(trials: Trials, direction: Direction, best: Trial, free: np.ndarray, seed: int) -> None:
-    """Steps along each number, in drawn directions, and on from the last success.
+    """Steps along each number, in random directions, and along the last successful direction.
 
-    Where limits meet at an angle only few directions are within both and better.
+    Where two limits meet at an angle, only few directions lie within both and improve the design:
+    the axes alone would not find them.
     """
     generator = np.random.default_rng(seed)
     step, last = FIRST, np.zeros(len(free))
@@ -893,13 +916,13 @@ def _step(trials: Trials, direction: Direction, best: Trial, free: np.ndarray, s
 
 
 def _rotation(generator: np.random.Generator, count: int) -> FloatArray:
-    """(count, count) unit vectors at right angles to each other, drawn evenly."""
+    """(count, count) orthonormal vectors in random directions, uniformly distributed."""
     rotation: FloatArray = np.linalg.qr(generator.standard_normal((count, count)))[0].T
     return rotation
 
 
 def search(trials: Trials, seed: int) -> str:
-    """Try designs; why it ended."""
+    """Try designs until the search ends; returns why it ended."""
     space, task = trials.space, trials.task
     try:
         start = space.scene_place(task.family.scene)
@@ -910,12 +933,13 @@ def search(trials: Trials, seed: int) -> str:
             while batch := list(islice(places, BATCH)):
                 trials.evaluate_all(batch)
             return "all designs were tried"
+        # One search for each direction, each with an equal part of the designs that are left.
         ways = directions(len(task.goals))
         whole = True
         for number, weights in enumerate(ways):
             left = (trials.most - len(trials)) // (len(ways) - number)
             towards = scaled_direction(weights, trials)
-            trials.share = len(trials) + left
+            trials.share = len(trials) + left  # beyond which SpentError ends this direction
             try:
                 together = evolve(trials, towards, seed + number, int((1.0 - POLISHED) * left))
                 polish(trials, towards, seed + number)
@@ -928,11 +952,11 @@ def search(trials: Trials, seed: int) -> str:
 
 
 # -- trials ---------------------------------------------------------------------------------------
-# Designs that an optimisation has tried: what they answer, and by how much they break limits.
+# The designs that an optimisation has tried: their answers, and by how much they exceed limits.
 
 
 DUMB: Final = 20
-"""Designs after which an objective that none has answered will have no answer."""
+"""Number of designs without any answer after which an objective is given up."""
 
 
 class SpentError(Exception):
@@ -944,14 +968,14 @@ class StoppedError(Exception):
 
 
 class Trials:
-    """All designs that were tried, each computed once.
+    """All designs that were tried; each is computed once.
 
     Parameters
     ----------
-    most : designs that may be computed.
-    seconds : that may pass before others are; None for no limit.
+    most : largest number of designs.
+    seconds : time after which no further design is computed; None for no limit.
     notify : called after each design.
-    engine : where several at once are computed; None for this process.
+    engine : where several designs are computed at once; None for this process.
 
     Attributes
     ----------
@@ -980,12 +1004,12 @@ class Trials:
 
     @property
     def computed(self) -> tuple[Trial, ...]:
-        """In their order."""
+        """The trials in the order in which they were computed."""
         return tuple(self._known.values())
 
     @property
     def last(self) -> Trial:
-        """The one that was computed last."""
+        """The trial that was computed last."""
         return next(reversed(self._known.values()))
 
     def __len__(self) -> int:
@@ -998,9 +1022,11 @@ class Trials:
     def evaluate_all(self, places: Iterable[FloatArray]) -> list[Trial]:
         """The designs at some places, numbered in this order, wherever they are computed.
 
-        Raises StoppedError if no more may be computed, or if an objective is never answered,
-        SpentError if no more may be for now; those that still may are computed before.
+        Raises StoppedError if no more designs are allowed or an objective is never answered, and
+        SpentError if no more are allowed for now. Designs that are still allowed are computed
+        before that.
         """
+        # Several places may be the same design, which keeps the first of them.
         points = [(self.space.point(place), np.array(place, dtype=float)) for place in places]
         new = {mark(point): (point, place) for point, place in reversed(points)}
         names = dict.fromkeys(mark(point) for point, _ in points)
@@ -1009,13 +1035,16 @@ class Trials:
         return [self._known[mark(point)] for point, _ in points]
 
     def evaluate_points(self, points: Iterable[Point]) -> list[Trial]:
-        """The designs with these values, however many were computed before."""
+        """The designs with these values, even beyond the number of designs that is allowed."""
         wanted = {mark(point): point for point in points}
         self._compute([(point, None) for name, point in wanted.items() if name not in self._known])
         return [self._known[name] for name in wanted]
 
     def _room(self) -> int:
-        """How many designs may be computed before this is asked again; at least 1, or it raises."""
+        """How many designs may be computed before this is called again: at least 1.
+
+        Raises StoppedError or SpentError, see `evaluate_all`, if none may.
+        """
         count, silent = len(self._known), not self._answered.all()
         if count >= self.most:
             raise StoppedError(f"{counted(self.most, 'design')} were allowed")
@@ -1037,7 +1066,7 @@ class Trials:
     def _compute(
         self, wanted: list[tuple[Point, FloatArray | None]], *, timed: bool = False
     ) -> None:
-        """Compute designs; whatever ends it, those that are finished are kept, in their order."""
+        """Compute designs. Whatever interrupts it, finished ones are kept, in their order."""
         engine = self._engine if len(wanted) > 1 else Loop()
         verdicts: dict[str, Verdict] = {}
         left = list(reversed(wanted))
@@ -1045,6 +1074,7 @@ class Trials:
             with closing(engine.rows(self._judge, iter([point for point, _ in wanted]))) as chunks:
                 for rows in chunks:
                     verdicts |= {mark(row.point): cast("Verdict", row) for row in rows}
+                    # An engine returns rows in any order; trials are numbered in the order wanted.
                     while left and mark(left[-1][0]) in verdicts:
                         self._add(*left.pop(), verdicts)
                     if timed and self._late:
@@ -1063,31 +1093,31 @@ class Trials:
 
 
 # -- judging --------------------------------------------------------------------------------------
-# What one design answers, and by how much it breaks limits: computed here or in a worker.
+# The answers of one design, and by how much it exceeds limits: computed here or in a worker.
 
 
 IMPOSSIBLE: Final = 1e4
-"""Violation of a design that there is not."""
+"""Violation of a design that is impossible."""
 
 UNANSWERED: Final = 1e2
-"""Of each answer that is missing, far more than of limits."""
+"""Violation for each missing answer, far more than for exceeded limits."""
 
 REFUSED: Final = 10.0
-"""Of each finding that rules out the disc, besides how far it is beyond its limit."""
+"""Violation for each finding that rules out the disc, in addition to that of its limit."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Verdict(DesignRow):
-    """A row with what a search needs of it.
+    """A row with what a search needs to know of its design.
 
     Attributes
     ----------
-    values : as of a row, all of them numbers.
-    costs : (k,) of the objectives, less being better; NaN where there is no answer.
+    values : as in a row, all of them numbers.
+    costs : (k,) costs of the objectives, where less is better; NaN where there is no answer.
     margins : relative distances from limits by their names, negative beyond them.
-    violation : 0 if all limits are kept, else a measure of how far from that the design is.
-    broken : in words, what is violated, the worst first.
-    remarks : findings with broken limits that are left out of account.
+    violation : 0 if all limits are kept, else a measure of how much they are violated.
+    broken : what is violated, in words, the worst first.
+    remarks : sentences of findings whose exceeded limits do not count.
     """
 
     values: tuple[float | None, ...]
@@ -1097,7 +1127,7 @@ class Verdict(DesignRow):
     broken: tuple[str, ...] = ()
     remarks: tuple[str, ...] = ()
 
-    # Not as rows are compared, of which it has more than they: costs may be NaN.
+    # Compared by identity: costs may be NaN, which equals nothing, not even itself.
     __eq__ = object.__eq__
     __hash__ = object.__hash__
 
@@ -1109,7 +1139,7 @@ class Trial(Verdict):
     Attributes
     ----------
     number : from 1, in the order of the trials.
-    place : where it lies in the space; None of a rounded one.
+    place : where it lies in the space; None for a design with rounded numbers.
     """
 
     number: int = 0
@@ -1187,7 +1217,7 @@ class Judge(Work):
 
 
 class _Judging:
-    """Gathers what one design violates."""
+    """Collects what one design violates."""
 
     def __init__(self, criteria: Criteria) -> None:
         self.margins: dict[str, float] = {}
@@ -1236,6 +1266,9 @@ def _margin(finding: Finding) -> float:
 
 
 def _share(margin: float) -> float:
-    """A measure above 0 and below 1 of how far a limit is exceeded."""
+    """A measure of how far a limit is exceeded, above 0 and below 1.
+
+    It is bounded, so that no single limit outweighs a missing answer.
+    """
     beyond = min(abs(margin), 1e9)
     return max(beyond / (1.0 + beyond), 1e-12)

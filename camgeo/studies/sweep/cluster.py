@@ -1,8 +1,8 @@
-"""The cluster: workers of a Dask scheduler, on one machine or many (`camgeo[cluster]`).
+"""The cluster: workers of a Dask scheduler, on one computer or many (`camgeo[cluster]`).
 
-The scheduler is no memory: one that is restarted knows nothing of what it was given, and it gives
-up a task whose workers keep dying. What is handed out is therefore known here, and is handed out
-again; what is finished goes to the store, which this process alone writes.
+The scheduler forgets: after a restart it knows nothing of what it was given, and it gives up a task
+whose workers keep dying. This process therefore keeps what it has handed out, and hands it out
+again; finished rows go to the store, which this process alone writes.
 """
 
 from __future__ import annotations
@@ -46,32 +46,32 @@ ADDRESS: Final = re.compile(
 EXTRA: Final = "pip install 'camgeo[cluster]'"
 
 REACHED: Final = 5.0
-"""Seconds within which a scheduler answers, if it is there."""
+"""Seconds to wait for the first answer of a scheduler."""
 
 RESTARTED: Final = 60.0
-"""Seconds that a scheduler which was there has for coming back."""
+"""Seconds to wait for a scheduler that was connected before and is being restarted."""
 
 ABSENT: Final = 60.0
-"""Seconds for which a cluster may have no worker."""
+"""Longest time without any worker [s]."""
 
 COUNTED: Final = 2.0
-"""Seconds after which workers are counted again: they come and go."""
+"""Seconds after which workers are counted again, as they come and go."""
 
 SHARE: Final = 0.006
-"""Seconds of a chunk for each worker that there is: twice the processor time that the scheduler
-needs for one (`benchmarks/sweep.py`), so that many workers do not wait for it."""
+"""Seconds by which a chunk is longer for each worker: twice the processor time that the scheduler
+needs for a chunk (`benchmarks/sweep.py`), so that many workers do not wait for it."""
 
 LOOKED: Final = 0.05
-"""Seconds after which a connection that is being made is looked at again."""
+"""Interval [s] at which a connection that is being made is checked."""
 
 LOSSES: Final = 5
-"""Times in a row that everything handed out may be lost, with no chunk finished in between."""
+"""How often in a row everything handed out may be lost, with no chunk finished in between."""
 
 Client = Any
 """A `distributed.Client`; nothing of Dask is imported before an address is given."""
 
 Future = Any
-"""A `distributed.Future` of what was computed."""
+"""A `distributed.Future` of a chunk."""
 
 Chunk = tuple[Point, ...]
 
@@ -79,6 +79,7 @@ Computed = tuple[tuple[DesignRow, ...], float]
 """The rows of a chunk, and the seconds that they took."""
 
 _ONE: Final = threading.Lock()
+"""Held while a worker computes a chunk: one at a time."""
 
 
 class Cluster:
@@ -99,7 +100,7 @@ class Cluster:
             raise GeometryError(message, "cluster", str(address))
         if match["protocol"] == "tcp" and not _is_here(match["host"].strip("[]")):
             message = (
-                "leaves this machine without TLS, by which anybody could run programs on it: take"
+                "leaves this computer without TLS, so that anybody could run programs on it: use"
                 " tls://HOST:PORT, or an SSH tunnel to a port of 127.0.0.1"
             )
             raise GeometryError(message, "cluster", str(address))
@@ -108,10 +109,10 @@ class Cluster:
     def rows(self, work: Work, points: Iterator[Point]) -> Chunks:
         """See `Engine.rows`.
 
-        A chunk that the scheduler gives up, because its workers keep dying, is taken apart: its
-        designs are computed one at a time with nothing else handed out, so that what dies then is
-        to blame. Raises CamgeoError if the scheduler cannot be reached or does not come back, or if
-        there are no workers.
+        The scheduler gives up a chunk whose workers keep dying. Its designs are then computed one
+        at a time, with nothing else handed out, so that it is known which one ends its worker.
+        Raises CamgeoError if the scheduler cannot be reached or does not come back, or if there are
+        no workers.
         """
         pace, suspects = Pace(), deque[Chunk]()
         alone = False
@@ -129,6 +130,7 @@ class Cluster:
                 if not link.running:
                     return
                 chunk, outcome = link.finished()
+                # A number stands for how often the workers of the chunk died.
                 if not isinstance(outcome, int):
                     chunk_rows, seconds = outcome
                     pace.note(len(chunk), seconds, SHARE * link.threads)
@@ -139,7 +141,7 @@ class Cluster:
                     suspects.extend((point,) for point in chunk)
 
     def held(self) -> contextlib.AbstractContextManager[None]:
-        """See `Engine.held`: workers of a cluster stay in any case."""
+        """See `Engine.held`: the workers of a cluster stay anyway."""
         return contextlib.nullcontext()
 
 
@@ -148,7 +150,7 @@ class _Link:
 
     Attributes
     ----------
-    running : chunks that are handed out, by their keys, with what stands for their rows.
+    running : chunks that are handed out, by their keys, each with the future of its rows.
     threads : how many chunks the cluster computes at a time; at least 1.
     """
 
@@ -166,13 +168,13 @@ class _Link:
         self._count()
 
     def close(self) -> None:
-        """End what is handed out, and the connection."""
+        """Give up what is handed out, and close the connection."""
         self.running.clear()
         with contextlib.suppress(Exception):  # it ends either way
             self._client.close(timeout=REACHED)
 
     def submit(self, chunk: Chunk) -> None:
-        """To a worker, whichever is free first."""
+        """Hand out a chunk to whichever worker is free first."""
         key = f"camgeo-{uuid.uuid4()}"
         arguments = (self._versions, self._work, pickle.dumps(chunk))
         future = self._client.submit(compute_chunk, *arguments, key=key, pure=False)
@@ -180,7 +182,7 @@ class _Link:
         future.add_done_callback(self._done.put)
 
     def finished(self) -> tuple[Chunk, Computed | int]:
-        """The next chunk that is finished; in place of its rows, the times that its worker died."""
+        """The next chunk that is finished, and its rows, or how often its workers died."""
         while True:
             self._count()
             try:
@@ -199,7 +201,7 @@ class _Link:
             return chunk, outcome
 
     def _connect_again(self) -> None:
-        """To a scheduler that was restarted: all that it had is handed out again."""
+        """Connect to a scheduler that was restarted, and hand out everything again."""
         self._losses += 1
         if self._losses > LOSSES:
             raise CamgeoError(f"the scheduler at {self._address} keeps losing what it is given")
@@ -215,7 +217,7 @@ class _Link:
             self.submit(chunk)
 
     def _count(self) -> None:
-        """How many threads there are; CamgeoError if there have been none for too long."""
+        """Count the threads of all workers; CamgeoError if there have been none for too long."""
         now = time.monotonic()
         if now < self._due:
             return
@@ -235,7 +237,7 @@ class _Link:
 
 
 def _is_here(host: str) -> bool:
-    """Whether a name or a number is that of loopback."""
+    """Whether a host name or address is that of this computer."""
     try:
         return ipaddress.ip_address(host).is_loopback
     except ValueError:
@@ -243,11 +245,11 @@ def _is_here(host: str) -> bool:
 
 
 class _LostError(Exception):
-    """The scheduler knows no longer of a chunk."""
+    """The scheduler does not know a chunk any more."""
 
 
 def _outcome(future: Future) -> Computed | int:
-    """What became of a chunk; _LostError if the scheduler lost it."""
+    """The rows of a chunk, or how often its workers died; _LostError if the scheduler lost it."""
     from distributed.scheduler import KilledWorker
 
     if future.status == "error":
@@ -267,7 +269,7 @@ def _outcome(future: Future) -> Computed | int:
     if isinstance(error, CamgeoError | MemoryError):
         raise error
     raise CamgeoError(
-        f"the cluster cannot do the work of this camgeo: {type(error).__name__}: {error};"
+        f"the cluster cannot run the work of this camgeo: {type(error).__name__}: {error};"
         " scheduler and workers need the same packages as this process"
     ) from error
 
@@ -275,9 +277,9 @@ def _outcome(future: Future) -> Computed | int:
 def compute_chunk(versions: tuple[str, str, str], work: bytes, chunk: bytes) -> Computed:
     """In a worker: the rows of a chunk, and the seconds that they took.
 
-    Versions are compared before anything else is read: what another camgeo has pickled may not be
-    what it seems. VersionError, with the worker's address, if they differ. A worker of several
-    threads computes one chunk at a time, which under Python's lock takes no longer.
+    Versions are compared before anything is unpickled, as the data of another version may have
+    another meaning. VersionError, with the worker's address, if they differ. A worker of several
+    threads computes one chunk at a time, which is no slower under Python's global lock.
     """
     from distributed import get_worker
 
@@ -294,13 +296,13 @@ def compute_chunk(versions: tuple[str, str, str], work: bytes, chunk: bytes) -> 
 
 @lru_cache(maxsize=1)
 def _unpickled_work(data: bytes) -> Work:
-    """The work as it came first, with its scene: each chunk brings another copy."""
+    """The work, unpickled once: each chunk brings its data, but the scene is built only once."""
     work: Work = pickle.loads(data)
     return work
 
 
 def _connected(address: str, seconds: float) -> Client:
-    """A connection to the scheduler; CamgeoError if there is none after so many seconds."""
+    """A connection to the scheduler; CamgeoError if there is none within so many seconds."""
     try:
         from distributed import Client
     except ImportError as error:
@@ -309,17 +311,18 @@ def _connected(address: str, seconds: float) -> Client:
         raise CamgeoError(message) from error
     try:
         with warnings.catch_warnings():
-            # Of other packages than those that decide the bits of a row, which are compared.
+            # Dask warns of other versions of any package; those that decide the bits of a row are
+            # compared by `compute_chunk`.
             warnings.simplefilter("ignore")
             return Client(address, timeout=seconds, set_as_default=False, direct_to_workers=False)
     except Exception as error:  # whatever answers there, and however it is configured
-        raise CamgeoError(f"no scheduler of Dask can be reached at {address}: {error}") from error
+        raise CamgeoError(f"no Dask scheduler can be reached at {address}: {error}") from error
 
 
 @contextlib.contextmanager
 def _quiet() -> Iterator[None]:
-    """Within, Dask logs nothing: what matters of it is said in words of camgeo."""
-    with contextlib.suppress(ImportError):  # which is told where a connection is made
+    """Within this context Dask logs nothing: what matters is reported by camgeo's own errors."""
+    with contextlib.suppress(ImportError):  # which is reported where a connection is made
         importlib.import_module("distributed")  # states the levels of its loggers
     names = [name for name in logging.root.manager.loggerDict if name.startswith("distributed")]
     levels = {name: logging.getLogger(name).level for name in names}

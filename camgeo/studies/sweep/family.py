@@ -1,4 +1,4 @@
-"""A family: a scene with other values at some keys. What it has is known before anything runs."""
+"""A family: a scene with other values at some keys. Its designs are known before anything runs."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ Method = Literal["sobol", "random"]
 METHODS: Final[tuple[str, ...]] = get_args(Method)
 
 MOST: Final = 1_000_000
-"""Designs of a family: at the 5 ms that a cheap question takes, an hour and a half."""
+"""Largest number of designs of a family: at 5 ms each, for a cheap question, an hour and a half."""
 
 Point = tuple[Value, ...]
 """The values at the keys of a family, in their order: what makes one of its designs."""
@@ -49,7 +49,7 @@ class Sample:
 
     Attributes
     ----------
-    count : of the designs.
+    count : number of designs.
     method : "sobol", a scrambled Sobol sequence, which fills the ranges evenly, or "random".
     seed : the same seed draws the same designs.
     """
@@ -69,13 +69,14 @@ class Sample:
             raise GeometryError(message, "sweep.seed", str(self.seed))
 
     def shares(self, dimensions: int) -> FloatArray:
-        """(count, dimensions) numbers from 0 to below 1."""
+        """(count, dimensions) numbers from 0 to less than 1."""
         generator = np.random.default_rng(self.seed)
         if self.method == "random":
             return generator.random((self.count, dimensions))
         from scipy.stats import qmc  # half a second, which no grid needs
 
-        # Only a power of two is balanced; the first of one are what the sequence has first anyway.
+        # Only a power of two is balanced, and scipy warns of other numbers. The first `count` of it
+        # are also the first ones of the sequence.
         power = max(self.count - 1, 0).bit_length()
         samples: FloatArray = qmc.Sobol(dimensions, rng=generator).random_base2(power)
         return samples[: self.count]
@@ -87,17 +88,17 @@ class Family:
 
     Attributes
     ----------
-    scene : the one in which values are replaced; the families that it states are left out.
-    variables : what varies; the last one fastest.
+    scene : the scene in which values are replaced, without the families that it states itself.
+    variables : what varies; in the order of the designs, the last one varies fastest.
     sample : how designs are drawn; None for all combinations.
 
     Raises
     ------
     SceneError
-        With a key that there is not, and the nearest one, or that is varied twice.
+        For an unknown key, with the nearest one, and for a key that varies twice.
     GeometryError
-        With the number of designs, if they are too many; with the key of a range that has no count
-        while all combinations are asked for.
+        If there are too many designs, or a range has no count although all combinations are
+        required.
     """
 
     scene: Scene
@@ -128,7 +129,7 @@ class Family:
 
     @property
     def keys(self) -> tuple[str, ...]:
-        """The keys that vary, of tied ones all."""
+        """All keys that vary, including those of tied variables."""
         return tuple(key for variable in self.variables for key in variable.keys)
 
     @property
@@ -153,6 +154,7 @@ class Family:
             ]
         else:
             rows = []
+            # The digits of `number` in a mixed base: the last variable is the lowest digit.
             for choice in reversed(choices):
                 number, place = divmod(number, choice.count)
                 rows.append(choice.row(place))
@@ -160,7 +162,7 @@ class Family:
         return tuple(value for row in rows for value in row)
 
     def points(self) -> Iterator[Point]:
-        """The values of all designs in their order; a point that comes again is left out."""
+        """The values of all designs in their order; repeated samples are left out."""
         sampled = self.sample is not None
         seen: set[str] = set()
         for number in range(self.count):
@@ -173,7 +175,7 @@ class Family:
             yield point
 
     def design_scene(self, point: Point) -> Scene:
-        """The scene of a design; SceneError with its faults."""
+        """The scene of a design; SceneError with all its faults if it is wrong."""
         return self.scene.with_values(self.edits(point))
 
     def edits(self, point: Point) -> dict[str, Value]:
@@ -183,7 +185,7 @@ class Family:
     def contents(self) -> Mapping[str, bytes]:
         """The contents of all files that designs may name, by these names.
 
-        A file that cannot be read is left out: designs that name it are rows with that reason.
+        A file that cannot be read is left out: the rows of designs that name it state the reason.
         """
         file_contents = dict(self.scene.source.contents)
         for variable in self.variables:
@@ -201,19 +203,19 @@ class Family:
 
 
 def mark(point: Point) -> str:
-    """The point as text by which its row is kept: a JSON list."""
+    """The point as text, a JSON list, by which its row is stored."""
     return json.dumps(point, ensure_ascii=False, separators=(",", ":"))
 
 
 # -- variables ------------------------------------------------------------------------------------
-# What varies in a family: keys of the scene, and the values that they take.
+# What varies in a family: keys of the scene, and their values.
 
 
 QUOTED: Final = r"\"[^\"]*\"|'[^']*'"
-"""Text in a list that may have commas and colons."""
+"""Pattern of quoted text in a list, which may have commas and colons."""
 
 TIED: Final = "/"
-"""Between the values of tied keys: `A,B=1/2,3/4` gives A 1 with B 2, and A 3 with B 4."""
+"""Separates the values of tied keys: `A,B=1/2,3/4` is A = 1 with B = 2, and A = 3 with B = 4."""
 
 FORMS: Final = (
     "must be START:STOP:COUNT, a list as 1,2,3, or START:STOP where designs are samples,"
@@ -223,18 +225,18 @@ FORMS: Final = (
 
 @dataclass(frozen=True, slots=True)
 class Listed:
-    """Values that are stated.
+    """A list of stated values.
 
     Attributes
     ----------
-    rows : a row for each step of the variable, with a value for each of its keys.
+    rows : a row for each value of the variable, with one value for each of its keys.
     """
 
     rows: tuple[tuple[Value, ...], ...]
 
     @property
     def count(self) -> int:
-        """How many there are."""
+        """Number of rows."""
         return len(self.rows)
 
     def row(self, place: int) -> tuple[Value, ...]:
@@ -242,7 +244,7 @@ class Listed:
         return self.rows[place]
 
     def row_at_share(self, share: float) -> tuple[Value, ...]:
-        """The row at a share, from 0 to below 1, of the list."""
+        """The row at a share of the list, from 0 to less than 1."""
         return self.rows[min(int(share * self.count), self.count - 1)]
 
 
@@ -254,7 +256,7 @@ class Range:
     ----------
     start, stop : the first and the last number, exactly as stated.
     steps : how many numbers; None for a range that is only sampled.
-    keys : how many keys take the number.
+    keys : how many tied keys have the number.
     """
 
     start: Decimal
@@ -264,17 +266,18 @@ class Range:
 
     @property
     def count(self) -> int:
-        """How many there are; 0 if it is only sampled."""
+        """Number of values; 0 if the range is only sampled."""
         return self.steps or 0
 
     def row(self, place: int) -> tuple[Value, ...]:
-        """The number at a place, from 0, for each key: exact, rounded once."""
+        """The number at a place, from 0, for each key; the exact one rounded once."""
+        # With fractions, so that 0.1:0.5:5 gives 0.3 and not 0.30000000000000004.
         first, last = Fraction(self.start), Fraction(self.stop)
         parts = max(self.count - 1, 1)
         return (plain(float(first + (last - first) * place / parts)),) * self.keys
 
     def row_at_share(self, share: float) -> tuple[Value, ...]:
-        """The number at a share, from 0 to below 1, of the range, for each key."""
+        """The number at a share of the range, from 0 to less than 1, for each key."""
         if self.steps is not None:
             return self.row(min(int(share * self.count), self.count - 1))
         start, stop = float(self.start), float(self.stop)
@@ -288,7 +291,7 @@ class Variable:
     Attributes
     ----------
     keys : as messages spell them.
-    values : that they take.
+    values : their values.
     """
 
     keys: tuple[str, ...]
@@ -296,12 +299,12 @@ class Variable:
 
 
 def parse(text: str) -> Variable:
-    """The variable that `KEY=VALUES` states on a command line, as `--vary`.
+    """The variable that `KEY=VALUES` states on a command line, after `--vary`.
 
     Raises
     ------
     GeometryError
-        With the key of the scene, if it states none.
+        With the key of the scene, if the text states no variable.
     """
     names, equals, values = text.partition("=")
     keys = tuple(name.strip() for name in names.split(","))
@@ -321,7 +324,7 @@ def parse(text: str) -> Variable:
 
 
 def spaced(key: str, start: Decimal, stop: Decimal, steps: int | None, keys: int = 1) -> Range:
-    """A checked range; GeometryError with `key` if it has no number, or one for two ends."""
+    """A checked range; GeometryError with `key` if its count is wrong, or its ends are."""
     for _, message in faults_of_range(start, stop, steps):
         stated = f"{start}:{stop}" + ("" if steps is None else f":{steps}")
         raise GeometryError(message, key, stated)
@@ -338,7 +341,7 @@ def listed(key: str, rows: Rows, keys: int) -> Listed:
 
 
 def _row(word: str, keys: int) -> tuple[Value, ...]:
-    """The values of tied keys in one word of a list; a single one is for all of them."""
+    """The values of tied keys in one word of a list; a single value is for all of them."""
     parts = word.split(TIED) if keys > 1 else [word]
     return tuple(map(_value, parts)) if len(parts) > 1 else (_value(word),) * keys
 
@@ -373,9 +376,9 @@ def family_of(
 
     Parameters
     ----------
-    vary : variables, or text as of `--vary`; if there are none, those that the scene states.
-    sample : how designs are drawn; None for all combinations, or, if the scene's variables are
-        used, for what it states.
+    vary : variables, or texts as after `--vary`; if there are none, those that the scene states.
+    sample : how designs are drawn; None for all combinations, or, if the variables of the scene
+        are used, for the sample that it states.
 
     Raises
     ------
@@ -392,22 +395,23 @@ def family_of(
 
 
 def stated_variables(scene: Scene, name: str) -> tuple[Variable, ...]:
-    """The variables that the scene states in the table of that name, which its rules have checked;
-    none if there is no such table.
+    """The variables that the scene states in the table `name`; none if there is no such table.
+
+    The rules of the scene have checked them already.
     """
     return tuple(_stated(scene.values.get(name, {}).get("vary", ())))
 
 
 def question_names(scene: Scene, ask: Iterable[str] = ()) -> tuple[str, ...]:
-    """The names of what is asked, of which each text may have several, comma-separated.
+    """The names in `ask`, or if there are none, those that the scene states in `[sweep]`.
 
-    If there are none, those that the scene states.
+    Each text may have several names, separated by commas.
     """
     return split_names(ask) or tuple(scene.values.get(SWEEP, {}).get("ask", ()))
 
 
 def split_names(texts: Iterable[str]) -> tuple[str, ...]:
-    """All names in texts, of which each may have several, comma-separated."""
+    """All names in texts that may each have several, separated by commas."""
     return tuple(word.strip() for text in texts for word in text.split(",") if word.strip())
 
 
@@ -416,7 +420,7 @@ def _parsed(vary: Iterable[str | Variable]) -> Iterator[Variable]:
 
 
 def _stated(tables: Iterable[Mapping[str, Any]]) -> Iterator[Variable]:
-    """The variables of tables as `[[sweep.vary]]`."""
+    """The variables of tables like `[[sweep.vary]]`."""
     for table in tables:
         keys = variable_keys(table)
         yield Variable(keys, _values(keys, table))

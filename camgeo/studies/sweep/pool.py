@@ -1,4 +1,4 @@
-"""The local pool: as many processes of this machine as one asks for, each with one BLAS thread."""
+"""The local pool: a number of processes on this computer, each with one BLAS thread."""
 
 from __future__ import annotations
 
@@ -25,12 +25,13 @@ THREADS: Final = (
     "MKL_NUM_THREADS",
     "VECLIB_MAXIMUM_THREADS",
 )
-"""Variables that state how many threads the BLAS of a process starts, read when it is loaded."""
+"""Environment variables that state how many threads the BLAS of a process starts; it reads them
+when it is loaded."""
 
 MOST_WORKERS: Final = 512
 
 DEADLY: Final = 2
-"""Times that a design alone may end its process before that is its answer."""
+"""How often a design alone may end its process before its row says so."""
 
 NO_START: Final = (
     "the processes of the pool end as they start; a program that uses the pool must do its own work"
@@ -44,14 +45,14 @@ Computed = Future[tuple[tuple[DesignRow, ...], float]]
 
 
 class Pool:
-    """Computes chunks in processes of this machine; see `camgeo.studies.sweep.rows.Engine`.
+    """Computes chunks in processes on this computer; see `camgeo.studies.sweep.rows.Engine`.
 
-    The processes end with this one, however it ends. A program that uses the pool must be one that
-    can be imported: its own work is under `if __name__ == "__main__"`.
+    The processes end with this one, however it ends. They import the program that uses the pool, so
+    its own work must be under `if __name__ == "__main__"`.
 
     Parameters
     ----------
-    workers : how many processes; GeometryError if there cannot be so many.
+    workers : number of processes; GeometryError if it is out of range.
     """
 
     name = "pool"
@@ -75,9 +76,9 @@ class Pool:
     def rows(self, work: Work, points: Iterator[Point]) -> Chunks:
         """See `Engine.rows`.
 
-        If a process dies, all chunks that were handed out are lost, and any may be to blame. They
-        are computed again one at a time, and a chunk that does it again is taken apart. Raises
-        CamgeoError if processes end before they compute anything.
+        If a process dies, all chunks that were handed out are lost, and any of them may have caused
+        it. They are computed again one at a time, and a chunk that ends its process again is split
+        into its designs. Raises CamgeoError if processes end before they compute anything.
         """
         pace, suspects = Pace(self._workers), deque[Chunk]()
         deaths: dict[Point, int] = {}
@@ -85,6 +86,7 @@ class Pool:
         running: dict[Computed, Chunk] = {}
         try:
             while True:
+                # A suspect runs alone, so that it is known which one ends its process.
                 if suspects and not running:
                     chunk = suspects.popleft()
                     running[processes.submit(work, chunk)] = chunk
@@ -107,6 +109,7 @@ class Pool:
                     else:
                         pace.note(len(chunk), seconds)
                         yield chunk_rows
+                # One process that dies breaks the whole pool: what still ran is lost too.
                 if lost:
                     lost += running.values()
                     running.clear()
@@ -131,7 +134,7 @@ class Pool:
 
 
 class _Context(SpawnContext):
-    """Starts processes, and lists them."""
+    """A context that lists the processes it starts, so that they can be ended."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -152,7 +155,7 @@ class _Processes:
         self._executor: ProcessPoolExecutor | None = None
 
     def submit(self, work: Work, chunk: Chunk) -> Computed:
-        """The chunk handed out."""
+        """Hand out a chunk; its rows are the result of the future."""
         try:
             with _one_thread():
                 try:
@@ -165,7 +168,7 @@ class _Processes:
             return failed
 
     def require_to_run(self) -> None:
-        """Raise CamgeoError if a process of the pool ends as it starts: no design is to blame."""
+        """Raise CamgeoError if processes end as they start, which no design can have caused."""
         try:
             with _one_thread():
                 started = self._running.submit(os.getpid)
@@ -176,8 +179,8 @@ class _Processes:
     def end(self) -> None:
         """End the processes at once; others are started if there is more work.
 
-        An executor that is broken ends them itself, except one that was being started at that
-        moment: that one stays, and the executor may wait for it for ever.
+        A broken executor ends its processes itself, except one that was being started at that
+        moment: it would stay, and the executor might wait for it forever.
         """
         started = [process for process in self._context.listed if process.pid is not None]
         for process in started:
@@ -188,7 +191,7 @@ class _Processes:
         self._context.listed.clear()
 
     def close(self, *, cancelled: bool = False) -> None:
-        """End the processes when they have nothing to do."""
+        """Let the processes end when they have finished their work."""
         if self._executor is not None:
             self._executor.shutdown(cancel_futures=cancelled)
             self._executor = None
@@ -204,7 +207,7 @@ class _Processes:
 
 @contextlib.contextmanager
 def _one_thread() -> Iterator[None]:
-    """Processes that are started within have one BLAS thread."""
+    """Within this context, processes are started with one BLAS thread each."""
     previous = {name: os.environ.get(name) for name in THREADS}
     os.environ.update(dict.fromkeys(THREADS, "1"))
     try:
@@ -218,7 +221,7 @@ def _one_thread() -> Iterator[None]:
 
 
 def _begin() -> None:
-    """In a worker: leave Ctrl-C to the driver, and end with it even if it is killed."""
+    """In a worker: leave Ctrl-C to the parent process, and end with it even if it is killed."""
     with contextlib.suppress(ValueError):
         signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = multiprocessing.parent_process()
@@ -227,5 +230,6 @@ def _begin() -> None:
 
 
 def _exit_with_parent(sentinel: int) -> None:
+    """Wait until the parent process has ended, and end this one."""
     connection.wait([sentinel])
     os._exit(1)

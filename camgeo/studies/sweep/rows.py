@@ -1,4 +1,4 @@
-"""Rows of a sweep, and the work that makes them, as it is sent to where it is done."""
+"""Rows of a sweep, and the work that computes them, in the form in which workers receive it."""
 
 from __future__ import annotations
 
@@ -56,33 +56,33 @@ from camgeo.studies.sweep.family import Family, Point
 from camgeo.units import counted, shortened
 
 NOWHERE: Final = Path("/camgeo-sweep-has-no-folder")
-"""Folder of the scenes of a sweep. A worker has the contents of the files that they name, and must
-not read another file of its own machine under the same name."""
+"""Folder of the scenes of a sweep, which does not exist. A worker has the contents of the files
+that scenes name, and must not read another file of its own computer under the same name."""
 
 FOLLOWER: Final = "follower."
-"""Keys that begin so are numbers and words of the follower."""
+"""Prefix of the keys of the follower."""
 
 MOST_BEGUN: Final = 64
-"""Scenes that are kept for others to share their plan, so that memory stays flat."""
+"""Number of scenes that are kept for others to share their plan, so that memory stays bounded."""
 
 MOST_TOGETHER: Final = 64
-"""Designs that are computed at once: of 256 at once each costs 2 to 6 % less."""
+"""Number of designs that are computed at once: with 256, each would cost only 2 to 6 % less."""
 
 LISTED: Final = "; "
-"""Between the reasons of one row."""
+"""Separates the reasons of one row."""
 
 
 @dataclass(frozen=True, slots=True)
 class DesignRow:
-    """What one design of a family answers.
+    """The answers of one design of a family.
 
     Attributes
     ----------
     point : the values that make the design.
-    values : what was asked, in the order asked; None where there is no answer.
-    units : of the values, likewise; empty where there is none.
-    reason : why something is missing; empty if nothing is, or if that is no failure, as of a
-        finding that the design does not give rise to.
+    values : the answers in the order of the questions; None where there is no answer.
+    units : the units of the answers; empty where there is none.
+    reason : why an answer is missing; empty if none is, or if that is no failure, as for a finding
+        that does not arise for this design.
     """
 
     point: Point
@@ -92,7 +92,7 @@ class DesignRow:
 
     @property
     def failed(self) -> bool:
-        """Whether something that was asked has no answer."""
+        """Whether a question has no answer."""
         return bool(self.reason)
 
 
@@ -106,7 +106,7 @@ class Versions:
 
     @classmethod
     def here(cls) -> Versions:
-        """Those of this process."""
+        """The versions of this process."""
         return cls(__version__, np.__version__, platform.python_version())
 
     def require_here(self) -> None:
@@ -128,11 +128,11 @@ class Work:
 
     Attributes
     ----------
-    text : TOML of the scene that the family starts from.
-    contents : of the files that designs name, by these names.
-    keys : that vary.
-    questions : asked of each design.
-    versions : with which the rows are to be computed.
+    text : TOML text of the scene from which the family starts.
+    contents : names and contents of the files that designs name.
+    keys : the keys that vary.
+    questions : what is asked of each design.
+    versions : the versions with which the rows have to be computed.
     """
 
     text: str
@@ -149,30 +149,32 @@ class Work:
         return cls(text, contents, family.keys, tuple(questions), Versions.here())
 
     def __getstate__(self) -> dict[str, Any]:
-        """The fields alone: whoever receives the work builds the scene."""
+        """The fields alone: whoever receives the work builds the scene from them."""
         return {attribute.name: getattr(self, attribute.name) for attribute in fields(self)}
 
     @cached_property
     def source(self) -> Source:
-        """Where scenes get the contents of their files."""
+        """From where scenes get the contents of their files."""
         folder = NOWHERE.resolve() if self.contents else None
         return Source("", folder, self.text).having(dict(self.contents))
 
     @cached_property
     def base(self) -> Scene:
-        """The scene that the family starts from; VersionError in a process of other versions."""
+        """The scene from which the family starts; VersionError in a process of other versions."""
         self.versions.require_here()
         return Scene.from_document(document(self.text.encode()), self.source)
 
     @cached_property
     def _begun(self) -> dict[Hashable, Scene]:
-        """A scene for each of the latest values at keys outside the follower: what does not depend
-        on the follower, the plan above all, is that of all designs with these values.
+        """A scene for each of the latest combinations of values outside the follower.
+
+        Whatever does not depend on the follower, above all the motion plan, is taken over from it
+        by all designs with these values.
         """
         return {}
 
     def design_scene(self, point: Point) -> Scene:
-        """The scene of a design; SceneError with its faults."""
+        """The scene of a design; SceneError with all its faults if it is wrong."""
         edits = dict(zip(self.keys, point, strict=True))
         follower_edits = {key: value for key, value in edits.items() if key.startswith(FOLLOWER)}
         others = tuple(
@@ -193,10 +195,10 @@ class Work:
         """The rows of designs, each with the bits that it has alone; with the reason if its scene
         is wrong.
 
-        What can be answered for many designs at once is.
+        Questions that can be answered for many designs at once are.
         """
         base = self.base
-        assert base is not None  # its errors are not those of one design
+        assert base is not None  # errors of the base are raised here, not reported for each design
         row_by_number: dict[int, DesignRow] = {}
         designs: dict[int, Design] = {}
         for number, point in enumerate(points):
@@ -209,7 +211,7 @@ class Work:
                 row_by_number[number] = self.nothing(point, failure_reason(error))
         answers = self._together(designs)
         for number in [*designs]:
-            design = designs.pop(number)  # which has computed much, and is needed no longer
+            design = designs.pop(number)  # frees the memory of all that it has computed
             readings = [
                 answers.get((number, question.word)) or read(design, question)
                 for question in self.questions
@@ -218,12 +220,12 @@ class Work:
         return [row_by_number[number] for number in range(len(points))]
 
     def nothing(self, point: Point, reason: str) -> DesignRow:
-        """The row of a design that has no answers at all."""
+        """The row of a design without any answers, for a `reason`."""
         count = len(self.questions)
         return DesignRow(point, (None,) * count, ("",) * count, reason)
 
     def _together(self, designs: Mapping[int, Design]) -> dict[tuple[int, str], DesignReading]:
-        """What can be answered for many designs at once, by their numbers and what is asked."""
+        """The readings that are computed for many designs at once, by number and question."""
         words = [question for question in self.questions if question.group in TOGETHER]
         groups: dict[Hashable, list[int]] = {}
         for number, design in sorted(designs.items(), key=_linkage) if words else ():
@@ -255,7 +257,10 @@ class Work:
 
 
 def _linkage(item: tuple[int, Design]) -> int:
-    """Designs with the same linkage one after another have the same motion: the plan keeps one."""
+    """Sort key by which designs with the same linkage follow each other.
+
+    They share their motion, of which the plan keeps only the last one.
+    """
     return id(item[1].scene.linkage)
 
 
@@ -269,38 +274,38 @@ def compute_rows(work: Work, points: Iterable[Point]) -> tuple[DesignRow, ...]:
 
 
 def compute_timed_rows(work: Work, points: Iterable[Point]) -> tuple[tuple[DesignRow, ...], float]:
-    """The same, with the seconds that they took."""
+    """The rows of several designs, and the seconds that they took."""
     start = time.perf_counter()
     return compute_rows(work, points), time.perf_counter() - start
 
 
 @lru_cache(maxsize=1)
 def _known(work: Work) -> Work:
-    """The work as it came first, with its scene: each chunk brings another copy."""
+    """The first of equal copies of the work, which has built its scene already."""
     return work
 
 
 # -- engine ---------------------------------------------------------------------------------------
 # Engines compute the rows of a family: where, and how many at a time.
 #
-# An engine has a name and `rows`; it is registered in `ENGINES` by the place of its class, which is
-# imported when it is asked for. It neither writes the store nor decides what is computed: it takes
-# points from the iterator as it can use them, and gives back rows in any order. If its iterator is
-# closed, it ends what it has started. A row depends on its design alone, so all engines give the
+# An engine has a name and `rows`; it is registered in `ENGINES` by the path of its class, which is
+# imported when it is requested. It neither writes the store nor decides what is computed: it takes
+# points from the iterator as it can use them, and returns rows in any order. If its generator is
+# closed, it ends what it has started. A row depends on its design alone, so all engines return the
 # same rows.
 
 
 CHUNK: Final = 1.0
-"""Seconds that a chunk of designs should take: far more than the 6 ms that handing one over costs,
-and no more than a run should lose when it is stopped."""
+"""Seconds that a chunk of designs should take: far more than the 6 ms that it costs to hand one
+over, and no more than a run may lose when it is stopped."""
 
 MOST_IN_CHUNK: Final = 1000
 
 GROWTH: Final = 8
-"""Largest factor from one chunk to the next: the first designs may be no measure of the others."""
+"""Largest growth from one chunk to the next, as the first designs may not be typical."""
 
 AHEAD: Final = 2
-"""Chunks handed out for each worker: one is computed, the next one is there when it is done."""
+"""Chunks handed out for each worker: while one is computed, the next one is waiting already."""
 
 DIED: Final = "the process that computed it died, {times}: killed, or out of memory"
 
@@ -310,7 +315,7 @@ Chunks = Generator[tuple[DesignRow, ...], None, None]
 
 
 class Engine(Protocol):
-    """Where rows are computed."""
+    """Computes rows, in this process or elsewhere."""
 
     @property
     def name(self) -> str: ...
@@ -318,22 +323,22 @@ class Engine(Protocol):
     def rows(self, work: Work, points: Iterator[Point]) -> Chunks:
         """The rows of all points, in any order, in chunks as they are finished.
 
-        A worker that dies costs its chunk a second computation. A design that keeps ending its
-        worker is a row that says so. Raises VersionError if a worker has other versions.
+        The chunk of a worker that dies is computed again. The row of a design that keeps ending its
+        worker says so. Raises VersionError if a worker has other versions.
         """
         ...
 
     def held(self) -> AbstractContextManager[None]:
-        """Within it, the workers of one call of `rows` stay for the next one."""
+        """Within this context, the workers of one call of `rows` stay for the next one."""
         ...
 
 
 class Pace:
-    """How many designs make a chunk of about a second, from the chunks so far.
+    """Determines how many designs make a chunk of about a second, from the times of earlier chunks.
 
     Parameters
     ----------
-    workers : that share the designs; where it is known how few are left, each gets some of them.
+    workers : number of workers; the last designs are shared out evenly, if their number is known.
     """
 
     def __init__(self, workers: int = 1) -> None:
@@ -342,17 +347,21 @@ class Pace:
 
     def take(self, points: Iterator[Point]) -> tuple[Point, ...]:
         """The points of the next chunk; none if there are none left."""
+        # The hint is exact for a list iterator, and the default is never the smaller number.
         share = -(-length_hint(points, MOST_IN_CHUNK * self._workers) // self._workers)
         return tuple(islice(points, min(self._size, max(share, 1))))
 
     def note(self, count: int, seconds: float, least: float = 0.0) -> None:
-        """A chunk of so many designs took so long; the next ones take at least `least` seconds."""
+        """Note that a chunk of `count` designs took `seconds`.
+
+        The next chunks are to take at least `least` seconds.
+        """
         fitting = int(max(CHUNK, least) * count / max(seconds, 1e-9))
         self._size = max(1, min(fitting, GROWTH * self._size, MOST_IN_CHUNK))
 
 
 class Loop:
-    """Computes one design after the other, in this process."""
+    """Computes designs in this process, one chunk after the other."""
 
     name = "loop"
 
@@ -377,15 +386,15 @@ ENGINES: Final = {
     "pool": "camgeo.studies.sweep.pool:Pool",
     "cluster": "camgeo.studies.sweep.cluster:Cluster",
 }
-"""The classes of engines by their names; each takes where it computes: the pool the number of its
-processes, a cluster its address."""
+"""Paths of the classes of engines, by their names. Each class takes one argument: the pool the
+number of its processes, the cluster the address of its scheduler."""
 
 
 def engine_of(name: str, where: int | str = 1) -> Engine:
-    """The engine `name` that computes there.
+    """The engine `name`; `where` is the number of workers or the address of the scheduler.
 
-    Raises UnknownNameError if there is none, GeometryError for a number of workers or an address
-    that it cannot have.
+    Raises UnknownNameError if there is no such engine, GeometryError for an invalid number or
+    address.
     """
     if name not in ENGINES:
         raise UnknownNameError("engine", name, ENGINES)
@@ -394,26 +403,27 @@ def engine_of(name: str, where: int | str = 1) -> Engine:
 
 
 def dead(work: Work, point: Point, times: int) -> DesignRow:
-    """The row of a design that ended its process so many times."""
+    """The row of a design that ended its process `times` times."""
     return work.nothing(point, DIED.format(times=counted(times, "time")))
 
 
 # -- reading --------------------------------------------------------------------------------------
-# What a design answers to what is asked of it. Nothing else is computed.
+# The answers of a design to questions. Nothing else is computed.
 
 
 LONGEST_REASON: Final = 400
-"""Characters of a reason; what a scene with many faults says beyond is left out."""
+"""Largest number of characters of a reason; a scene with many faults would have more."""
 
 
 class NoValueError(Exception):
-    """A design has no answer; the message is the reason, empty if none was to be expected."""
+    """A design has no answer; the message is the reason, empty if no answer was to be expected."""
 
 
 @dataclass(frozen=True, slots=True)
 class DesignReading:
-    """The answer of a design: a number in `unit`, or a word; None if there is none, perhaps with
-    the reason.
+    """The answer of a design to a question: a number in `unit`, or a word.
+
+    `value` is None if there is no answer; `reason` says why, unless none was to be expected.
     """
 
     value: float | str | None
@@ -422,7 +432,7 @@ class DesignReading:
 
 
 def read(design: Design, question: Question) -> DesignReading:
-    """What the design answers. Every error except MemoryError becomes a reason."""
+    """The answer of a design to a question. Every error except MemoryError becomes a reason."""
     try:
         reading = ANSWERS[question.group](design, question)
     except NoValueError as none:
@@ -435,7 +445,7 @@ def read(design: Design, question: Question) -> DesignReading:
 
 
 def _finite_reading(reading: DesignReading) -> DesignReading:
-    """The same, if it is finite."""
+    """The reading if it is finite; else one without a value, and with the reason."""
     if isinstance(reading.value, float):
         if not math.isfinite(reading.value):
             return DesignReading(None, reading.unit, reading.reason or "is infinite")
@@ -446,9 +456,9 @@ def _finite_reading(reading: DesignReading) -> DesignReading:
 
 
 def read_together(designs: Sequence[Design], question: Question) -> list[DesignReading]:
-    """What each of the designs answers, with the same bits as `read`: those that are alike at once.
+    """The answer of each design, with the same bits as by `read`; designs that are alike at once.
 
-    Where that fails, one of them has no answer: halves are tried, down to a design alone.
+    Where that fails, some design has no answer: halves are tried, down to a single design.
     """
     if len(designs) == 1:
         return [read(designs[0], question)]
@@ -463,8 +473,10 @@ def read_together(designs: Sequence[Design], question: Question) -> list[DesignR
 
 
 def alike_designs(design: Design) -> Hashable:
-    """Equal for designs that differ in numbers of follower and linkage only, and in what nothing
-    that is `TOGETHER` depends on.
+    """A key that is equal for designs that may be computed together.
+
+    These differ in numbers of follower and linkage only, and in what none of the questions that are
+    answered `TOGETHER` depends on.
     """
     scene = design.scene
     drive = id(scene.plan), scene.speed, id(scene.speed_curve)
@@ -475,7 +487,7 @@ def alike_designs(design: Design) -> Hashable:
 
 
 def failure_reason(error: Exception) -> str:
-    """Why there is no design or no answer, in one line."""
+    """Why a design is impossible or has no answer, in one line."""
     if isinstance(error, SceneError):
         return in_a_line("; ".join(str(fault) for fault in error.faults))
     if isinstance(error, CamgeoError):
@@ -484,7 +496,7 @@ def failure_reason(error: Exception) -> str:
 
 
 def in_a_line(text: str) -> str:
-    """The text in one line that is not too long."""
+    """The text in one line, shortened to `LONGEST_REASON`."""
     return shortened(" ".join(text.split()), LONGEST_REASON)
 
 
@@ -494,7 +506,7 @@ def in_a_line(text: str) -> str:
 def _finding_reading(
     findings: Iterable[Finding], name: str, why: Callable[[], str] = str
 ) -> DesignReading:
-    """The value of the first finding of that name; NoValueError with `why` if there is none."""
+    """The value of the first finding `name`; NoValueError with the reason `why` without one."""
     for finding in findings:
         if hyphened(finding.name) == name:
             value = finding.value
@@ -503,14 +515,14 @@ def _finding_reading(
 
 
 def _refused(findings: Iterable[Finding]) -> str:
-    """What rules out the disc, if anything does."""
+    """The sentences of findings that rule out the disc; empty if there are none."""
     return "; ".join(finding.sentence for finding in forbidding(findings))
 
 
 def _angle(design: Design, question: Question) -> DesignReading:
-    """The transmission angle alone, as the findings have it."""
+    """The transmission angle alone, without the other findings on the disc."""
     cam, limits = design.cam, design.scene.limits
-    if not cam.follower.has_pitch_curve:  # of an undercut flat face there is none
+    if not cam.follower.has_pitch_curve:  # an undercut flat face has no transmission angle
         return _disc(design, question)
     findings = linkage_findings(cam.drive, limits)
     if not forbidding(findings):
@@ -523,7 +535,7 @@ def _angle(design: Design, question: Question) -> DesignReading:
 
 
 def _angles(designs: Sequence[Design], question: Question) -> list[DesignReading]:
-    """The same for designs that are alike: what the answer takes is computed for all at once."""
+    """The transmission angles of designs that are alike: what they need is computed at once."""
     if designs[0].cam.follower.has_pitch_curve:
         curves = [design.cam.disc.pitch_curve for design in designs]
         turn_enclosed.settle(curves)
@@ -571,7 +583,7 @@ def _verdict(design: Design, _: Question) -> DesignReading:
 
 
 def _machining(design: Design, _: Question) -> DesignReading:
-    from camgeo.design.machining import machining_time  # few are asked for it
+    from camgeo.design.machining import machining_time  # which few sweeps need
 
     if forbidding(design.findings):
         raise NoValueError(_refused(design.findings))
@@ -579,8 +591,8 @@ def _machining(design: Design, _: Question) -> DesignReading:
 
 
 def all_findings(design: Design, *, machining: bool = False) -> list[Finding]:
-    """All findings on cam, effects and part, as far as there are such; with `machining` also those
-    on the milling programs.
+    """All findings on cam, effects and part that can be computed; with `machining` also those on
+    the milling programs.
     """
     from camgeo.design.judged_part import part_findings
     from camgeo.design.product import with_pair
@@ -607,12 +619,13 @@ def _curves(design: Design, question: Question) -> DesignReading:
 
 
 def _curve_readings(designs: Sequence[Design], question: Question) -> list[DesignReading]:
-    """The extreme of a column for designs that are alike."""
+    """The extremes of a column for designs that are alike."""
     first = designs[0]
     scene = first.scene
     of_drive = partial(quantities_of_drive, lift_unit=scene.lift_unit, unit=scene.unit)
     for place, (heading, quantity) in enumerate(of_drive(first.drive)):
         if hyphened(bare(heading)) == question.name:
+            # Designs that differ in the follower only share the drive, and so the answer.
             if all(design.drive.motion is first.drive.motion for design in designs):
                 return [_extreme(first, question, heading, quantity)] * len(designs)
             drives = [design.drive for design in designs]
@@ -633,14 +646,17 @@ def _curve_readings(designs: Sequence[Design], question: Question) -> list[Desig
 
 
 def _nth(columns: Callable[[Member], Columns], place: int) -> Callable[[Member], Quantity]:
+    """The function that returns the quantity of the column at `place`."""
     return lambda member: columns(member)[place][1]
 
 
 def drives_together(drives: Sequence[Drive]) -> Together[Drive]:
-    """Drives that differ in numbers of their linkages only."""
+    """Drives that differ only in numbers of their linkages, as one drive with arrays."""
 
     def joined(some: tuple[Drive, ...], which: IntArray, times: int) -> Drive:
         one = replace(some[0], ledger=Ledger())
+        # A quantity that is computed once is an entry of the object's dictionary, which it may be
+        # given in advance.
         vars(one)["motion"] = one_motion([drive.motion for drive in some], which, times)
         return one
 
@@ -648,9 +664,9 @@ def drives_together(drives: Sequence[Drive]) -> Together[Drive]:
 
 
 def discs_together(discs: Sequence[Disc]) -> Together[Disc]:
-    """Discs that differ in numbers of their followers, and of the linkages of their drives, only.
+    """Discs that differ only in numbers of followers and linkages, as one disc with arrays.
 
-    Of the one that they make only the curves can be used.
+    Only the curves of that disc can be used.
     """
 
     def joined(some: tuple[Disc, ...], which: IntArray, times: int) -> Disc:
@@ -669,8 +685,9 @@ def _extremes_by_design(
     together: Callable[[Sequence[Member]], Together[Member]],
     quantity: Callable[[Member], Quantity],
 ) -> list[Extremes]:
-    """The extremes of a quantity for `members` of designs that are alike, at once for those of them
-    whose motion is smooth between the same angles.
+    """The extremes of a quantity for `members`, the drives or discs of designs that are alike.
+
+    They are computed at once for those whose motion is smooth between the same angles.
     """
     groups: dict[bytes, list[int]] = {}
     for number, design in enumerate(designs):
@@ -720,6 +737,7 @@ def _extreme(
     quantity: Quantity,
     borders: FloatArray | None = None,
 ) -> DesignReading:
+    """The extreme of a column of one design; the column may have further `borders` [rad]."""
     edges = design.drive.smooth_angles
     if borders is not None and len(borders):
         edges = merged(np.concatenate((edges, borders)))
@@ -729,6 +747,7 @@ def _extreme(
 
 
 def _read(extremes: Extremes, question: Question, heading: str) -> DesignReading:
+    """The extreme that a question asks for, in the unit in brackets at the end of `heading`."""
     unit = heading.rpartition(" [")[2].removesuffix("]") if heading.endswith("]") else ""
     return DesignReading(EXTREMES[question.how][1](extremes), unit)
 
@@ -739,8 +758,8 @@ EXTREMES: Final[dict[str, tuple[tuple[float, ...], Callable[[Extremes], float]]]
     "peak": (BOTH, lambda found: found.magnitude),
 }
 """By the prefix of a column's name the turning points that are refined, and the extreme that is
-asked for. A transmission angle has a kink at 90 degrees, which no grid resolves, and nobody who
-asks for its least value wants to know where.
+asked for. A transmission angle has a kink at 90 degrees, which no grid resolves, and who asks for
+its least value need not know where.
 """
 
 ANSWERS: Final[dict[Group, Callable[[Design, Question], DesignReading]]] = {
@@ -759,16 +778,16 @@ TOGETHER: Final[dict[Group, Callable[[Sequence[Design], Question], list[DesignRe
     "angle": _angles,
     "curves": _curve_readings,
 }
-"""What is answered for many designs at once, if these are alike."""
+"""Questions that are answered for many designs at once, if these are alike."""
 
 
 # -- asked ----------------------------------------------------------------------------------------
-# What is asked of each design of a family, by the names of findings and of value-table columns.
+# Questions to each design of a family, by the names of findings and of value-table columns.
 #
-# A bare name is the value of a finding. `min:`, `max:` and `peak:`, the largest magnitude, before
-# the name of a column are its extremes over the turn. Names are written with hyphens or spaces. A
-# name is looked up once, in the scene that the family starts from, so that of each design only what
-# answers it is computed.
+# A bare name asks for the value of a finding. `min:`, `max:` and `peak:` (the largest magnitude)
+# before the name of a column ask for its extremes over the revolution. Names are written with
+# hyphens or spaces. A name is looked up once, in the scene from which the family starts, so that
+# only what answers it is computed for each design.
 
 
 Group = Literal[
@@ -780,12 +799,12 @@ effects.
 """
 
 VERDICT: Final = "verdict"
-"""Asks for the worst severity of all findings on cam, effects and part, a word."""
+"""Question for the worst severity of all findings on cam, effects and part, which is a word."""
 
 DIAMETER: Final = "largest-diameter"
 
 MACHINING_TIME: Final = "machining-time"
-"""Asks how long the milling programs of all discs run."""
+"""Question for the running time of the milling programs of all discs."""
 
 ALSO: Final = {"diameter": DIAMETER}
 """Shorter names."""
@@ -830,26 +849,26 @@ BY_GROUP: Final[dict[Group, tuple[str, ...]]] = {
     "verdict": (VERDICT,),
     "machining": (MACHINING_TIME,),
 }
-"""Names of findings by what has them. Other findings on the disc are looked up in the scene."""
+"""Names of findings by their group. Other findings on the disc are looked up in the scene."""
 
 POLES: Final = ("r_K",)
-"""Columns that are infinite somewhere, and so have no extremes."""
+"""Columns that are infinite somewhere and therefore have no extremes."""
 
 MOST: Final = 100
-"""Names that may be asked for at once."""
+"""Largest number of questions at once."""
 
 
 @dataclass(frozen=True, slots=True)
 class Question:
-    """One quantity that is asked of each design.
+    """A question to each design: for one quantity.
 
     Attributes
     ----------
-    word : as it heads its column: `peak:contact-force`.
-    name : of the finding or the column, with hyphens.
-    how : "value" of a finding, or which of the `EXTREMES` of a column.
-    group : what has it.
-    effects : those that may have it, for the group "effects".
+    word : heading of its column of answers, as `peak:contact-force`.
+    name : name of the finding or the column, with hyphens.
+    how : "value" for a finding, or one of the `EXTREMES` of a column.
+    group : what has to be computed for the answer.
+    effects : for the group "effects", those that may have the answer.
     """
 
     word: str
@@ -860,13 +879,13 @@ class Question:
 
 
 def parse_questions(design: Design, words: Iterable[str]) -> tuple[Question, ...]:
-    """What the `words` ask of designs like this one, each once.
+    """The questions that `words` ask of designs like this one, without repetition.
 
     Raises
     ------
     GeometryError
-        If there are none or too many, or one asks for what has no single value, or for the
-        machining time where the scene states no milling.
+        If there are no words or too many, if one asks for something without a single value, or for
+        the machining time where the scene states no milling.
     UnknownNameError
         For a name that no finding or column has, with the nearest one.
     """
@@ -874,7 +893,7 @@ def parse_questions(design: Design, words: Iterable[str]) -> tuple[Question, ...
         question.word: question for question in (_parse_question(design, word) for word in words)
     }
     if not questions:
-        raise GeometryError("names nothing: say what is asked of each design", "sweep.ask")
+        raise GeometryError("names nothing: state what to ask of each design", "sweep.ask")
     if len(questions) > MOST:
         message = f"{counted(len(questions), 'name')} are more than {MOST}"
         raise GeometryError(message, "sweep.ask")
@@ -907,7 +926,7 @@ def _parse_question(design: Design, word: str) -> Question:
         message = f'is a column over the cam angle: ask for "peak:{name}", "max:{name}" or'
         message += f' "min:{name}"'
         raise GeometryError(message, "sweep.ask", f'"{word}"')
-    if silent:  # they may have it in another design
+    if silent:  # effects without an answer here may have this finding in another design
         return Question(word, name, "value", "effects", silent)
     known = [name for names in BY_GROUP.values() for name in names]
     there = [*known, *ALSO, *(finding for names in seen.values() for finding in names), *judged]
@@ -931,7 +950,7 @@ def _parse_extreme(design: Design, how: str, name: str) -> Question:
 
 
 def canonical(word: str) -> str:
-    """What is asked, as it heads its column."""
+    """A question as it heads its column of answers: without superfluous spaces, with hyphens."""
     prefix, colon, rest = word.partition(":")
     if colon and prefix.strip() in EXTREMES:
         return f"{prefix.strip()}:{hyphened(rest)}"
@@ -953,7 +972,7 @@ def _curve_names(design: Design) -> list[str]:
 
 
 Names = tuple[dict[str, list[str]], tuple[str, ...]]
-"""Names by effects, and the effects that have no answer."""
+"""Names of findings or columns by effect, and the effects that have no answer."""
 
 
 def _columns(design: Design) -> Names:

@@ -1,4 +1,4 @@
-"""Running a sweep: what is missing in its store is computed, and its rows are read back."""
+"""Runs a sweep: computes the rows that its store lacks, and reads them back."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from camgeo.units import clock
 Progress = Callable[[str], None]
 
 SETTLED: Final = 3.0
-"""Seconds after which the rate says how long the rest will take."""
+"""Seconds after which the rate is steady enough to estimate how long the rest will take."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,11 +35,11 @@ class Result:
 
     Attributes
     ----------
-    family : whose designs they are.
-    questions : what the values of each row answer.
-    store : has the rows; of one in a file others may read the file.
-    computed : rows that this run computed; the others were there.
-    seconds : that it took.
+    family : the designs.
+    questions : the questions that the values of each row answer.
+    store : where the rows are; other processes may read a store in a file.
+    computed : number of rows that this run computed; the others were there before.
+    seconds : time that the run took.
     """
 
     family: Family
@@ -50,11 +50,11 @@ class Result:
 
     @property
     def rows(self) -> Iterator[DesignRow]:
-        """The rows in the order of the family, read from the store as they are asked for."""
+        """The rows in the order of the family, read from the store one after the other."""
         return self.store.rows(self.family.points())
 
     def close(self) -> None:
-        """Close the store: rows of one in memory are gone."""
+        """Close the store; the rows of a store in memory are lost."""
         self.store.close()
 
 
@@ -67,23 +67,23 @@ def sweep(
     engine: Engine | None = None,
     progress: Progress = lambda _: None,
 ) -> Result:
-    """Compute what is asked of the designs of a family, as far as the store does not have it.
+    """Answer questions for all designs of a family, as far as the store lacks the answers.
 
     Parameters
     ----------
-    ask : names, see `camgeo.studies.sweep.rows`.
+    ask : questions, see `camgeo.studies.sweep.rows`.
     store : file of the rows, on a local disk; None keeps them in memory.
-    existing : what becomes of a store that exists; of one that is resumed, only what it lacks is
+    existing : what to do with a store that exists; if it is resumed, only rows that it lacks are
         computed.
-    engine : where rows are computed; None for one after the other, in this process.
+    engine : where rows are computed; None for one after the other in this process.
     progress : called with words on how far the run is.
 
     Raises
     ------
     UnknownNameError, GeometryError
-        If what is asked has no name or no single value.
+        If a question names nothing, or something without a single value.
     OutputError, FileError
-        As `camgeo.studies.sweep.sweep.Store`. Rows that were finished before are kept.
+        See `Store`. Rows that were finished before are kept.
     VersionError
         If a worker has another version of camgeo, numpy or Python.
     """
@@ -126,37 +126,37 @@ def progress_words(done: int, count: int, computed: int, elapsed: float) -> str:
 # -- store ----------------------------------------------------------------------------------------
 # The store of a sweep: an SQLite file with a row for each design, written chunk by chunk.
 #
-# It is keyed by the scene, by what varies and what is asked, and by the versions that decide the
-# bits of a row; the rows by the values that make a design. One process at a time writes it, and
-# others read it meanwhile. A run that is stopped, in whatever way, leaves all chunks that were
-# finished; the next one computes the others. What an earlier run has left is believed only where
-# tables, types and the checksum of each row say so.
+# A store belongs to a scene, to keys that vary, to questions, and to the versions that decide the
+# bits of a row; its rows are identified by the values that make a design. One process at a time
+# writes it, and others read it meanwhile. A run that is stopped, in whatever way, leaves all chunks
+# that were finished; the next one computes the others. What an earlier run has left is trusted only
+# if tables, types and the checksum of each row are right.
 
 
 Existing = Literal["refuse", "resume", "replace"]
-"""What becomes of a store that exists."""
+"""What to do with a store that exists."""
 
 ENCODED: Final = json.JSONEncoder(default=repr).encode
-"""Cells as text: damaged ones may be of any type."""
+"""Encodes cells as text; damaged ones may be of any type."""
 
 KIND: Final = int.from_bytes(b"cams")
-"""SQLite's `application_id` of a store: it is one, however damaged the rest of it may be."""
+"""SQLite's `application_id`, by which a store is recognised however damaged the rest of it is."""
 
 FORMAT: Final = 2
-"""Version of the tables, SQLite's `user_version`; the first one had neither it nor checksums."""
+"""Version of the tables, in SQLite's `user_version`; format 1 had neither that nor checksums."""
 
 HEADING: Final = (
     "CREATE TABLE sweep (name TEXT PRIMARY KEY, value TEXT, checksum TEXT) WITHOUT ROWID"
 )
 
 FIRST_HEADING: Final = "CREATE TABLE sweep (name TEXT PRIMARY KEY, value TEXT) WITHOUT ROWID"
-"""That of the first format."""
+"""The same table in format 1."""
 
 AT_ONCE: Final = 500
-"""Points that are looked up in one query."""
+"""Number of points that are looked up in one query."""
 
 MOST_FACTS: Final = 100
-"""Facts that are read of a heading, which has a dozen."""
+"""Largest number of facts that are read from a heading, which has a dozen."""
 
 WHAT: Final = {
     "camgeo": "was computed by another version of camgeo",
@@ -166,10 +166,10 @@ WHAT: Final = {
     "keys": "varies other keys",
     "asked": "answers other questions",
 }
-"""What is wrong with a store, by what differs."""
+"""What is wrong with a store, by the fact that differs."""
 
 STATED_FACTS: Final = ("camgeo", "numpy", "python", "keys", "asked")
-"""What a message states of both; a hash tells nothing."""
+"""Facts of which a message states both values; a hash would tell nothing."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -178,9 +178,9 @@ class Heading:
 
     Attributes
     ----------
-    name : of the scene.
-    scene : SHA-256 of all it states, and of the files that designs may name.
-    work : keys, what is asked, versions.
+    name : name of the scene.
+    scene : SHA-256 of all that the scene states, and of the files that designs may name.
+    work : keys, questions and versions.
     """
 
     name: str
@@ -189,7 +189,7 @@ class Heading:
 
     @classmethod
     def for_family(cls, family: Family, work: Work) -> Heading:
-        """The heading of a family."""
+        """The heading of the store of a family."""
         digest = hashlib.sha256(family.scene.identity.encode())
         for name, data in work.contents:
             digest.update(f"{name}:{hashlib.sha256(data).hexdigest()}".encode())
@@ -197,7 +197,7 @@ class Heading:
 
     @property
     def facts(self) -> dict[str, str]:
-        """By name, what must be the same."""
+        """What must be the same for a store to be resumed, by name."""
         versions = self.work.versions
         return {
             "camgeo": versions.camgeo,
@@ -214,21 +214,21 @@ class Store:
 
     Parameters
     ----------
-    path : of the file; None keeps the rows in memory.
-    heading : what is kept; a file with another one is refused.
-    existing : what becomes of a store that exists: it is refused, resumed, or replaced.
+    path : path of the file; None keeps the rows in memory.
+    heading : what all rows have in common; a file with another heading is refused.
+    existing : what to do with a store that exists: refuse, resume or replace it.
 
     Attributes
     ----------
-    resumed : whether it had rows of the family, or at least its heading.
+    resumed : whether the file had rows of the family, or at least its heading.
 
     Raises
     ------
     OutputError
-        If the file cannot be written, exists though nothing is resumed, lies on a network file
-        system, or another process writes it.
+        If the file cannot be written, exists although it is not to be resumed or replaced, lies on
+        a network file system, or is being written by another process.
     FileError
-        If it is no store, or one of another scene, other keys or questions, or other versions.
+        If it is not a store, or one of another scene, other keys or questions, or other versions.
     """
 
     def __init__(self, path: Path | None, heading: Heading, existing: Existing = "refuse") -> None:
@@ -249,11 +249,13 @@ class Store:
             raise
 
     def _prepare(self, existing: Existing) -> None:
-        """Go on with the rows of the file; without any, keep those that come in memory until the
-        first are finished, so that what is replaced is there until then.
+        """Continue with the rows of the file, or begin a new store in memory.
+
+        A new store is written to the file only when its first rows are finished, so that a file
+        that is replaced stays until then.
         """
         if self._file is not None:
-            if existing == "replace":  # what it has is not needed: its pages may be missing
+            if existing == "replace":  # its schema may be damaged, as it is not needed any more
                 self._file.execute("PRAGMA writable_schema = ON")
             (kind,) = self._file.execute("PRAGMA application_id").fetchone()
             take_writing(self._file)
@@ -270,10 +272,10 @@ class Store:
         )
 
     def _is_resumed(self, file: sqlite3.Connection, kind: int, existing: Existing) -> bool:
-        """Whether the file has rows of this family; FileError if they cannot be told from others.
+        """Whether the file has rows of this family; FileError if that cannot be told.
 
-        Nothing but SQLite's own tables is read before these say that the tables are as they were
-        made: a view in place of one could compute without end.
+        At first only SQLite's own tables are read, until they show that the tables of the store are
+        as they were made: a view in place of a table could compute without end.
         """
         if kind == KIND and existing == "replace":
             return False
@@ -291,20 +293,21 @@ class Store:
         if number != FORMAT:
             raise FileError(f"{self.path} is a store of format {number}, not {FORMAT}; {ANEW}")
         if tables.get("sweep") != HEADING:
-            raise self._damaged("its table of what all rows have in common is another one")
+            raise self._damaged("its table of facts about all rows was changed")
         self._refuse_others(self._facts(file))
         if tables.get("designs") != self._designs or any(
             entry[0] == "trigger" for entry in schema_entries
         ):
-            raise self._damaged("its table of designs is another one")
-        # Not the quick one: it passes over keys out of order, of which some are then not found.
+            raise self._damaged("its table of designs was changed")
+        # Not the quick check: it overlooks keys in a wrong order, some of which are not found
+        # later.
         (integrity,) = file.execute("PRAGMA integrity_check(1)").fetchone()
         if integrity != "ok":
             raise self._damaged(" ".join(integrity.split()))
         return True
 
     def _facts(self, file: sqlite3.Connection) -> dict[str, str]:
-        """What the file states of itself."""
+        """The facts in the heading of the file."""
         facts = {}
         for name, value, checksum in file.execute(f"SELECT * FROM sweep LIMIT {MOST_FACTS}"):
             if checksum != _checksum([name, value]):
@@ -328,7 +331,7 @@ class Store:
 
     @property
     def _designs(self) -> str:
-        """What makes the table of designs."""
+        """The SQL statement that makes the table of designs."""
         work = self.heading.work
         columns = [
             _quoted(name) for name in (*work.keys, *(question.word for question in work.questions))
@@ -340,14 +343,14 @@ class Store:
         )
 
     def _replace(self, file: sqlite3.Connection) -> None:
-        """Put what is in memory in place of what the file has, all of it or nothing."""
+        """Replace the contents of the file by what is in memory, as a whole or not at all."""
         replace_contents(file, self._open)
         self._open.close()
         self._open, self._file = file, None
         share_reading(self._open)
 
     def state(self, sampled: Mapping[str, str]) -> None:
-        """Record how designs were drawn last, e.g. the seed; no row depends on it."""
+        """Record how designs were drawn last, as the seed; no row depends on it."""
         self._state({f"sample {name}": value for name, value in sampled.items()})
 
     def _state(self, facts: Mapping[str, str]) -> None:
@@ -355,14 +358,14 @@ class Store:
         self._write("INSERT OR REPLACE INTO sweep VALUES (?, ?, ?)", rows)
 
     def missing(self, points: Iterable[Point]) -> Iterator[Point]:
-        """Those of the points, in their order, that have no row yet."""
+        """The points that have no row yet, in their order."""
         for group in _grouped(points):
             known = self._known(group, "point")
             yield from (point for point in group if mark(point) not in known)
 
     def rows(self, points: Iterable[Point]) -> Iterator[DesignRow]:
-        """The rows of those of the points that have one, in their order; FileError if one was
-        changed since it was computed.
+        """The rows of the points that have one, in their order; FileError if a row was changed
+        since it was computed.
         """
         for group in _grouped(points):
             known = self._known(group, "*")
@@ -387,7 +390,7 @@ class Store:
             return {row[0]: row for row in cursor}
 
     def add(self, rows: Sequence[DesignRow]) -> None:
-        """Keep rows, all or none; OutputError if the disk is full: earlier ones are kept."""
+        """Store rows, all or none; OutputError if the disk is full, with earlier rows kept."""
         work = self.heading.work
         marks = ", ".join("?" * (4 + len(work.keys) + len(work.questions)))
         cells = [
@@ -414,14 +417,17 @@ class Store:
             self._open.execute("BEGIN IMMEDIATE")
 
     def settle(self) -> None:
-        """Move everything into the one file; if somebody reads it just then, the last one does."""
+        """Move everything from the write-ahead log into the one file.
+
+        If another process is reading it at that moment, SQLite does so when the last one closes it.
+        """
         if self.path is None:
             return
         with translated_errors(self.path):
             if self._file is not None:
                 self._replace(self._file)
             self._open.commit()
-            self._open.execute("PRAGMA busy_timeout = 0")
+            self._open.execute("PRAGMA busy_timeout = 0")  # readers are not waited for
             with suppress(sqlite3.OperationalError):
                 self._open.execute("PRAGMA journal_mode = DELETE")
 
@@ -437,7 +443,7 @@ def _close(*connections: sqlite3.Connection | None) -> None:
 
 
 def _require_place(path: Path, existing: Existing) -> None:
-    """OutputError if there can be no store, or none may be there."""
+    """Raise OutputError if there can be no store at `path`, or if one exists and is refused."""
     try:
         if path.exists() and existing == "refuse":
             message = "exists: resume it, replace it, or name another file"
@@ -450,12 +456,12 @@ def _require_place(path: Path, existing: Existing) -> None:
 
 
 def _checksum(cells: Sequence[object], key: str = "") -> str:
-    """Of the cells of a row, in which values of different types differ, and of its heading's."""
+    """Checksum of the cells of a row and of its heading's `key`; it depends on types too."""
     return hashlib.sha256(ENCODED([key, *cells]).encode()).hexdigest()
 
 
 def _sqlite_value(value: object) -> object:
-    """A value as SQLite keeps it."""
+    """A value in the type in which SQLite returns it: no booleans, and no NaN."""
     if isinstance(value, bool):
         return int(value)
     return None if isinstance(value, float) and math.isnan(value) else value
@@ -478,32 +484,34 @@ def _quoted(name: str) -> str:
 
 
 # -- database -------------------------------------------------------------------------------------
-# SQLite's side of a store: a file that one process writes and others read, and its errors.
+# The database of a store: a file that one process writes and others read, and its errors.
 #
-# The process that writes holds SQLite's lock for writing while it computes; the file's journal is a
-# write-ahead log, so that others read what is finished. Queries are bounded, whatever the file has.
+# The process that writes holds SQLite's write lock while it computes. The journal of the file is a
+# write-ahead log, so that others can read what is finished. Queries are bounded, whatever the file
+# contains.
 
 
 MEMORY: Final = ":memory:"
 
 MOST_STEPS: Final = 10**8
-"""Instructions of SQLite in one query, two seconds; a check of 1,000,000 rows takes a tenth."""
+"""Largest number of SQLite instructions in one query, about two seconds; a check of 1,000,000 rows
+takes a tenth of that."""
 
 LONGEST: Final = 2**26
-"""Bytes of a cell, 64 MB: more than any scene."""
+"""Largest size of a cell [bytes], 64 MB: more than any scene."""
 
 PATIENCE: Final = 5000
-"""Milliseconds for which the process that writes waits for others to finish a reading."""
+"""Milliseconds for which the process that writes waits for others to finish reading."""
 
 SHARED: Final = (("wal",), ("memory",))
-"""SQLite's journals with which others read, and that of rows in memory."""
+"""Answers of SQLite to which journal it has: one with which others can read, or rows in memory."""
 
 PAUSE: Final = 0.05
-"""Seconds in which a process that writes takes its store back, between two chunks."""
+"""Seconds within which a process that writes takes its lock back, between two chunks."""
 
-ANEW: Final = "nothing of it was changed; --force makes it anew"
+ANEW: Final = "it was not changed; --force makes it anew"
 
-BUSY: Final = "another process writes it; only one at a time may"
+BUSY: Final = "another process is writing it; only one at a time may"
 
 ELSEWHERE: Final = "it was not changed: name another file, or delete it"
 
@@ -513,12 +521,12 @@ OF_THE_DISK: Final = (
     sqlite3.SQLITE_PERM, sqlite3.SQLITE_NOMEM, sqlite3.SQLITE_READONLY, sqlite3.SQLITE_IOERR,
     sqlite3.SQLITE_CANTOPEN, sqlite3.SQLITE_AUTH,
 )  # fmt: skip
-"""Errors of SQLite that say nothing about the file's contents."""
+"""Errors of SQLite that are not about the contents of the file."""
 
 
 @contextmanager
 def translated_errors(path: Path | None) -> Iterator[None]:
-    """Errors of SQLite within it become errors of camgeo, with the file and what to do."""
+    """Within this context, errors of SQLite become errors of camgeo with the file and a remedy."""
     name = "the rows in memory" if path is None else str(path)
     try:
         yield
@@ -535,13 +543,13 @@ def translated_errors(path: Path | None) -> Iterator[None]:
         if code in OF_THE_DISK:
             raise OutputError(f"{name} cannot be written: {error}") from error
         if code == sqlite3.SQLITE_NOTADB:
-            message = f"is no store of a sweep, or not known as one any more; {ELSEWHERE}"
+            message = f"is not a store of a sweep, or is too damaged to be one; {ELSEWHERE}"
             raise FileError(f"{name} {message}") from error
         raise FileError(f"{name} is damaged: {error}; {ANEW}") from error
 
 
 def connected(path: Path | None) -> sqlite3.Connection:
-    """A connection to a file, or to rows in memory; it gives up at once where others write."""
+    """A connection to a file, or to rows in memory; it does not wait for a process that writes."""
     try:
         database = sqlite3.connect(
             MEMORY if path is None else path, timeout=0.0, isolation_level=None
@@ -556,8 +564,9 @@ def connected(path: Path | None) -> sqlite3.Connection:
 def take_writing(file: sqlite3.Connection) -> None:
     """Become the one process that writes a file.
 
-    It holds SQLite's lock for writing while it computes, and after each chunk gives it back for as
-    long as it takes to ask for it again; so whoever got it asks twice.
+    That process holds SQLite's write lock while it computes, and releases it after each chunk for a
+    moment. Whoever gets the lock in that moment must not keep it; so it is requested twice, with a
+    pause between.
     """
     file.execute("BEGIN IMMEDIATE")
     file.rollback()
@@ -567,7 +576,7 @@ def take_writing(file: sqlite3.Connection) -> None:
 
 
 def share_reading(database: sqlite3.Connection) -> None:
-    """Let others read a file that this process writes; rows in memory stay as they are."""
+    """Let others read a file that this process writes; for rows in memory there is no need."""
     if database.execute("PRAGMA journal_mode").fetchone() not in SHARED:
         database.rollback()
         database.execute("PRAGMA journal_mode = WAL")
@@ -575,7 +584,7 @@ def share_reading(database: sqlite3.Connection) -> None:
 
 
 def replace_contents(file: sqlite3.Connection, memory: sqlite3.Connection) -> None:
-    """Put what is in memory in place of all that a file has, as one step, however damaged it is."""
+    """Replace all that a file has by what is in memory, in one step, however damaged it is."""
 
     def require_free(status: int, *_: int) -> None:
         if status in IN_USE:  # which SQLite's own copying would wait for without end
@@ -590,7 +599,7 @@ def replace_contents(file: sqlite3.Connection, memory: sqlite3.Connection) -> No
 
 
 # -- local ----------------------------------------------------------------------------------------
-# Whether a file lies on a disk of this machine: SQLite's locks do not hold across a network.
+# Whether a file lies on a disk of this computer: SQLite's locks do not work across a network.
 
 
 NETWORKED: Final = frozenset(
@@ -600,16 +609,16 @@ NETWORKED: Final = frozenset(
         "nfs", "nfs4", "ocfs2", "orangefs", "pvfs2", "smb3", "smbfs",
     }
 )  # fmt: skip
-"""Kinds of file systems that lie on other machines, as Linux names them."""
+"""Types of network file systems, as Linux names them."""
 
 MOUNTS: Final = Path("/proc/self/mounts")
 
 REMOTE_DRIVE: Final = 4
-"""What Windows calls a drive of another machine."""
+"""Type of a network drive, as Windows numbers it."""
 
 
 def require_local(path: Path) -> None:
-    """Raise OutputError if `path` lies on a file system of another machine.
+    """Raise OutputError if `path` lies on a network file system.
 
     That is known on Linux and Windows; elsewhere every file passes.
     """
@@ -622,7 +631,7 @@ def require_local(path: Path) -> None:
 
 
 def file_system_kind(path: Path) -> str:
-    """The kind of file system that an absolute path lies on; empty if it is not known."""
+    """The type of the file system of an absolute path; empty if it is not known."""
     if sys.platform == "win32":
         return "smbfs" if _is_remote(path) else ""
     try:
@@ -633,12 +642,13 @@ def file_system_kind(path: Path) -> str:
 
 
 def mounted(lines: list[str], path: Path) -> str:
-    """The kind of the file system among mounts, as Linux lists them, that a path lies on."""
+    """The type of the file system of a path, from the mounts as Linux lists them."""
     longest, kind = -1, ""
     for line in lines:
         fields = line.split()
         if len(fields) < 3:
             continue
+        # Spaces and other characters in mount points are written as octal numbers.
         place = re.sub(r"\\([0-7]{3})", lambda octal: chr(int(octal[1], 8)), fields[1])
         inside = path.is_relative_to(place)
         if inside and len(place) >= longest:  # the last one mounted at a place hides the others

@@ -1,7 +1,8 @@
-"""The error of the position: by exact sensitivities, of random machines replayed, and with play.
+"""The error of the position: by exact sensitivities, by replaying random machines, and the play.
 
-Its extremes are sought between the angles where the motion has a kink, and are exact but for
-rounding; shares of the variance and what is not linear are of the angles of the analysis.
+Extremes of the linear analysis are searched for between the angles at which the motion has a kink,
+and are exact except for rounding. Shares of the variance and nonlinear remainders are those at the
+angles of the analysis.
 """
 
 from __future__ import annotations
@@ -37,28 +38,28 @@ from camgeo.studies.tolerancing.stated import (
 from camgeo.units import TURN
 
 ANGLES: Final = 360
-"""Cam angles of a turn; the first of them is 0."""
+"""Number of cam angles of a revolution; the first of them is 0."""
 
 
 def analysis_angles() -> FloatArray:
-    """(ANGLES,) cam angles [rad]."""
+    """(ANGLES,) equally spaced cam angles [rad] in [0, 2 pi)."""
     angles: FloatArray = np.linspace(0.0, TURN, ANGLES + 1)[:-1]
     return angles
 
 
 @dataclass(frozen=True, slots=True)
 class Contribution:
-    """What one source does to the position.
+    """What one source contributes to the error of the position.
 
     Attributes
     ----------
     source : what deviates.
-    sensitivity : of the largest magnitude over the turn, error [mm or rad] per mm or rad; of a
-        source with a random direction its amplitude, without sign.
-    share : of the variance, averaged over the angles of the analysis.
-    share_at_worst : of the variance where it is largest.
-    remainder : how far the exact motion is off the linear one where the source deviates by three
-        standard deviations, to either side; the largest at the angles of the analysis.
+    sensitivity : the one of the largest magnitude over the revolution, error [mm or rad] per mm or
+        rad; for a source with a random direction its amplitude, without sign.
+    share : share of the variance, averaged over the angles of the analysis.
+    share_at_worst : share of the variance at the angle where it is largest.
+    remainder : the largest difference between exact and linear error where the source deviates by
+        three standard deviations, to either side, at the angles of the analysis.
     """
 
     source: Source
@@ -69,25 +70,25 @@ class Contribution:
 
     @property
     def spread(self) -> Extreme:
-        """The largest three standard deviations [mm or rad]."""
+        """Three standard deviations of the error [mm or rad] where they are largest."""
         sigma = math.sqrt(self.source.moments.variance)
         return Extreme(SIGMAS * sigma * abs(self.sensitivity.value), self.sensitivity.place)
 
     @property
     def mean(self) -> Extreme:
-        """Error of the largest magnitude that all machines share."""
+        """The systematic error, which all machines share, where its magnitude is largest."""
         value = self.source.moments.mean * self.sensitivity.value
         return Extreme(value + 0.0, self.sensitivity.place)
 
 
 @dataclass(frozen=True, eq=False)
 class Linear:
-    """The linear analysis at cam angles.
+    """The linear analysis of the error of the position.
 
     Attributes
     ----------
     stated : tolerances and machine.
-    angles : (n,) cam angles [rad]; `ANGLES` of a turn, unless others are given.
+    angles : (n,) cam angles [rad] at which it is made; `ANGLES` equally spaced ones by default.
     """
 
     stated: StatedTolerances
@@ -95,31 +96,32 @@ class Linear:
 
     @cached_property
     def nominal(self) -> Sensitivities:
-        """Of the nominal machine at these angles, and last at that at which the error is set to 0,
-        if it is set.
+        """The sensitivities of the nominal machine at `angles`.
+
+        If the machine is set, the last column is at the angle at which its error is set to 0.
         """
         zero_angle = self.stated.zero_angle
         phi = self.angles if zero_angle is None else np.append(self.angles, zero_angle)
         return Sensitivities(self.stated.machine, phi)
 
     def as_set(self, errors: FloatArray) -> FloatArray:
-        """(..., n) errors after the machine has been set, from those of `nominal`."""
+        """(..., n) errors after the machine has been set, from those at the angles of `nominal`."""
         if self.stated.zero_angle is None:
             return errors
         return np.asarray(errors[..., :-1] - errors[..., -1:])
 
     def sensitivity(self, source: Source) -> FloatArray:
-        """(units, n) error [mm or rad] per unit."""
+        """(units, n) error of the position [mm or rad] per unit of a source."""
         return self.as_set(np.stack([self.nominal.position_error(unit) for unit in source.units]))
 
     @cached_property
     def sensitivities(self) -> tuple[FloatArray, ...]:
-        """(units, n) of each source: error [mm or rad] per unit."""
+        """The sensitivity (units, n) of each source, in the order of the scene."""
         return tuple(map(self.sensitivity, self.stated.sources))
 
     @cached_property
     def variances(self) -> FloatArray:
-        """(sources, n) of the error."""
+        """(sources, n) variance of the error by each source."""
         return np.stack(
             [source.moments.variance * np.sum(rows**2, axis=0) for source, rows in self._pairs]
         )
@@ -130,13 +132,13 @@ class Linear:
 
     @cached_property
     def mean(self) -> FloatArray:
-        """(n,) mean error."""
+        """(n,) mean error of all machines."""
         means = [source.moments.mean * np.sum(rows, axis=0) for source, rows in self._pairs]
         return np.asarray(self.nominal_values + np.sum(means, axis=0))
 
     @property
     def nominal_values(self) -> FloatArray:
-        """(n,) of the nominal machine, which does not err."""
+        """(n,) values of the nominal machine, whose error is 0."""
         return np.zeros(len(self.angles))
 
     @cached_property
@@ -146,16 +148,17 @@ class Linear:
 
     @cached_property
     def band(self) -> tuple[FloatArray, FloatArray]:
-        """Mean less and plus three standard deviations, (n,) each."""
+        """Mean minus and mean plus three standard deviations, (n,) each."""
         return self.mean - SIGMAS * self.sigma, self.mean + SIGMAS * self.sigma
 
     # Over the turn --------------------------------------------------------------------------------
 
     @cached_property
     def _edges(self) -> FloatArray:
-        """Cam angles [rad] between which sensitivities are smooth, and have few turning points.
+        """Cam angles [rad] between which sensitivities are smooth and have few turning points.
 
-        Where a machine is set on one of many waves, there are as many of these in a turn.
+        The error of a machine that is set at one angle oscillates with the waves of the flank, so
+        there are as many edges in a revolution as waves.
         """
         edges = self.stated.machine.cam.drive.smooth_angles
         if self.stated.zero_angle is None:
@@ -165,7 +168,7 @@ class Linear:
         return merged(np.concatenate((edges, np.linspace(0.0, TURN, waves + 1)[1:-1])))
 
     def _extremes(self, values: Callable[[Linear], FloatArray]) -> Extremes:
-        """Over the turn, of `values` (n,) of an analysis; exact but for rounding."""
+        """Extremes over the revolution of `values` (n,) of an analysis; exact but for rounding."""
 
         def quantity(phi: FloatArray, _: Side) -> FloatArray:
             return values(replace(self, angles=phi))
@@ -174,13 +177,13 @@ class Linear:
 
     @cached_property
     def worst(self) -> Extreme:
-        """The error of the largest magnitude on the edges of the band, over the turn."""
+        """The error of the largest magnitude on the edges of the band, over the revolution."""
         lowest = self._extremes(lambda each: each.band[0]).lowest
         return _larger(Extremes(lowest, self._extremes(lambda each: each.band[1]).highest))
 
     @cached_property
     def contributions(self) -> tuple[Contribution, ...]:
-        """Of the sources, in the order of the scene."""
+        """The contributions of the sources, in the order of the scene."""
         place = self._extremes(lambda each: each.sigma).highest.place
         there = replace(self, angles=np.array([place])).variances[:, 0]
         mean = np.mean(self.variances, axis=1)
@@ -199,6 +202,7 @@ class Linear:
         """See `Contribution`."""
 
         def signed(each: Linear) -> FloatArray:
+            # Two units are the components of a random direction: their amplitude counts.
             rows = each.sensitivity(source)
             return np.asarray(rows[0] if len(rows) == 1 else np.hypot(*rows))
 
@@ -207,19 +211,20 @@ class Linear:
     # At the angles --------------------------------------------------------------------------------
 
     def largest(self, values: FloatArray) -> Extreme:
-        """Of values (n,) that with the largest magnitude, and its cam angle."""
+        """The value of the largest magnitude of `values` (n,), and its cam angle."""
         place = int(np.argmax(np.abs(values)))
         return Extreme(float(values[place]) + 0.0, float(self.angles[place]))
 
     def errors(self, deviations: Deviations) -> FloatArray:
-        """(m, n) of machines, by their exact motion."""
+        """(m, n) errors of machines by their exact motion."""
         position = replay_machines(self.nominal, deviations).position[0]
         return self.as_set(position - self.nominal.positions[0])
 
     def _remainder(self, source: Source, rows: FloatArray) -> FloatArray:
-        """(n,) of the larger magnitude of both sides, see `Contribution`."""
+        """(n,) nonlinear remainder, of the larger magnitude to either side, see `Contribution`."""
         moments, count = source.moments, len(self.angles)
         size = moments.mean + SIGMAS * np.sqrt(moments.variance) * np.array([1.0, -1.0])
+        # Each unit deviates alone: of a random direction, along either axis.
         worst = np.zeros(count)
         for unit, row in zip(source.units, rows, strict=True):
             deviations = Deviations(2, {unit.freedom: size * unit.factor})
@@ -233,12 +238,12 @@ class Linear:
 
 
 def farther(one: FloatArray, other: FloatArray) -> FloatArray:
-    """(n,) of two values (n,) each those of the larger magnitude."""
+    """(n,) the value of the larger magnitude of each pair."""
     return np.where(np.abs(other) > np.abs(one), other, one)
 
 
 def _larger(extremes: Extremes) -> Extreme:
-    """That of the larger magnitude."""
+    """The extreme of the larger magnitude."""
     lowest, highest = extremes.lowest, extremes.highest
     chosen = lowest if -lowest.value > highest.value else highest
     return Extreme(chosen.value + 0.0, chosen.place)
@@ -249,10 +254,11 @@ def _share(part: float, whole: float) -> float:
 
 
 def machine_deviations(sources: tuple[Source, ...], numbers: list[FloatArray]) -> Deviations:
-    """The machines that sources make with their `numbers`, (units, m) each."""
+    """The deviations of m machines from the numbers (units, m) of each source."""
     values: dict[Freedom, ComplexArray] = {}
     for source, rows in zip(sources, numbers, strict=True):
         for unit, row in zip(source.units, rows, strict=True):
+            # Sources in the same freedom add up.
             values[unit.freedom] = values.get(unit.freedom, 0.0) + row * unit.factor
     return Deviations(numbers[0].shape[1], values)
 
@@ -260,26 +266,27 @@ def machine_deviations(sources: tuple[Source, ...], numbers: list[FloatArray]) -
 # -- play -----------------------------------------------------------------------------------------
 # The play of a follower between the two sides that hold it, and where they squeeze it.
 #
-# On each side the contact bounds the follower's coordinate q. With n the outward normal of the disc
-# and L = n . dW/dq, a side of an inner flank lets q only grow where L > 0, and only fall where L <
-# 0; an outer flank the other way round. Where the sides deviate by dq_1 and dq_2, the follower can
-# move by
+# On each side the contact bounds the follower's coordinate q. With the outward normal n of the disc
+# and L = n . dW/dq, a side on an inner flank lets q only increase where L > 0 and only decrease
+# where L < 0; on an outer flank it is the other way round. If the sides deviate by dq_1 and dq_2,
+# the follower can move by
 #
-#     play = play_0 - (e_1 dq_1 + e_2 dq_2), e = +1 where the side holds it from below, or -1,
+#     play = play_0 - (e_1 dq_1 + e_2 dq_2), e = +1 where the side bounds q from below, else -1,
 #
-# play_0 that of the nominal machine: 0 between two discs, the breadth of a yoke less the width of
-# its cam. Where it is negative, the sides squeeze the follower by as much: something must give way.
+# where play_0 is that of the nominal machine: 0 between two discs, and the breadth of a yoke less
+# the width of its cam. Negative play squeezes the follower by as much: something must give way.
 
 
 ROUNDING: Final = 1e-12
-"""Of 1 mm at the base circle: where both sides differ by less, they do the same."""
+"""Sensitivities of the play below this, relative to the lift of 1 mm at the base circle, are
+rounding: both sides move alike."""
 
 
 @dataclass(frozen=True, eq=False)
 class Play(Linear):
-    """The linear analysis of the play [mm or rad of the follower], in place of the position's.
+    """The linear analysis of the play [mm or rad of the follower] in place of the position's error.
 
-    It is of a machine whose follower two sides hold, and does not depend on how it is set.
+    The follower is held by two sides. The play does not depend on how the machine is set.
     """
 
     @cached_property
@@ -291,7 +298,7 @@ class Play(Linear):
 
     @cached_property
     def _from_below(self) -> tuple[FloatArray, FloatArray]:
-        """(n,) e of each side."""
+        """(n,) e of each side, +1 where it bounds the follower's coordinate from below, else -1."""
         first, second = (
             -side.machine.flank.sign * np.sign(side.nominal.leverage) for side in self._sides
         )
@@ -306,7 +313,7 @@ class Play(Linear):
         return cam.yoke_breadth - cam.breadth.width(self.angles)
 
     def sensitivity(self, source: Source) -> FloatArray:
-        """(units, n) play per unit; the base radius moves the zero of the lift, and no side."""
+        """(units, n) play per unit; 0 for the base radius, which only moves the zero of lift."""
         rows = np.zeros((len(source.units), len(self.angles)))
         for row, unit in zip(rows, source.units, strict=True):
             if unit.freedom.way is not Way.SETTING:
@@ -318,23 +325,23 @@ class Play(Linear):
 
     @cached_property
     def _edges(self) -> FloatArray:
-        """As of the position, with those of the width of a yoke's cam."""
+        """The edges for the position, and those of the width of a yoke's cam."""
         breadth = self.stated.machine.cam.breadth
         edges = self.stated.machine.cam.drive.smooth_angles
         return edges if breadth is None else merged(np.concatenate((edges, breadth.borders)))
 
     @property
     def least(self) -> Extreme:
-        """The least play, mean less three standard deviations, over the turn."""
+        """The least play over the revolution, of mean minus three standard deviations."""
         return self._extremes(lambda each: each.band[0]).lowest
 
     @property
     def most(self) -> Extreme:
-        """The largest play, mean and three standard deviations, over the turn."""
+        """The largest play over the revolution, of mean plus three standard deviations."""
         return self._extremes(lambda each: each.band[1]).highest
 
     def errors(self, deviations: Deviations) -> FloatArray:
-        """(m, n) by which the play of machines is off, by the exact motion on each side."""
+        """(m, n) deviation of the play of machines, by the exact motion on each side."""
         play_errors = np.zeros((deviations.count, len(self.angles)))
         for side, sign in zip(self._sides, self._from_below, strict=True):
             motions = replay_machines(side, deviations)
@@ -343,39 +350,39 @@ class Play(Linear):
 
 
 # -- sampled --------------------------------------------------------------------------------------
-# Random machines, each replayed exactly: quantiles of the error, and how many keep the limit.
+# Random machines, each replayed exactly: quantiles of the error, and the share within the limit.
 
 
 COUNT: Final = 1024
-"""Machines unless another number is stated: the quantiles of 1 % have ten machines beyond them."""
+"""Number of machines unless another one is stated: ten of them are beyond a quantile of 1 %."""
 
 FEWEST: Final = 128
 MOST: Final = 16384
-"""Their errors take 50 MB."""
+"""Least and largest number of machines; the errors of so many take 50 MB."""
 
 QUANTILES: Final = (0.01, 0.5, 0.99)
 
 INSIDE: Final = 2.0**-54
-"""Shares are at least this far from 0 and 1, where a normal distribution is infinite."""
+"""Least distance of shares from 0 and 1, where quantiles of a normal distribution are infinite."""
 
 BLOCK: Final = 1024
-"""Machines of which all motions are held at once."""
+"""Number of machines whose motions are in memory at once."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sampled:
-    """Random machines.
+    """Random machines, replayed exactly.
 
     Attributes
     ----------
-    linear : the analysis that they are compared with.
-    seed : of what was drawn.
-    errors : (machines, n) of the position [mm or rad].
+    linear : the analysis with which they are compared.
+    seed : of the random numbers.
+    errors : (machines, n) errors of the position [mm or rad].
     accelerations : (machines,) largest magnitude of the position's second derivative [mm or rad per
         rad^2] at the cam angles of the analysis.
     acceleration : that of the nominal machine.
     contact : the forces of the nominal machine; None if they are not known.
-    forces : (machines, 2) smallest and largest contact force [N] of each; None likewise.
+    forces : (machines, 2) smallest and largest contact force of each [N]; None if not known.
     plays : (machines, 2) least and largest play of each [mm or rad]; None on a single flank.
     """
 
@@ -390,18 +397,18 @@ class Sampled:
 
     @property
     def count(self) -> int:
-        """Machines."""
+        """Number of machines."""
         return len(self.errors)
 
     @property
     def quantiles(self) -> FloatArray:
-        """(3, n) errors below which the shares `QUANTILES` of all machines are."""
+        """(3, n) quantiles of the error, for the shares `QUANTILES` of all machines."""
         quantile_errors: FloatArray = np.quantile(self.errors, QUANTILES, axis=0)
         return quantile_errors
 
     @property
     def worst(self) -> Extreme:
-        """The quantile of the largest magnitude."""
+        """The outer quantile of the largest magnitude over the cam angle."""
         low, _, high = self.quantiles
         return self.linear.largest(farther(high, low))
 
@@ -412,12 +419,12 @@ class Sampled:
 
     @property
     def largest(self) -> FloatArray:
-        """(machines,) magnitudes of the largest error over the turn."""
+        """(machines,) largest magnitude of each machine's error over the revolution."""
         return np.asarray(np.max(np.abs(self.errors), axis=1))
 
     @property
     def share_in_limit(self) -> float | None:
-        """Share of machines that keep the limit at all cam angles; None if there is no limit."""
+        """Share of the machines within the limit at all cam angles; None without a limit."""
         limit = self.linear.stated.limit
         return None if limit is None else float(np.mean(self.largest <= limit))
 
@@ -425,7 +432,8 @@ class Sampled:
     def share_error(self) -> float | None:
         """Standard error of that share, as if machines were drawn independently.
 
-        By Laplace's rule of succession, so that a sample without failures has one too.
+        It is estimated by Laplace's rule of succession, so that it is above 0 also for a sample
+        without failures.
         """
         sample_share = self.share_in_limit
         if sample_share is None:
@@ -446,7 +454,7 @@ class Sampled:
         Parameters
         ----------
         contact : forces of the nominal machine at the angles of the analysis, if they are known.
-        play : between the two sides that hold the follower, if there are two.
+        play : analysis of the play, if two sides hold the follower.
 
         Raises
         ------
@@ -458,6 +466,7 @@ class Sampled:
         if not 0 <= seed < 2**63:
             raise GeometryError("must be a whole number from 0 to 2^63 - 1", "seed", str(seed))
         errors, accelerations, forces, plays = [], [], [], []
+        # The angle at which the machine is set, the last one of `nominal`, only counts for errors.
         angles = len(linear.angles)
         for machines in _machines(linear.stated.sources, count, seed):
             motions = replay_machines(linear.nominal, machines)
@@ -487,10 +496,11 @@ class Sampled:
 
 
 def _machines(sources: tuple[Source, ...], count: int, seed: int) -> Iterator[Deviations]:
+    """The deviations of random machines, in blocks of at most `BLOCK`."""
     draws = [source.draws for source in sources]
     shares = Sample(count, "sobol", seed).shares(sum(draws)).T
     shares = np.clip(shares, INSIDE, 1.0 - INSIDE)
-    ends = np.cumsum([0, *draws])
+    ends = np.cumsum([0, *draws])  # each source has dimensions of the sequence of its own
     for first in range(0, count, BLOCK):
         numbers = [
             source.numbers(shares[start:end, first : first + BLOCK])
@@ -500,26 +510,26 @@ def _machines(sources: tuple[Source, ...], count: int, seed: int) -> Iterator[De
 
 
 # -- contact force ---------------------------------------------------------------------------------
-# What deviating machines cost in contact force, if the scene asks for that effect.
+# The contact force of machines that deviate, if the scene names that effect.
 #
-# The normal force is that of the nominal machine, changed by the inertia of what is accelerated
-# otherwise and by the leverage of the normal, which turns: with the mass M reduced to the follower,
-# B the force on it per unit of normal force, and L the leverage,
+# The normal force is that of the nominal machine, changed by the inertia forces of the deviating
+# acceleration and by the leverage of the normal, which rotates. With the mass M reduced to the
+# follower, the force B on it per unit of normal force, and the leverage L,
 #
 #     N' = (N + M (dq'' omega^2 + dq' alpha) / B) L / L'.
 #
-# That springs and friction change too is left out: a spring gives way by the error of the position,
-# a tiny part of the lift.
+# Changes of spring forces and friction are neglected: a spring is deflected by the error of the
+# position, which is a tiny part of the lift.
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ContactForces:
-    """On the flank that carries, at n cam angles; negative where that would have to pull.
+    """Contact forces on the carrying flank at n cam angles; negative where it would have to pull.
 
     Attributes
     ----------
-    nominal : (n,) normal force [N].
-    per_velocity, per_acceleration : (n,) [N] per unit of q' and of q''.
+    nominal : (n,) normal force of the nominal machine [N].
+    per_velocity, per_acceleration : (n,) force [N] per unit of q' and of q''.
     leverage : (n,) magnitude of L [1 or mm/rad].
     """
 
@@ -537,10 +547,10 @@ class ContactForces:
 
 
 def contact_forces(design: Design, flank: Flank, phi: FloatArray) -> ContactForces | None:
-    """Of the nominal machine at `phi` (n,) [rad].
+    """The contact forces of the nominal machine at `phi` (n,) [rad].
 
-    None if the scene names no contact force or no inertia, if it states no speed, or if there is no
-    contact force, which is a finding of the effect.
+    None if the scene does not name both contact force and inertia, if it states no speed, or if
+    there is no contact force, which is a finding of the effect.
     """
     if not {CONTACT_FORCE, INERTIA} <= set(design.scene.effects):
         return None
@@ -561,11 +571,11 @@ def contact_forces(design: Design, flank: Flank, phi: FloatArray) -> ContactForc
 
 
 # -- replay ---------------------------------------------------------------------------------------
-# The motion of machines that deviate, on the flank that their cam was made with.
+# The motion of machines that deviate, on the flank with which their cam was made.
 #
 # At each cam angle two equations are solved by Newton's method, for the parameter u of the place on
-# the flank and the lift q: the centre of a roller lies on the curve of `FlankCurve`, R(u) = W(q); a
-# flat face, a line through W(q) with the normal n(q), touches it,
+# the flank and the lift q. The centre of a roller lies on the curve of `FlankCurve`, R(u) = W(q). A
+# flat face, a line through W(q) with the normal n(q), is tangent to it,
 #
 #     n . (R(u) - W(q)) = 0, n . R'(u) = 0.
 #
@@ -573,16 +583,17 @@ def contact_forces(design: Design, flank: Flank, phi: FloatArray) -> ContactForc
 
 
 STEPS: Final = 20
-"""Of Newton's method, which needs three or four."""
+"""Largest number of Newton's steps; three or four are needed."""
 
 SETTLED: Final = 1e-13
-"""Last step of the lift, relative to the base radius or to 1 rad; what remains is its square."""
+"""Last step of the lift, relative to the base radius or to 1 rad; the remaining error is of the
+order of its square."""
 
 FARTHEST: Final = 0.5
-"""How far [rad] the contact may move along the flank: beyond, it is another one."""
+"""How far [rad] the contact may move along the flank; beyond, it would be another contact."""
 
 AT_ONCE: Final = 16384
-"""Machines times cam angles that are computed together."""
+"""Largest product of machines and cam angles that are computed together."""
 
 LOST: Final = (
     "a machine within the tolerances has no contact near the nominal one, at cam angle {:.6g} deg:"
@@ -596,12 +607,12 @@ HOLLOW: Final = (
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CamPoints:
-    """The cam at cam angles: R and its derivatives along the flank, and with the cam angle.
+    """Places on the flank at cam angles: R and its derivatives by the parameter of the flank.
 
     Attributes
     ----------
-    place, along, bend : (m, n) R, dR/du and d^2R/du^2 [mm].
-    spin : i sigma, with which the cam turns.
+    place, along, bend : (m, n) R, dR/du and d^2R/du^2 in the frame [mm].
+    spin : i sigma, the rate of rotation of the cam.
     axis : (m, 1) the cam axis [mm].
     """
 
@@ -619,33 +630,35 @@ class CamPoints:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Rolling:
-    """How a roller touches the curve: its centre lies on it.
+    """Contact of a roller: its centre lies on the curve.
 
     Attributes
     ----------
-    pose : of the roller centre.
+    pose : motion of the roller's centre with the lift.
     """
 
     pose: Pose
 
     def require_reach(self, cam: CamPoints) -> None:
-        """GeometryError if the follower cannot touch the curve at all of these places: a roller
-        can, wherever the curve is smooth.
+        """Raise GeometryError if the follower cannot touch the curve at some of these places.
+
+        A roller can, wherever the curve is smooth.
         """
 
     def step(self, cam: CamPoints, q: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Newton's steps of u and q (m, n)."""
+        """Newton's steps (m, n) of u and of q."""
         place = self.pose.place(q)
         speed = self.pose.velocity(place)
         gap = cam.place - place
+        # Across the curve only the lift closes the gap; along it, u takes up the rest.
         normal, pace = _normal(cam.along)
         dq = dot(normal, gap) / dot(normal, speed)
         du = dot(cam.along, dq * speed - gap) / (pace * pace)
         return du, dq
 
     def rates(self, cam: CamPoints, q: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """(m, n) velocity and acceleration of the lift, per unit of the cam angle, and the
-        magnitude of n . dW/dq [1 or mm/rad].
+        """(m, n) first and second derivative of the lift by the cam angle, and the magnitude of
+        n . dW/dq [1 or mm/rad].
         """
         place = self.pose.place(q)
         speed, swerve = self.pose.velocity(place), self.pose.acceleration(place)
@@ -653,12 +666,13 @@ class Rolling:
         steep = dot(normal, speed)
         first = dot(normal, cam.sweep) / steep
         du = dot(cam.along, first * speed - cam.sweep) / (pace * pace)
+        # The centripetal, Coriolis and curvature terms of the point of contact on the turning cam.
         rest = -(cam.place - cam.axis) + 2.0 * cam.spin * cam.along * du + cam.bend * du * du
         second = dot(normal, rest - swerve * first * first) / steep
         return first, second, np.abs(steep)
 
     def radius(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Distance [mm] from the origin, as of the base radius, and its rate with the lift."""
+        """Distance from the origin [mm], as for the base radius, and its rate by the lift."""
         place = self.pose.place(q)
         size = np.abs(place)
         return size, dot(place, self.pose.velocity(place)) / size
@@ -666,26 +680,27 @@ class Rolling:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Flat:
-    """How a flat face touches the curve: it is tangent to it.
+    """Contact of a flat face: it is tangent to the curve.
 
     Attributes
     ----------
-    pose : of a point on the face.
-    normal : (1, 1) or (m, 1) of the face at lift 0, away from the cam axis.
+    pose : motion of a point on the face with the lift.
+    normal : (1, 1) or (m, 1) normal of the face at lift 0, pointing away from the cam axis.
     """
 
     pose: Pose
     normal: ComplexArray
 
     def require_reach(self, cam: CamPoints) -> None:
-        """See `Rolling`: the curve, along which n = i sigma t, is bent inward everywhere."""
+        """See `Rolling`: the curve, with n = i sigma t along it, has to be convex everywhere."""
         if not np.all(dot(cam.spin * cam.along, cam.bend) < 0.0):
             raise GeometryError(HOLLOW)
 
     def step(self, cam: CamPoints, q: FloatArray) -> tuple[FloatArray, FloatArray]:
         """See `Rolling`."""
         normal = self.normal * self.pose.turn_factor(q)
-        turning = 1j * self.pose.spin * normal
+        turning = 1j * self.pose.spin * normal  # dn/dq
+        # Solve the linear system of both equations for du and dq by Cramer's rule.
         gap = dot(normal, cam.place - self.pose.place(q))
         closing = -dot(normal, self.pose.velocity(cam.place))
         slope, tilt = dot(normal, cam.along), dot(turning, cam.along)
@@ -725,9 +740,9 @@ Contact = Rolling | Flat
 
 @singledispatch
 def follower_contact(follower: Follower, pose: Pose, deviations: Deviations) -> Contact:
-    """How the followers (m, ...) of machines touch the cam; `pose` is that of the nominal one."""
+    """How the followers (m, ...) of machines touch the cam; `pose` is the nominal one."""
     del pose, deviations  # used by the registered ones
-    message = f'of the kind "{follower.kind}" is not known to the analysis of tolerances'
+    message = f'of the kind "{follower.kind}" cannot be analysed for tolerances'
     raise GeometryError(message, key="follower.kind")
 
 
@@ -744,20 +759,22 @@ def _(follower: FlatFollower, pose: Pose, deviations: Deviations) -> Contact:
 
 
 def _deviating_pose(pose: Pose, deviations: Deviations) -> Pose:
+    """The pose of the followers (m, ...) of machines."""
+    # The shaft takes its rocker along, on which the body deviates; the tilt rotates all of it.
     held = pose.moved(deviations.amounts(Way.PIVOT), whole=True).moved(deviations.amounts(Way.BODY))
     return held.rotated(np.exp(1j * deviations.real(Way.TILT)))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MachineMotions:
-    """The motions of m machines at n cam angles; derivatives per rad of the cam angle.
+    """The motions of m machines at n cam angles; derivatives are by the cam angle [rad].
 
     Attributes
     ----------
-    follower : (3, m, n) its lift [mm or rad], counted from the nominal zero, and two derivatives.
-    position : (3, m, n) of the far end of a linkage, or of the follower if there is none.
+    follower : (3, m, n) lift of the follower [mm or rad] and two derivatives, counted from `zero`.
+    position : (3, m, n) the same of the far end of a linkage, or of the follower without a linkage.
     leverage : (m, n) magnitude of n . dW/dq [1 or mm/rad].
-    zero : (m, 1) lift at the deviating base radius, from which the others are counted.
+    zero : (m, 1) lift at the deviating base radius, counted from the nominal zero.
     """
 
     follower: FloatArray
@@ -767,12 +784,13 @@ class MachineMotions:
 
 
 def replay_machines(nominal: Sensitivities, deviations: Deviations) -> MachineMotions:
-    """The motions of machines that deviate.
+    """The exact motions of machines that deviate.
 
     Raises
     ------
     GeometryError
-        If a machine has no contact near the nominal one, undercuts, or its linkage does not close.
+        If a machine has no contact near the nominal one, if its follower undercuts, or if its
+        linkage does not close.
     """
     machine = nominal.machine
     deviations = deviations.side_deviations(machine.hold, half_turn=machine.half_turn)
@@ -791,10 +809,12 @@ def replay_machines(nominal: Sensitivities, deviations: Deviations) -> MachineMo
 
 
 def _block(nominal: Sensitivities, deviations: Deviations) -> MachineMotions:
+    """The exact motions of a block of machines."""
     machine = nominal.machine
     follower = machine.cam.follower
     contact = follower_contact(follower, machine.pose, deviations)
     lifts, leverage = _follower(nominal, deviations, contact)
+    # The lift is counted from where a nominal follower is at the deviating base radius.
     zero = _setting(
         follower_contact(follower, machine.pose, Deviations(1, {})), deviations, follower
     )
@@ -809,15 +829,17 @@ def _block(nominal: Sensitivities, deviations: Deviations) -> MachineMotions:
 def _follower(
     nominal: Sensitivities, deviations: Deviations, contact: Contact
 ) -> tuple[FloatArray, FloatArray]:
-    """(3, m, n) lift and two derivatives, counted from the nominal zero; and the leverage."""
+    """(3, m, n) lift and two derivatives, counted from the nominal zero; and (m, n) leverage."""
     machine, phi = nominal.machine, nominal.phi
     disc = machine.cam.disc
     curve = FlankCurve(disc.pitch_curve, deviations)
     spin = 1j * disc.rotation
+    # The disc runs ahead of its shaft by the error of timing.
     turn = np.exp(spin * (phi + deviations.real(Way.TIMING)))
     seat, axis = deviations.amounts(Way.SEAT), deviations.amounts(Way.SHAFT)
     shape = (deviations.count, len(phi))
     u = np.broadcast_to(phi, shape) + deviations.real(Way.TIMING)
+    # The nominal contact is the start, so that the solution is the contact next to it.
     q = np.broadcast_to(nominal.lifts[0], shape).copy()
     scale = SETTLED * machine.cam.follower.lift_scale
     last = np.inf
@@ -832,17 +854,17 @@ def _follower(
         with np.errstate(divide="ignore", invalid="ignore"):
             du, dq = contact.step(cam, q)
         u, q = u + du, q + dq
-        lost = ~(np.abs(u - phi) < FARTHEST)
+        lost = ~(np.abs(u - phi) < FARTHEST)  # true for NaN, too
         if np.any(lost):
             break
         last = max(float(np.max(np.abs(dq))), float(np.max(np.abs(du))) ** 2)
-    excess = np.where(np.any(lost), lost, np.abs(dq))  # where nothing is lost it does not settle
+    excess = np.where(np.any(lost), lost, np.abs(dq))  # if none is lost, some did not converge
     place = float(np.degrees(phi[int(np.argmax(np.max(excess, axis=0)))]))
     raise GeometryError(LOST.format(place))
 
 
 def _setting(nominal: Contact, deviations: Deviations, follower: Follower) -> FloatArray:
-    """(m, 1) lifts of the nominal follower at which the radii are the deviating base radii."""
+    """(m, 1) lifts of the nominal follower at which its radius is the deviating base radius."""
     aimed = follower.base_radius + deviations.real(Way.SETTING)
     q = np.zeros_like(aimed)
     if not np.any(deviations.real(Way.SETTING)):
@@ -859,16 +881,16 @@ def _setting(nominal: Contact, deviations: Deviations, follower: Follower) -> Fl
 
 
 def _normal(along: ComplexArray) -> tuple[ComplexArray, FloatArray]:
-    """Unit normals of a curve, to either side, and its pace."""
+    """Unit normals of a curve, on an arbitrary side, and the magnitude of `along`."""
     pace = np.abs(along)
     return 1j * along / pace, pace
 
 
 # -- flank curve ----------------------------------------------------------------------------------
-# The curve on which machines touch the cam: the pitch curve, grown and waved.
+# The curve on which machines touch the cam: the pitch curve, offset by growth and waves.
 #
-# With the pitch curve Z(u), its unit tangent t and normal N = i sigma t, its pace v = |Z'| and its
-# curvature kappa, P = Z + c N has
+# With the pitch curve Z(u), its unit tangent t and normal N = i sigma t, its speed v = |Z'| and its
+# curvature kappa, the derivatives of P = Z + c N are
 #
 #     P'  = v (1 + c kappa) t + c' N,
 #     P'' = (v' (1 + c kappa) + v c kappa' + 2 v c' kappa) t + (c'' - v^2 kappa (1 + c kappa)) N.
@@ -876,11 +898,11 @@ def _normal(along: ComplexArray) -> tuple[ComplexArray, FloatArray]:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FlankCurve:
-    """The curves of m machines.
+    """The offset pitch curves of m machines.
 
     Attributes
     ----------
-    pitch : the nominal one.
+    pitch : the nominal pitch curve.
     deviations : of the machines.
     """
 
@@ -893,7 +915,7 @@ class FlankCurve:
         Raises
         ------
         GeometryError
-            Where a roller that is too large, or waves, undercut.
+            Where a roller that is too large, or a wave, undercuts.
         """
         pitch, angles = self.pitch, u.ravel()
         follower, rotation = pitch.follower, pitch.rotation
@@ -922,7 +944,7 @@ class FlankCurve:
         return z + c * normal, first, second
 
     def _growth(self, u: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray] | None:
-        """c [mm] and two derivatives; None if there is none anywhere."""
+        """The offset c [mm] and two derivatives, (m, n) each; None if it is 0 everywhere."""
         growth, waves = self.deviations.real(Way.GROWTH), self.deviations.waves
         if not waves and not np.any(growth):
             return None

@@ -1,4 +1,4 @@
-"""How a machine may deviate, by what its position errs then, and what scenes state of it."""
+"""How a machine may deviate, the resulting error of its position, and what scenes state of it."""
 
 from __future__ import annotations
 
@@ -31,25 +31,26 @@ from camgeo.scene.scene import Scene
 from camgeo.units import MM_PER, TURN, listed
 
 # -- deviations ------------------------------------------------------------------------------------
-# Ways in which a machine deviates, and exact sensitivities: how far its position errs per unit of
+# Ways in which a machine deviates, and exact sensitivities: the error of its position per unit of
 # each.
 #
-# By virtual displacements; nothing is sampled but the cam angle. With R the place on the cam, in
-# the frame, of what touches it, n the unit normal there and W the same place on the follower,
-# contact is R = W; a flat face touches where it is tangent. Where R is displaced by dR and W, at
-# the same lift, by dW,
+# They follow from virtual displacements; only the cam angle is sampled. Let R be the point of
+# contact on the cam, in the frame, n the unit normal there, and W the same point on the follower:
+# contact means R = W, and a flat face touches where it is tangent. If R is displaced by dR and W,
+# at the same lift, by dW, the lift q changes by
 #
-#     dq = n . (dR - dW) / (n . dW/dq),
+#     dq = n . (dR - dW) / (n . dW/dq).
 #
-# q the lift; n . dW/dq is `PitchCurve.leverage`, in which the transmission angle is. So a roller
-# that is too large, whose centre is pushed outward, raises it by its excess over the leverage.
+# n . dW/dq is `PitchCurve.leverage`, which contains the transmission angle. A roller that is too
+# large, for example, has its centre pushed outward, and raises the lift by the excess of its radius
+# divided by the leverage.
 
 
 # -- freedoms -------------------------------------------------------------------------------------
-# The ways in which an assembled machine can deviate from the one that its cam was made for.
+# The ways in which an assembled machine can deviate from the one for which its cam was made.
 #
-# Angles count counter-clockwise, and places are complex, in mm. A freedom takes a number: real, or
-# complex where it says so.
+# Angles are positive counter-clockwise; places are complex numbers, in mm. The deviation in a
+# freedom is a real number, or a complex one where it says so.
 
 
 class Way(StrEnum):
@@ -86,7 +87,7 @@ class Way(StrEnum):
 
 
 class Hold(Enum):
-    """Which of the two sides that hold a follower; a follower on one flank has none of them."""
+    """One of two sides that hold a follower; `ANY` for both, or for a follower on one flank."""
 
     ANY = "any"
     MAIN = "main"
@@ -100,8 +101,8 @@ class Freedom:
     Attributes
     ----------
     way : what deviates.
-    waves : k, of a `WAVE`; 0 for all others.
-    hold : the side that deviates, of a follower that two sides hold.
+    waves : k, the number of waves of a `WAVE`; 0 for all others.
+    hold : the side that deviates, of a follower that is held by two sides.
     """
 
     way: Way
@@ -109,19 +110,19 @@ class Freedom:
     hold: Hold = Hold.ANY
 
     def affects(self, hold: Hold) -> bool:
-        """Whether a side deviates."""
+        """Whether a side has this deviation."""
         return self.hold in (Hold.ANY, hold)
 
 
 @dataclass(frozen=True, slots=True)
 class Unit:
-    """How a dimension deviates by one: in a freedom, by a factor."""
+    """The deviation of a machine per unit of a dimension: a freedom and a factor in it."""
 
     freedom: Freedom
     factor: complex = 1.0
 
     def of_side(self, hold: Hold) -> Unit:
-        """The same of one side alone."""
+        """The same deviation of one side alone."""
         return replace(self, freedom=replace(self.freedom, hold=hold))
 
 
@@ -131,37 +132,41 @@ class Deviations:
 
     Attributes
     ----------
-    count : m.
-    values : (m,) complex of each freedom; 0 of one that is missing.
+    count : m, the number of machines.
+    values : (m,) complex deviations by freedom; 0 in a freedom that is missing.
     """
 
     count: int
     values: Mapping[Freedom, ComplexArray]
 
     def side_deviations(self, hold: Hold, *, half_turn: bool) -> Deviations:
-        """As one side has them: by its own freedoms; if it lies half a turn from the main side of
-        the same disc, it meets each wave as much later.
+        """The deviations of one side.
+
+        With `half_turn` the side is on the same disc as the main one, half a turn later. It then
+        meets each wave with a phase of half a turn of the disc, which reverses odd numbers of
+        waves.
         """
         values: dict[Freedom, ComplexArray] = {}
         for freedom, amounts in self.values.items():
             if freedom.affects(hold):
                 bare = replace(freedom, hold=Hold.ANY)
+                # A phase of half a turn is exp(-i k pi) = (-1)^k.
                 sign = -1.0 if half_turn and freedom.waves % 2 else 1.0
                 values[bare] = values.get(bare, 0.0) + sign * amounts
         return Deviations(self.count, values)
 
     def amounts(self, way: Way) -> ComplexArray:
-        """(m, 1) complex deviations; zeros if there are none."""
+        """(m, 1) complex deviations in the freedom of a `way`; zeros if there are none."""
         stored = self.values.get(Freedom(way))
         return np.zeros((self.count, 1), complex) if stored is None else stored[:, np.newaxis]
 
     def real(self, way: Way) -> FloatArray:
-        """(m, 1) deviations in a freedom that takes real numbers."""
+        """(m, 1) deviations in a freedom with real numbers."""
         return np.asarray(self.amounts(way).real)
 
     @property
     def waves(self) -> Mapping[int, ComplexArray]:
-        """(m, 1) complex amplitudes by the number of waves."""
+        """(m, 1) complex amplitudes of waves on the flank, by their number."""
         return {
             freedom.waves: amplitudes[:, np.newaxis]
             for freedom, amplitudes in self.values.items()
@@ -170,7 +175,7 @@ class Deviations:
 
 
 # -- pose -----------------------------------------------------------------------------------------
-# How a body moves with one coordinate: along a line, or about a point.
+# The motion of a body with one coordinate: along a line, or about a point.
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -194,7 +199,8 @@ class Pose:
 
     @classmethod
     def from_rates(cls, start: complex, first: complex, second: complex) -> Self:
-        """From the place [mm] at q = 0 and two derivatives; Z'' = -(Z - C) if it turns."""
+        """The motion with a given place [mm] at q = 0 and two derivatives by q there."""
+        # On a circle Z'' = -(Z - C), which gives the centre; on a line the second derivative is 0.
         turns = second != 0.0
         centre = start + second if turns else 0.0
         spin = float(np.sign((first / (start - centre)).imag)) if turns else 0.0
@@ -210,43 +216,46 @@ class Pose:
         return turned + self.way * q
 
     def turn_factor(self, q: FloatArray) -> ComplexArray:
-        """exp(i s q)."""
+        """exp(i s q), the factor by which vectors of the body turn."""
         factor: ComplexArray = np.exp(1j * self.spin * q)
         return factor
 
     def velocity(self, place: ComplexArray) -> ComplexArray:
-        """Of a point of the body that is at `place` [mm], per unit of q."""
+        """Velocity of a point of the body that is at `place` [mm], per unit of q."""
         return self.way + 1j * self.spin * (place - self.centre)
 
     def acceleration(self, place: ComplexArray) -> ComplexArray:
-        """The derivative of that."""
+        """Second derivative by q of a point of the body that is at `place` [mm]."""
         return -(self.spin**2) * (place - self.centre)
 
     def moved(self, by: ComplexArray, *, whole: bool = False) -> Pose:
-        """With the point displaced `by` [mm] at q = 0, with the centre if the `whole` is."""
+        """The motion with the point displaced `by` [mm] at q = 0.
+
+        If the `whole` body is displaced, its centre is too.
+        """
         centre = self.centre + by if whole else self.centre
         return replace(self, start=self.start + by, centre=centre)
 
     def rotated(self, turn: ComplexArray) -> Pose:
-        """Multiplied by `turn`, of magnitude 1: about the origin."""
+        """The motion rotated about the origin by `turn`, a factor of magnitude 1."""
         return replace(
             self, start=self.start * turn, centre=self.centre * turn, way=self.way * turn
         )
 
 
 # -- sensitivity ---------------------------------------------------------------------------------
-# How far the position errs where the machine deviates by a unit.
+# The error of the position where the machine deviates by one unit.
 
 
 @dataclass(frozen=True)
 class Machine:
-    """The nominal machine, where one flank carries the follower.
+    """The nominal machine, with one flank that carries the follower.
 
     Attributes
     ----------
-    cam : of one disc.
-    flank : that carries the follower.
-    hold : the side that it is of a follower that two sides hold: the main disc or the return disc
+    cam : the cam of one disc.
+    flank : the flank that carries the follower.
+    hold : which side that is, of a follower that is held by two: the main disc or the return disc
         of a pair, or the first or the second side of a yoke.
     """
 
@@ -257,12 +266,12 @@ class Machine:
     def __post_init__(self) -> None:
         if self.flank not in self.cam.contact.flanks:
             used = " or ".join(f'"{flank}"' for flank in self.cam.contact.flanks)
-            message = f"is not where the follower runs; must be {used}"
+            message = f"is not a flank on which the follower runs; must be {used}"
             raise GeometryError(message, "tolerance.flank", self.flank)
 
     def require_whole(self) -> None:
-        """GeometryError if the flank is not the whole curve: at its corners the follower's motion
-        is no smooth function of any dimension.
+        """Raise GeometryError if the flank has corners: there the follower's motion is not a smooth
+        function of any dimension.
         """
         outline = self.cam.disc.outline(self.flank)
         if outline.is_trimmed or not outline.path.is_whole:
@@ -281,12 +290,14 @@ class Machine:
 
     @property
     def linkage(self) -> Linkage | None:
-        """Behind the follower."""
+        """The linkage behind the follower, if there is one."""
         return self.cam.drive.linkage
 
     @cached_property
     def pose(self) -> Pose:
-        """Of the roller's centre, or of the foot of the cam axis on a flat face, with the lift."""
+        """The motion with the lift of the roller's centre, or of the foot of the cam axis on a flat
+        face.
+        """
         follower = self.cam.follower
         start, centre, way = (
             np.full((1, 1), value, complex)
@@ -295,9 +306,10 @@ class Machine:
         return Pose(start, centre, float(follower.swing_sense), way)
 
     def nominal(self, phi: FloatArray) -> Nominal:
-        """The contact at the cam angles `phi` (n,) [rad], right-hand.
+        """The contact at the cam angles `phi` (n,) [rad], with right-hand values at jumps.
 
-        Raises GeometryError where the roller centre stands still in the cam.
+        Raises GeometryError where the roller centre stands still relative to the cam, and where the
+        cam cannot move the follower.
         """
         pitch = self.cam.disc.pitch_curve
         relative = pitch.relative_jet(phi, order=1)
@@ -307,6 +319,7 @@ class Machine:
             place = float(np.degrees(phi[np.argmin(np.abs(leverage))]))
             message = f"the cam cannot move the follower at cam angle {place:.6g} deg"
             raise GeometryError(f"{message}: its position there is no function of any dimension")
+        # The normal i sigma t, with the unit tangent t, points outwards for either rotation.
         normals = 1j * pitch.rotation * rates / pitch.speed(relative)
         turn = np.exp(1j * pitch.rotation * phi)
         return Nominal(phi, places * turn, normals * turn, turn, leverage)
@@ -332,17 +345,17 @@ class Nominal:
     leverage: FloatArray
 
     def across(self, displacement: ComplexArray | complex) -> FloatArray:
-        """(n,) [mm] part of a displacement in the frame along the normals."""
+        """(n,) component of a displacement in the frame along the normals [mm]."""
         return dot(self.normals, displacement)
 
 
 @dataclass(frozen=True, eq=False)
 class Sensitivities:
-    """Of a machine at cam angles.
+    """Sensitivities of a machine at cam angles.
 
     Attributes
     ----------
-    machine : the nominal one.
+    machine : the nominal machine.
     phi : (n,) cam angles [rad].
     """
 
@@ -351,22 +364,22 @@ class Sensitivities:
 
     @cached_property
     def nominal(self) -> Nominal:
-        """The contact."""
+        """The contact of the nominal machine."""
         return self.machine.nominal(self.phi)
 
     @cached_property
     def lifts(self) -> Jet:
-        """(4, n) of the follower, and derivatives."""
+        """(4, n) lift of the follower and three derivatives."""
         return self.machine.cam.drive.motion.jet(self.phi)
 
     @cached_property
     def positions(self) -> Jet:
-        """(4, n) of the far end, or of the follower if there is no linkage."""
+        """(4, n) position of the far end and three derivatives; without a linkage, the lift."""
         return self.machine.cam.drive.plan.jet(self.phi)
 
     @cached_property
     def far_end(self) -> FarEnd | None:
-        """Of the linkage, if there is one."""
+        """The far end of the linkage; None without a linkage."""
         linkage = self.machine.linkage
         return None if linkage is None else FarEnd.from_linkage(linkage)
 
@@ -381,7 +394,7 @@ class Sensitivities:
         return self.far_end.sensitivity(unit, self.lifts[0], self.positions[0], follower)
 
     def follower_error(self, unit: Unit) -> FloatArray:
-        """(n,) error of the follower's own lift, where this side carries it."""
+        """(n,) error of the follower's own lift per unit, where this side carries it."""
         if not unit.freedom.affects(self.machine.hold):
             return np.zeros(len(self.phi))
         if unit.freedom.way is Way.SETTING:
@@ -390,7 +403,8 @@ class Sensitivities:
 
     @property
     def _setting(self) -> float:
-        """Rate of the radius at lift 0, at which it is the base radius, per unit of lift.
+        """Rate by the lift of the distance from the cam axis, at lift 0, where it is the base
+        radius.
 
         Raises GeometryError if it is 0.
         """
@@ -404,13 +418,14 @@ class Sensitivities:
         return radius_rate
 
     def _pushed(self, unit: Unit) -> FloatArray:
-        """(n,) [mm] n . (dR - dW) per unit."""
+        """(n,) n . (dR - dW) per unit of a dimension [mm]."""
         nominal, pose = self.nominal, self.machine.pose
         factor = unit.factor
         match unit.freedom.way:
             case Way.GROWTH:
                 return np.full(len(self.phi), factor.real)
             case Way.WAVE:
+                # The second side of a yoke meets the same flank half a turn later.
                 later = np.pi if self.machine.half_turn else 0.0
                 turned = np.exp(-1j * unit.freedom.waves * (self.phi + later))
                 return np.asarray((factor * turned).real)
@@ -434,13 +449,13 @@ class Sensitivities:
 # The linkage of a machine that deviates: from the follower's coordinate q to the far end's x.
 #
 # The pin J_f(x) on the far member and the joint J_n(q) on the follower's member are the ends of the
-# coupler of length c: with D = J_f - J_n, |D| = c. Where the joints are displaced by dJ at the same
+# coupler of length c: |D| = c with D = J_f - J_n. If the joints are displaced by dJ at the same
 # coordinates,
 #
 #     Re(conj(D) (J_f' dx + dJ_f - J_n' dq - dJ_n)) = c dc.
 #
-# The frame is that of the far end: if the rocker's shaft is displaced, the far member's shaft or
-# guide stays where it is.
+# Displacements are relative to the frame of the far end: if the rocker's shaft is displaced, the
+# far member's shaft or guide stays where it is.
 
 
 ONE: Final = np.array([[1.0], [0.0]])
@@ -448,21 +463,21 @@ NONE: Final = np.zeros((2, 1))
 """Rates of a coordinate that moves, and of one that rests."""
 
 STEPS: Final = 12
-"""Of Newton's method, which needs three or four."""
+"""Largest number of Newton's steps; three or four are needed."""
 
 SETTLED: Final = 1e-12
-"""Residual of the coupler, relative to its length."""
+"""Residual of the coupler's length, relative to it, at which Newton's method has converged."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FarEnd:
-    """The joints of a linkage, in the axes of its drawing, seen from the crank's nominal shaft.
+    """The joints of a linkage in the coordinates of its drawing, from the crank's nominal shaft.
 
     Attributes
     ----------
-    linkage : the nominal one.
-    near, far : joints on the follower's member and on the far one.
-    coupler : c (m, 1) or (1, 1) [mm].
+    linkage : the nominal linkage.
+    near, far : joints on the follower's member and on the far member.
+    coupler : its length c, (m, 1) or (1, 1) [mm].
     driven_crank : whether the crank is the far member.
     """
 
@@ -474,11 +489,12 @@ class FarEnd:
 
     @classmethod
     def from_linkage(cls, linkage: Linkage) -> Self:
-        """Of the nominal linkage."""
+        """The joints of the nominal linkage."""
         places = [complex(joint[0]) for joint in linkage.joints(np.zeros(1))]
         demanded_rates = linkage.joint_rates(np.zeros(1), ONE, NONE)
         follower_rates = linkage.joint_rates(np.zeros(1), NONE, ONE)
         poses = []
+        # Each joint is moved by one of the two coordinates alone, and the other adds nothing.
         for place, demanded, follows in zip(places, demanded_rates, follower_rates, strict=True):
             first, second = (complex(rate) for rate in (demanded + follows)[:, 0])
             poses.append(Pose.from_rates(place, first, second))
@@ -489,12 +505,12 @@ class FarEnd:
     def sensitivity(
         self, unit: Unit, lift: FloatArray, x: FloatArray, follower: FloatArray
     ) -> FloatArray:
-        """(n,) dx of the far end per unit of a dimension.
+        """(n,) displacement dx of the far end per unit of a dimension.
 
         Parameters
         ----------
         lift, x : (n,) coordinates of the follower and of the far end.
-        follower : (n,) dq of the follower's coordinate, at its own place.
+        follower : (n,) dq, the error of the follower's coordinate per unit.
 
         Raises GeometryError with key "linkage" where the follower cannot move the far end.
         """
@@ -502,12 +518,13 @@ class FarEnd:
         near, far = self.near.place(lift)[0], self.far.place(x)[0]
         coupler_vector = far - near
         displacement = np.zeros_like(coupler_vector)
-        longer = 0.0
+        longer = 0.0  # of the coupler
         factor = unit.factor
         match unit.freedom.way:
             case Way.COUPLER:
                 longer = factor.real * self.linkage.coupler
             case Way.CRANK:
+                # A longer crank on the near side displaces J_n, which counts negatively.
                 tip = far if self.driven_crank else -near
                 displacement = factor * tip / np.abs(tip)
             case Way.LEVER:
@@ -518,6 +535,7 @@ class FarEnd:
             case Way.FAR_ANGLE:
                 displacement = factor * 1j * (far - self.far.centre[0])
             case Way.PIVOT:
+                # Relative to the rocker's shaft, the far joint is displaced the other way.
                 displacement = displacement - factor
         rest = (longer - dot(coupler_vector, displacement)) / dot(
             coupler_vector, self.far.velocity(far)[0]
@@ -525,9 +543,10 @@ class FarEnd:
         return per_follower * follower + rest
 
     def deviating(self, deviations: Deviations) -> FarEnd:
-        """The linkages (m, ...) of machines that deviate."""
+        """The joints (m, ...) of the linkages of machines that deviate."""
         near, far = self.near, self.far
         tip = far if self.driven_crank else near
+        # The crank turns about the origin, so it becomes longer along the place of its pin.
         longer = tip.moved(tip.start / np.abs(tip.start) * deviations.real(Way.CRANK))
         near, far = (near, longer) if self.driven_crank else (longer, far)
         arm = (far.start - far.centre) * np.exp(1j * deviations.real(Way.FAR_ANGLE))
@@ -540,11 +559,11 @@ class FarEnd:
         return replace(self, near=near, far=far, coupler=coupler)
 
     def follow(self, lifts: FloatArray, x: FloatArray) -> FloatArray:
-        """(3, m, n) x and two derivatives for lifts and derivatives (3, m, n) of the follower.
+        """(3, m, n) x and two derivatives for `lifts`, those of the follower (3, m, n).
 
         Parameters
         ----------
-        x : (m, n) near the answer.
+        x : (m, n) start of Newton's method.
 
         Raises
         ------
@@ -556,6 +575,7 @@ class FarEnd:
             far = self.far.place(x)
             coupler_vector = far - near
             rate = dot(coupler_vector, self.far.velocity(far))
+            # Half the difference of squares: its derivative by x is `rate`, without a square root.
             miss = 0.5 * (dot(coupler_vector, coupler_vector) - self.coupler**2)
             with np.errstate(divide="ignore", invalid="ignore"):
                 x = x - miss / rate
@@ -572,6 +592,7 @@ class FarEnd:
     def _rates(
         self, lifts: FloatArray, near: ComplexArray, far: ComplexArray
     ) -> tuple[FloatArray, FloatArray]:
+        """First and second derivative of x by the cam angle, from |D| = c differentiated twice."""
         coupler_vector = far - near
         far_velocity = self.far.velocity(far)
         near_velocity = self.near.velocity(near)
@@ -588,7 +609,7 @@ class FarEnd:
 
 
 # -- stated ----------------------------------------------------------------------------------------
-# The tolerances that a scene states in `[tolerance]`, with its units converted.
+# The tolerances that a scene states in `[tolerance]`, with units converted.
 
 
 Table = Mapping[str, Any]
@@ -596,7 +617,7 @@ Table = Mapping[str, Any]
 
 @dataclass(frozen=True, slots=True)
 class Moments:
-    """Of a random number: its mean and its variance."""
+    """Mean and variance of a random number."""
 
     mean: float
     variance: float
@@ -604,20 +625,20 @@ class Moments:
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """Something random that machines deviate by: a dimension, a clearance, an error of form.
+    """A random cause of deviations: a dimension, a clearance, or an error of form.
 
     Attributes
     ----------
-    name : its key.
-    sense : what a positive deviation is, in words.
-    units : of the numbers by which machines deviate.
-    moments : of each of these numbers, which are uncorrelated; of two, in a random direction, the
-        mean is 0.
-    draws : uniformly distributed numbers that make one machine.
-    numbers : gives (units, m) numbers from shares (draws, m), within (0, 1).
-    limits : of what is stated [mm or rad].
-    shape : of its distribution, in a word.
-    is_angle : whether it is in rad.
+    name : its key in the scene.
+    sense : the meaning of a positive deviation, in words.
+    units : deviation of the machine per unit of each random number.
+    moments : mean and variance of each of these numbers, which are uncorrelated; the two components
+        of a random direction have the mean 0.
+    draws : how many uniformly distributed numbers a machine needs.
+    numbers : function that gives (units, m) numbers from shares (draws, m) in (0, 1).
+    limits : limits of the stated deviation [mm or rad].
+    shape : its distribution, in a word.
+    is_angle : whether the deviation is an angle.
     """
 
     name: str
@@ -633,13 +654,13 @@ class Source:
 
 @dataclass(frozen=True)
 class StatedTolerances:
-    """What a scene states.
+    """The tolerances that a scene states, and the machine that they belong to.
 
     Attributes
     ----------
-    machine : the nominal one; of a follower that two sides hold, where the main one carries it.
-    second : the same where the other side carries it; None if there is none.
-    sources : of deviations, in the order of the scene.
+    machine : the nominal machine; if two sides hold the follower, with the main one carrying it.
+    second : the same with the other side carrying it; None if there is only one.
+    sources : the sources of deviations, in the order of the scene.
     limit : largest error of the position that is allowed [mm or rad]; None if there is none.
     zero_angle : cam angle [rad] at which the error is set to 0; None if it is not.
     """
@@ -657,10 +678,11 @@ class StatedTolerances:
         Raises
         ------
         SceneError
-            If it states none, a key that is no dimension of the machine, with the nearest one, an
-            unknown tolerance class, a fit without clearance, or a side that the follower has not.
+            If the scene states no tolerances, a key that is not a dimension of the machine (with
+            the nearest one), an unknown tolerance class, a fit without clearance, or a side that
+            the follower does not have.
         GeometryError
-            If its kind of machine, or its flank, cannot be analysed.
+            If this kind of machine, or its flank, cannot be analysed.
         """
         scene = design.scene
         table: Table | None = scene.values.get(TOLERANCE)
@@ -674,6 +696,7 @@ class StatedTolerances:
         sides = Sides(scene, machine, second)
         sources = (*_dimensions(sides, table), *_fits(sides, table), *_forms(sides, table))
         limit, zero_angle = table.get("limit"), table.get("set_at")
+        # The limit is stated in the unit of the position.
         per = math.radians(1.0) if design.drive.unit == "rad" else MM_PER[scene.unit]
         return StatedTolerances(
             machine,
@@ -685,8 +708,9 @@ class StatedTolerances:
 
 
 def side_machines(design: Design, flank: str | None = None) -> tuple[Machine, Machine | None]:
-    """The machine of a design on a flank, by default its main one; and of a follower that two sides
-    hold, where the other side carries it.
+    """The machine of a design with the follower on a flank, by default its main one.
+
+    The second machine is that with the other side carrying the follower; None if there is only one.
     """
     cam, *others = design.cams
     if cam.opposite is not None:
@@ -698,14 +722,17 @@ def side_machines(design: Design, flank: str | None = None) -> tuple[Machine, Ma
 
 @dataclass(frozen=True)
 class Sides:
-    """The machine of a scene, by the sides that hold its follower."""
+    """The machine of a scene with each of the sides that hold its follower."""
 
     scene: Scene
     machine: Machine
     second: Machine | None
 
     def side_hold(self, place: KeyPath, table: Table, *, is_disc: bool) -> Hold:
-        """The side that a fit or an error of form is on: of a yoke, both sides have one disc."""
+        """The side that a fit or an error of form belongs to.
+
+        Both sides of a yoke run on one disc, so an error of the disc (`is_disc`) belongs to both.
+        """
         whole = self.second is None or (is_disc and self.second.cam.mount is None)
         if whole and "side" in table:
             what = "has one disc" if self.second is not None else "is held by one side"
@@ -748,6 +775,7 @@ def _distribution(scene: Scene, place: KeyPath, table: Table, dimension: Dimensi
         if dimension.size is None:
             message = "belongs to lengths: this dimension takes plus_minus or limits"
             raise _fault(scene, (*place, "class"), message)
+        # A class limits the size, as a diameter, of which the dimension may be half.
         low, high = (
             deviation * dimension.per_size
             for deviation in _class(scene, (*place, "class"), table["class"], dimension.size)
@@ -792,7 +820,7 @@ def _fits(sides: Sides, table: Table) -> Iterator[Source]:
 
 
 def _size(scene: Scene, place: KeyPath, table: Table) -> float:
-    """The nominal diameter [mm]."""
+    """The nominal diameter of a fit [mm]: as stated, or that of the bore."""
     if "size" in table:
         return float(table["size"]) * MM_PER[scene.unit]
     if scene.part is None or scene.part.bore is None:
@@ -808,21 +836,22 @@ def _clearance(
     flank: Flank,
     limits: Mapping[str, tuple[float, float]],
 ) -> Source:
+    """The source that a fit with clearance is: in the direction of the load, or in any."""
     shape: Shape = table.get("distribution", "normal")
     hole, shaft = (Distribution(*limits[key], shape) for key in ("hole", "shaft"))
-    # Of half the clearance, by which one may lie off the other.
+    # Moments of half the clearance, by which the centre of one may be off that of the other.
     half = Moments(0.5 * (hole.mean - shaft.mean), 0.25 * (hole.variance + shaft.variance))
     ends = hole.low - shaft.high, hole.high - shaft.low
     name = f"{spelled(place[1:])} {table['hole']}/{table['shaft']}"
     at_cam = table["at"] == "cam"
     if at_cam and table.get("shifted", "anywhere") == "anywhere":
         axes = _both_axes(Freedom(Way.SEAT, hold=hold))
-        # Half the mean square of the distance in each direction, which turns with the cam.
+        # In a random direction, each component has half the mean square of the distance.
         moments = Moments(0.0, 0.5 * (half.mean**2 + half.variance))
         what, numbers = "the cam lies anywhere in its clearance", partial(_anywhere, hole, shaft)
         return Source(name, what, axes, moments, 3, numbers, ends, shape)
     what = f"the load pushes the {'cam' if at_cam else 'roller'} back"
-    # The follower comes nearer to the material by half the clearance.
+    # The load pushes the follower towards the material by half the clearance.
     unit = Unit(Freedom(Way.GROWTH, hold=hold), float(flank.sign))
     return Source(name, what, (unit,), half, 2, partial(_pressed, hole, shaft), ends, shape)
 
@@ -849,28 +878,33 @@ def _both_axes(freedom: Freedom) -> tuple[Unit, ...]:
 
 
 def _pressed(hole: Distribution, shaft: Distribution, shares: FloatArray) -> FloatArray:
-    """(1, m) half the clearance [mm]; a normal distribution may pass its limits, not 0."""
+    """(1, m) half the clearance [mm].
+
+    A normal distribution exceeds its limits, but a clearance is never negative.
+    """
     clearance = hole.quantile(shares[0]) - shaft.quantile(shares[1])
     return (0.5 * np.maximum(clearance, 0.0))[np.newaxis]
 
 
 def _anywhere(hole: Distribution, shaft: Distribution, shares: FloatArray) -> FloatArray:
+    """(2, m) components of half the clearance [mm] in a random direction."""
     (sizes,) = _pressed(hole, shaft, shares[:2])
     return _vector_components(sizes, shares[2])
 
 
 def _wave_components(height: float, shares: FloatArray) -> FloatArray:
+    """(2, m) components of a wave of the amplitude `height` [mm] with a random phase."""
     return _vector_components(np.full(shares.shape[1], height), shares[0])
 
 
 def _vector_components(sizes: FloatArray, shares: FloatArray) -> FloatArray:
-    """(2, m) components of vectors of these sizes (m,), at shares (m,) of a turn."""
+    """(2, m) components of vectors with `sizes` (m,) and directions as shares (m,) of a turn."""
     angle = TURN * shares
     return np.stack((sizes * np.cos(angle), sizes * np.sin(angle)))
 
 
 # -- distribution ---------------------------------------------------------------------------------
-# How a deviation is distributed between its limits.
+# The distribution of a deviation between its limits.
 
 
 Shape = Literal["normal", "uniform", "triangular"]
@@ -878,7 +912,7 @@ Shape = Literal["normal", "uniform", "triangular"]
 SHAPES: Final[tuple[Shape, ...]] = ("normal", "uniform", "triangular")
 
 SIGMAS: Final = 3.0
-"""Standard deviations of a normal distribution from its mean to a limit, unless one is stated."""
+"""Standard deviations from the mean of a normal distribution to its limits, by default."""
 
 WIDTHS: Final[dict[Shape, float]] = {
     "normal": SIGMAS,
@@ -894,9 +928,9 @@ class Distribution:
 
     Attributes
     ----------
-    low, high : its limits; a normal distribution goes beyond them.
-    shape : symmetric about the middle of the limits.
-    stated : the standard deviation, if it is not what limits and shape say; else None.
+    low, high : its limits; a normal distribution exceeds them.
+    shape : kind of distribution; all are symmetric about the middle of the limits.
+    stated : the standard deviation, if it is stated; None if it follows from limits and shape.
     """
 
     low: float
@@ -922,13 +956,13 @@ class Distribution:
         return self.sigma**2
 
     def quantile(self, share: FloatArray) -> FloatArray:
-        """(n,) values below which the shares (n,), within (0, 1), of all values lie."""
+        """(n,) quantiles: the values below which the shares (n,) in (0, 1) of all values lie."""
         unit = _NORMALISED[self.shape](share)
         return self.mean + self.sigma * unit
 
 
 def _normal(share: FloatArray) -> FloatArray:
-    from scipy.special import ndtri  # where nothing is drawn, nothing is loaded
+    from scipy.special import ndtri  # loaded only where random numbers are drawn
 
     return np.asarray(ndtri(share))
 
@@ -938,6 +972,7 @@ def _uniform(share: FloatArray) -> FloatArray:
 
 
 def _triangular(share: FloatArray) -> FloatArray:
+    # From the nearer end, so that shares near 1 lose no digits.
     low = share < 0.5
     tail = np.where(low, share, 1.0 - share)
     rest = WIDTHS["triangular"] * (1.0 - np.sqrt(2.0 * tail))
@@ -951,7 +986,7 @@ _NORMALISED: Final = {"normal": _normal, "uniform": _uniform, "triangular": _tri
 # -- dimensions -----------------------------------------------------------------------------------
 # The dimensions of a machine that may have tolerances, and the freedoms in which they deviate.
 #
-# What only some followers and linkages have is registered by class.
+# Dimensions of certain followers and linkages are registered by class.
 
 
 @dataclass(frozen=True, slots=True)
@@ -960,11 +995,11 @@ class Dimension:
 
     Attributes
     ----------
-    unit : how the machine deviates where the dimension is 1 mm or rad too large.
-    sense : what a positive deviation is, in words.
-    size : the size [mm] to which a tolerance class belongs; None if it has none.
-    per_size : deviation of the dimension per deviation of that size.
-    is_angle : whether it is in rad.
+    unit : deviation of the machine where the dimension is 1 mm or 1 rad too large.
+    sense : the meaning of a positive deviation, in words.
+    size : the nominal size [mm] for tolerance classes; None if they do not apply.
+    per_size : deviation of the dimension per deviation of that size, as a radius of a diameter.
+    is_angle : whether the dimension is an angle.
     """
 
     unit: Unit
@@ -974,7 +1009,7 @@ class Dimension:
     is_angle: bool = False
 
     def of_side(self, hold: Hold) -> Dimension:
-        """The same of one side alone, of a follower that two sides hold."""
+        """The same dimension of one side alone, of a follower that is held by two."""
         return replace(self, unit=self.unit.of_side(hold))
 
 
@@ -993,18 +1028,18 @@ MOUNTING: Final[Mapping[str, Dimension]] = {
     "shaft.x": Dimension(Unit(Freedom(Way.SHAFT)), "the cam axis lies farther along x"),
     "shaft.y": Dimension(Unit(Freedom(Way.SHAFT), 1j), "the cam axis lies farther along y"),
 }
-"""Dimensions that every machine has and no scene states, by the keys that tolerances give them."""
+"""Dimensions that every machine has but no scene states, by the keys that tolerances use."""
 
 
 TOUCHING: Final = frozenset((Way.GROWTH, Way.BODY))
-"""What is one side's own on any follower that two sides hold."""
+"""Freedoms of one side alone on any follower that is held by two sides."""
 
 OF_A_DISC: Final = frozenset((Way.SEAT, Way.TIMING))
-"""What is one side's own where each has a disc."""
+"""Freedoms of one side alone where each side has a disc."""
 
 
 def machine_dimensions(machine: Machine, second: Machine | None = None) -> dict[str, Dimension]:
-    """All dimensions of the machine, by their keys; `second` is its other side, if two hold it."""
+    """All dimensions of the machine, by their keys; `second` is its other side, if there is one."""
     dimensions = dict(MOUNTING)
     side_dimensions = _follower(machine.cam.follower, machine)
     dimensions.update({f"follower.{key}": dimension for key, dimension in side_dimensions.items()})
@@ -1058,7 +1093,7 @@ def _place(way: Way, key: str, what: str) -> dict[str, Dimension]:
 
 @singledispatch
 def _follower(_: Follower, __: Machine) -> dict[str, Dimension]:
-    """Of a follower, by their keys in its table."""
+    """The dimensions of a follower, by their keys in its table."""
     return {}
 
 
@@ -1099,7 +1134,7 @@ def _(follower: OscillatingFlat, _: Machine) -> dict[str, Dimension]:
 
 
 def _yoke(second: Machine) -> dict[str, Dimension]:
-    """Of the second side of a yoke, by their keys in its table."""
+    """The dimensions of the second side of a yoke, by their keys in its table."""
     follower = second.cam.follower
     place = follower.traced_point(0.0)
     breadth = _length(
@@ -1114,7 +1149,7 @@ def _yoke(second: Machine) -> dict[str, Dimension]:
 
 @singledispatch
 def _returning(_: Follower, __: Machine) -> dict[str, Dimension]:
-    """Of the return roller of a pair, by their keys in its table."""
+    """The dimensions of the return roller of a pair, by their keys in its table."""
     return {}
 
 
@@ -1150,7 +1185,7 @@ def _(follower: OscillatingRoller, second: Machine) -> dict[str, Dimension]:
 
 @singledispatch
 def _linkage(linkage: Linkage) -> dict[str, Dimension]:
-    """Of a linkage, by their keys in its table: what all have."""
+    """The dimensions that all linkages have, by their keys in the table."""
     return {
         "crank": _length(Way.CRANK, "the crank is longer", linkage.crank),
         "coupler": _length(Way.COUPLER, "the coupler is longer", linkage.coupler),
@@ -1173,7 +1208,7 @@ def _(linkage: FourBar) -> dict[str, Dimension]:
 
 
 # -- iso286 ---------------------------------------------------------------------------------------
-# Tolerance classes of ISO 286-1, as "H7" of a hole and "g6" of a shaft; values in iso286.json.
+# Tolerance classes of ISO 286-1, as "H7" of a hole and "g6" of a shaft. Values are in iso286.json.
 
 
 FORM: Final = re.compile(r"(?P<letters>[A-Za-z]{1,2})(?P<grade>\d{1,2})")
@@ -1185,23 +1220,23 @@ SHAFTS: Final = (
 HOLES: Final = tuple(letter.upper() for letter in SHAFTS)
 
 K_GRADES: Final = range(4, 8)
-"""In which a shaft k has a fundamental deviation other than 0."""
+"""Grades in which a shaft k has a fundamental deviation other than 0."""
 
 SMALLEST: Final = 3.0
-"""Sizes [mm] up to which all holes are shafts reversed."""
+"""Size [mm] up to which the deviations of all holes are those of the shafts, reversed."""
 
 PER_MM: Final = 1000.0
-"""Micrometres."""
+"""Micrometres in a millimetre: values of the standard are in micrometres."""
 
 
 def class_limits(name: str, size: float) -> tuple[float, float]:
-    """Lower and upper deviation [mm] of a size [mm] of the tolerance class `name`.
+    """Lower and upper deviation [mm] of a size [mm] in the tolerance class `name`.
 
     Raises
     ------
     GeometryError
-        If there is no such class here, the size is not above 0 and up to 500 mm, or the class has
-        no value at this size in ISO 286-1.
+        If the class is unknown, the size is not above 0 and up to 500 mm, or ISO 286-1 has no value
+        of the class for this size.
     """
     data = _data()
     parts = FORM.fullmatch(name)
@@ -1209,7 +1244,7 @@ def class_limits(name: str, size: float) -> tuple[float, float]:
     if letters not in (*HOLES, *SHAFTS) or number not in data["grades"]:
         grades = [f"IT{number}" for number in data["grades"]]
         raise GeometryError(
-            "is no tolerance class that is known here: a letter of holes"
+            "is not a known tolerance class: allowed are a letter of holes"
             f" ({listed(HOLES)}) or of shafts ({listed(SHAFTS)}) and a grade from {grades[0]} to"
             f' {grades[-1]}, e.g. "H7"',
             value=name,
@@ -1222,8 +1257,9 @@ def class_limits(name: str, size: float) -> tuple[float, float]:
     _require_value(name, letters, grade, size)
     width = _standard(grade, size) / PER_MM
     letter = letters.lower()
-    if letter == "js":
+    if letter == "js":  # symmetric about the size
         return -0.5 * width, 0.5 * width
+    # Shafts of these letters lie below the size, and holes above it by as much.
     if letter in data["upper"]:
         high = _size_value(data["upper"][letter], size) / PER_MM
         return (0.0 - high, width - high) if is_hole(name) else (high - width, high)
@@ -1249,13 +1285,16 @@ def _require_value(name: str, letters: str, grade: int, size: float) -> None:
 
 
 def _highest(letters: str, grade: int, size: float) -> float:
-    """Upper deviation [micrometres] of a hole K to U: its shaft's, reversed, plus delta, by which a
-    hole fits the shaft of the next finer grade as it would by the system of the basic hole.
+    """Upper deviation [micrometres] of a hole K to U: that of its shaft, reversed, plus delta.
+
+    With delta, the hole with a shaft of the next finer grade gives the same fit as in the basic
+    hole system.
     """
     data = _data()
     high = 0.0 - _size_value(data["lower"][letters.lower()], size)
     if size <= SMALLEST:
         return high
+    # Coarser grades have no delta; a hole N then ends at the size itself.
     if grade > data["delta_up_to"][letters]:
         return 0.0 if letters == "N" else high
     nearer = data["exceptions"].get(f"{letters}{grade}")
@@ -1270,16 +1309,16 @@ def _standard(grade: int, size: float) -> float:
 
 
 def _size_value(values: Sequence[float], size: float) -> float:
-    """The value of the range that a size is in; some letters have more ranges than others."""
+    """The value for the range of sizes that `size` is in; some letters have finer ranges."""
     data = _data()
     ranges = next(
         bounds for bounds in (data["up_to"], data["up_to_finely"]) if len(bounds) == len(values)
     )
-    return float(values[bisect_left(ranges, size)])
+    return float(values[bisect_left(ranges, size)])  # a range includes its upper end
 
 
 def is_hole(name: str) -> bool:
-    """Whether a valid class is one of holes."""
+    """Whether a valid tolerance class is one of holes, which have capital letters."""
     return name[:1].isupper()
 
 
