@@ -428,7 +428,7 @@ class Statics:
     Attributes
     ----------
     subject : the design.
-    spec : what the scene says of friction.
+    data : what the scene says of friction.
     senses : of the follower's motion.
     start : q at cam angle 0 [mm or rad].
     """

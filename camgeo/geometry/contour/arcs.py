@@ -349,7 +349,7 @@ def tangent_turns(offsets: FloatArray, lengths: FloatArray, last: IntArray) -> F
 
     Parameters
     ----------
-    apart : (S, p) [mm] how far the curve lies to the right of the biarcs with its own tangents, at
+    offsets : (S, p) [mm] how far the curve lies to the right of the biarcs with its own tangents, at
         p places that divide each span evenly.
     lengths : (S,) [mm] of the spans' chords.
     last : (k,) number of the last span of each chain.

@@ -237,7 +237,7 @@ class ApproximatingArcs:
     Attributes
     ----------
     contour : these.
-    apart : upper bound of the distance between the two, in both directions [mm].
+    distance : upper bound of the distance between the two, in both directions [mm].
     counts : (strands,) pieces of `contour` for each strand.
     cubics, shares : (n,) where the vertices of `contour` lie on the splines: the number of the
         cubic among all cubics of the contour, and the share of its span; -1 and 0 at arcs.

@@ -449,7 +449,7 @@ class Enclosure:
 
     Attributes
     ----------
-    found : (n,) [mm] a distance that is certainly reached.
+    reached : (n,) [mm] a distance that is certainly reached.
     bound : (n,) [mm] bound of the distance.
     steepness : (n,) bound of sin alpha, 1 where the piece runs backwards.
     steep : (n,) sin alpha found in its middle, 1 where the piece runs backwards.

@@ -364,7 +364,7 @@ class _Reach:
     ----------
     half : (n,) half the cells [rad].
     pace : (n,) bound of |Z'| [mm/rad].
-    about : (n,) complex [mm] the point about which it turns with the cam; NaN where it does not.
+    centres : (n,) complex [mm] the point about which it turns with the cam; NaN where it does not.
     """
 
     half: FloatArray

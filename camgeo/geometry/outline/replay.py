@@ -376,7 +376,7 @@ class Jumps:
     Attributes
     ----------
     phi : (k,) cam angles [rad] in [0, 2 pi), ascending.
-    before, after : (k,) the value on both sides.
+    left, right : (k,) the value on both sides.
     """
 
     phi: FloatArray
