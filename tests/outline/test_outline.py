@@ -368,7 +368,7 @@ def outermost(low: FloatArray, width: FloatArray) -> tuple[FloatArray, IntArray]
     cells = outline.AngleCells.from_nodes(nodes)
     first = np.searchsorted(nodes, low)
     count = np.remainder(np.searchsorted(nodes, high) - first, len(nodes))
-    cell, piece = outline.cover_cells(cells, first, count, "pieces lie")
+    cell, piece = outline.cover_cells(cells, first, count, "its pieces overlap")
     kept = outline.visible_pieces(cell, piece.astype(float), piece.astype(float))
     borders, parent, held = outline.outermost(
         cells, (cell[kept], piece[kept]), np.empty(0), lambda which, _: which.astype(float)
@@ -404,7 +404,7 @@ def test_too_many_layers(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(outline, "MOST_PAIRS", 9)
     assert outermost(low, width)[1].tolist() == [0, 1, 2, outline.NONE]
     monkeypatch.setattr(outline, "MOST_PAIRS", 8)
-    with pytest.raises(GeometryError, match="its pieces lie in 2 layers; smooth it first"):
+    with pytest.raises(GeometryError, match="its pieces overlap in 2 layers; smooth it first"):
         outermost(low, width)
 
 

@@ -370,7 +370,7 @@ def test_a_small_play_is_what_the_check_reports(curve: PitchCurve, press: int) -
 def test_a_play_that_cannot_be_followed_is_refused() -> None:
     """Beyond the smallest radius of curvature, less than 20 mm, the parallel runs back."""
     curve = translating(move(40, 20.0), move(40, 0.0), dwell(280)).pitch
-    with pytest.raises(GeometryError, match="play is too large to be followed"):
+    with pytest.raises(GeometryError, match="side clearance is too large"):
         PlayedLift(path_of(curve.follower, curve.rotation), WorkingCurve(curve, -20.0)).jet(
             np.linspace(0.0, TURN, 91)
         )

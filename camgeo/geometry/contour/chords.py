@@ -82,7 +82,7 @@ class ChordDensity:
         self._total = self._width * float(np.sum(np.sqrt(0.125 * self._bend)))
 
     def count(self, aim: float) -> float:
-        """Chords that are expected to come within `aim` [mm], a real number."""
+        """Estimate of the number of chords needed for `aim` [mm]; not a whole number."""
         expected = self._width * float(np.sum(self._density(aim)))
         least = 4.0 if self._piece.end - self._piece.start > HALF_ROUND else 1.0
         return max(least, expected)
@@ -93,13 +93,15 @@ class ChordDensity:
             if self._finer is None:
                 self._finer = ChordDensity(self._piece, self._bends.refined())
             return self._finer.joints(count)
-        # Until the error gives about the requested number of chords.
+        # From the error that a curve of constant curvature would have, adjusted until the number of
+        # chords is about the requested one.
         error = (self._total / count) ** 2
         for _ in range(STEPS):
             density = self._density(error)
             excess = self._width * float(np.sum(density)) / count
             if excess <= CLOSE:
                 break
+            # The number of chords falls with the square root of the error.
             error *= excess * excess
         return self._shared(density, count)
 
@@ -121,6 +123,7 @@ class ChordDensity:
         if error <= 0.0:
             return np.maximum(np.sqrt(self._bend), self._turn)
         bend, slope = self._bend / (8.0 * error), self._slope / (8.0 * error)
+        # Fixed-point steps of density^2 = bend + slope / density, from the larger term alone.
         density = np.maximum(np.sqrt(bend), np.cbrt(slope))
         floor = np.finfo(float).tiny
         for _ in range(2):
@@ -160,9 +163,9 @@ def fit_polyline(path: Path, tolerance: float) -> Fit:
 
 
 def sampled_polyline(path: Path, tolerance: float) -> Contour:
-    """The chords that `fit_polyline` begins with, for pictures: at `PARTS` places of each they are
-    within `tolerance` [mm] of `path`. Nothing is proved of them, which takes longer than to find
-    them.
+    """The chords from which `fit_polyline` starts, for pictures: at `PARTS` places of each chord
+    the path is within `tolerance` [mm] of it. Nothing is proved, as a proof takes longer than the
+    fit.
 
     Raises
     ------
@@ -182,7 +185,7 @@ class _Group:
 
     Attributes
     ----------
-    curve : theirs.
+    curve : the curve of the pieces.
     densities, ends, end_rates : of each piece, its last point [mm] and dP/dphi there [mm/rad].
     """
 
@@ -201,6 +204,7 @@ class _Group:
     def _trials(self, wanted: Sequence[tuple[int, int]]) -> list[tuple[Chain, float]]:
         joints = [self.densities[piece].joints(count) for piece, count in wanted]
         trials, steps = self._chords([piece for piece, _ in wanted], joints)
+        # Places crowd only next to a cusp; there joints that cannot be told apart are dropped.
         crowded = [
             k
             for k, (chain, _) in enumerate(trials)
@@ -227,11 +231,14 @@ class _Group:
             (points, places, self.ends), (rates, tangents * pace, self.end_rates)
         ):  # fmt: skip
             whole[:, :-1] = part.reshape(phi.shape)
+            # A chord ends where the next one starts; the last of a piece ends in its left-hand
+            # value.
             whole[:-1, -1] = whole[1:, 0]
             whole[stops - 1, -1] = ends[list(pieces)]
         chord = points[:, -1] - points[:, 0]
         # Next to a cusp two joints may be one point; they are too near to each other to be kept.
         chord[chord == 0.0] = 1.0
+        # In the axes of its chord a point's imaginary part is its distance from it.
         back = np.conj(chord / np.abs(chord))[:, None]
         offsets = (back * (points - points[:, :1])).imag
         growth = (back * rates).imag * steps[:, None]
@@ -255,6 +262,7 @@ def _group(curve: WorkingCurve, pieces: list[SmoothPiece]) -> Group:
 
 
 def _arc_chords(leg: TurnLeg, aim: float, tolerance: float) -> Chain:
+    # A chord that spans the angle s leaves the sagitta r s^2 / 8.
     longest = min(math.sqrt(8.0 * aim / leg.radius), MOST_TURN)
     count = max(1, math.ceil(leg.end / longest))
     if count > MAX_CHORDS:

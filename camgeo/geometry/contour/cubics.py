@@ -127,7 +127,7 @@ def path_parts(legs: Sequence[Leg], tolerance: float) -> list[Part]:
 def _require_joined(
     leg: StretchLeg, right: ComplexArray, left: ComplexArray, tolerance: float
 ) -> None:
-    """A parallel is torn apart where the follower's velocity jumps: there it is no single leg.
+    """Raise GeometryError where a parallel has a gap: a jump of the follower's velocity tears it.
 
     `right`, `left` (pieces,) are the starts and the ends of its pieces.
     """
@@ -153,6 +153,7 @@ def _curve_parts(
     count = len(moving)
     rest_starts = np.array([pieces[k].start for k in rests])
     middle = np.array([0.5 * (pieces[k].start + pieces[k].end) for k in rests])
+    # From the right: the starts of the cells, their nodes, then starts and middles of the arcs.
     here = Traced.evaluate(
         curve, np.concatenate((phi[:, :-1].ravel(), nodes.ravel(), rest_starts, middle))
     )
@@ -172,6 +173,7 @@ def _curve_parts(
     starts[moving], middles[moving] = cells.points[:, 0], cells.points[:, CELLS // 2]
     starts[rests], middles[rests] = resting.points
     ends = back.points
+    # By way of the middle, as a closed piece ends where it starts.
     long = np.abs(middles - starts) + np.abs(ends - middles) > JOINT_DISTANCE * np.abs(starts)
 
     rows = [place for place, k in enumerate(moving) if long[k]]
@@ -303,7 +305,8 @@ class ArcLength:
         tangents: ComplexArray,
         inside: Traced,
     ) -> ArcLength:
-        """From the curve at the cells' ends and, `inside`, at the nodes: see `cell_angles`.
+        """Arc length and difficulty, from the curve at the cells' ends and, `inside`, at the nodes;
+        see `cell_angles`.
 
         The pieces must be regular, except for cusps at single points.
         """
@@ -335,9 +338,11 @@ class ArcLength:
     def require_finite(self) -> None:
         """Raise GeometryError if the curve stands still or its difficulty is not finite."""
         if not np.all(np.isfinite(self.s)) or np.any(np.diff(self.s, axis=1) <= 0.0):
-            raise GeometryError("the curve stands still: no spline over its arc length can be made")
+            raise GeometryError(
+                "the curve stands still, so that it has no spline over its arc length"
+            )
         if not np.all(np.isfinite(self.totals)):
-            raise GeometryError("the curvature of the curve is infinite on a stretch of it")
+            raise GeometryError("the curvature is infinite along a stretch of the curve")
 
     @property
     def shares(self) -> FloatArray:
@@ -371,6 +376,7 @@ class ArcLength:
         x = np.clip(wanted / a - 1.0, -1.0, 1.0)
         for _ in range(NEWTON):
             reached = a * (x + 1.0) + b * (x * x - 1.0) / 2.0 + c * (x * x * x + 1.0) / 3.0
+            # Kept positive: next to a cusp the parabola may dip below zero.
             slope = np.maximum(a + x * (b + x * c), 1e-3 * a)
             x = np.clip(x + (wanted - reached) / slope, -1.0, 1.0)
         return low + half * (x + 1.0)
@@ -388,6 +394,7 @@ class ArcLength:
         step = flat[place + 1] - low
         t = (s - low) / step
         leave, arrive = step * tangents[place], step * tangents[place + 1]
+        # Hermite's cubic: the chord, plus terms by which both end slopes differ from it.
         chord = last - first
         bow, lean = leave - chord, arrive - chord
         w = 1.0 - t
@@ -485,7 +492,7 @@ class Trial:
     worst: FloatArray
 
     def fitted_spline(self, number: int) -> FittedSpline:
-        """The spline of that number, over its own arc length from 0 on."""
+        """The spline `number`, over its own arc length, which begins at 0."""
         layout, solution = self.layout, self.solution
         count = int(layout.counts[number])
         first = int(layout.span_starts[number])
@@ -625,10 +632,12 @@ def _shifted(
     total = np.add.reduceat(work, first)[owner]
     # Work up to the end of each span, such that a spline's work is its number of spans.
     progress = first[owner] + (sums - prior_work) / total * layout.counts[owner]
+    # Exactly, whatever the sums round to.
     progress[last] = last + 1.0
     lengths = solution.high - solution.low
     far = np.cumsum(lengths)
     line = np.interp(np.arange(len(owner) + 1.0), np.append(0.0, progress), np.append(0.0, far))
+    # The line of all spans is moved, spline by spline, onto the pieces of the curve.
     offset = (course.ends[layout.piece] - (far[first] - lengths[first]))[owner]
     low, high = line[:-1] + offset, line[1:] + offset
     low[first], high[last] = course.ends[layout.piece], course.ends[layout.piece + 1]
@@ -731,6 +740,7 @@ def solve(
     first_span = layout.span_starts[owner]
     local = np.arange(spans) - first_span
     parts = FINE_PARTS if final else PARTS
+    # Over each span only the four B-splines `columns` differ from zero.
     basis = _basis(low, high, first_span, first_span + layout.counts[owner] - 1, parts)
     columns = (layout.control_starts[owner] + local)[:, None] + np.arange(ORDER)
 
@@ -742,15 +752,18 @@ def solve(
     middle = len(parts) // 2
     chosen = basis[:, ::middle]  # ends and middles of the spans
     free = chosen * ~held[columns][:, None, :]
+    # In the sums s is the span, q the place in it, and c, i, j one of its four control points.
     rest = points[:, ::middle] - np.einsum("sqc,sc->sq", chosen, fixed[columns])
     products = np.einsum("sqi,sqj->sij", free, free)
     size = len(fixed)
+    # The lower half of the banded normal matrix, row k its k-th diagonal below the main one.
     bands = np.zeros((ORDER, size))
     for offset in range(ORDER):
         for i in range(ORDER - offset):
             bands[offset] += np.bincount(
                 columns[:, i], weights=products[:, i, i + offset], minlength=size
             )
+    # Held control points have no other entries: 1 on the diagonal keeps the matrix regular.
     bands[0] += held
     sides = np.einsum("sqi,sq->si", free, rest)
     right = np.empty((size, 2))
@@ -769,7 +782,7 @@ def solve(
 
 
 def _peaks(offsets: FloatArray, first: IntArray, last: IntArray) -> FloatArray:
-    """(spans,) largest magnitude of the parabolas through any three neighbours of `off` (spans,
+    """(spans,) largest magnitude of the parabolas through any three neighbours of `offsets` (spans,
     parts).
 
     At their vertices; those of the spans before and after count too. Before the spans `first` and
@@ -805,11 +818,14 @@ def _curve(
 
 
 def _exact(course: ArcLength, piece: IntArray, s: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+    """Points and unit tangents (n,) of the curve itself at S `s` (n,) [mm] of `piece` (n,)."""
     return course.curve.points_and_tangents(course.angles(piece, s))
 
 
 def _fixed(layout: Layout, low: FloatArray, high: FloatArray) -> tuple[ComplexArray, BoolArray]:
-    """(control points,) the four outer ones of each spline, 0 for free ones; a mask of them."""
+    """(control points,) complex [mm] the four outermost control points of each spline, 0 for all
+    others; and a mask of those four.
+    """
     fixed = np.zeros(int(np.sum(layout.counts + ORDER - 1)), dtype=np.complex128)
     begin = layout.control_starts
     end = begin + layout.counts + ORDER - 2
@@ -831,6 +847,7 @@ def _basis(
 ) -> FloatArray:
     """(spans, parts, 4) the four B-splines over each span, clamped at the spans `first`, `last`."""
     index = np.arange(len(low))
+    # The recursion of Cox and de Boor; beyond the ends of a spline its knots repeat.
     left_knots = [low[np.maximum(index - k, first)] for k in (2, 1, 0)]
     right_knots = [high[np.minimum(index + k, last)] for k in (0, 1, 2)]
     knots = np.stack((*left_knots, *right_knots), axis=1)[:, None, :]
@@ -920,7 +937,7 @@ def _proved(path: Path, tolerance: float, search: Search) -> SplineFit:
 def _groups(
     parts: Sequence[Part], ends: Sequence[complex], open_parts: Sequence[int]
 ) -> list[tuple[list[int], ArcLength, Ends]]:
-    """The parts that need splines, by their curve; nearly always there is only one."""
+    """The parts that need splines, by their curve; nearly always there is only one curve."""
     chosen: dict[int, tuple[ArcLength, list[int]]] = {}
     for k in open_parts:
         course = parts[k].course
@@ -957,7 +974,8 @@ the same width are a fifth as many an arc as where the arcs themselves make the 
 def fitted_deviation(
     legs: Sequence[Leg], parts: Sequence[Part], contour: SplineContour, scale: float, enough: float
 ) -> float:
-    """As `spline_deviation`, for a contour whose place along the path is known.
+    """Upper bound [mm] of the distance between a spline contour and its path, where the place of
+    each strand along the path is known.
 
     Parameters
     ----------

@@ -153,13 +153,14 @@ class _Pieces:
 
     @property
     def middle(self) -> ComplexArray:
-        """(n,) complex [mm]."""
+        """(n,) complex [mm] the point half way along each piece."""
         return 0.5 * (self.start + self.end) + self.rise
 
     def points_by_share(self, share: FloatArray) -> ComplexArray:
         """(n,) complex [mm] the point of each piece at the `share` (n,) of its length."""
         half = 0.5 * self.sweep
         safe = np.where(half == 0.0, 1.0, half)
+        # From the chord alone: the centre of a flat arc is far away and has no digits left.
         bent = np.exp(1j * half * (share - 1.0)) * np.sin(safe * share) / np.sin(safe)
         return self.start + self.chord * np.where(half == 0.0, share, bent)
 
@@ -217,10 +218,12 @@ def _largest(cells: _Pieces, pieces: _Pieces, rounding: float, known: float) -> 
             return reached, bound
         if np.count_nonzero(loose) > MOST:
             break
+        # The numbers that the loose cells have once the others are dropped.
         place = np.cumsum(loose) - 1
         undecided = loose[pairs[0]]
         cell, piece = place[pairs[0][undecided]], pairs[1][undecided]
         number = int(place[-1]) + 1
+        # `halves` lists all first halves, then all second ones; both keep the pieces of their cell.
         pairs = np.concatenate((cell, cell + number)), np.concatenate((piece, piece))
         cells = taken(cells, loose).halves()
     return reached, max(bound, float(np.max(most[loose])))
@@ -241,8 +244,11 @@ def _bounded(
     distances = _distances(middle[pairs[0]], taken(pieces, pairs[1]))
     nearest = _least(distances, pairs[0])
     reached = max(reached, float(np.max(nearest)))
+    # A piece that is farther from the middle than the nearest one, by twice the reach, is never
+    # the nearest to a point of the cell.
     near = distances <= (nearest + 2.0 * reach)[pairs[0]] + rounding
     pairs = pairs[0][near], pairs[1][near]
+    # No point of a cell lies farther from its middle than `reach`, and distances change no faster.
     most = nearest + reach
     few = (np.bincount(pairs[0], minlength=len(most)) <= FEW) & (most > reached)
     chosen = few[pairs[0]]
@@ -374,6 +380,7 @@ def _share(cells: _Pieces, pieces: _Pieces) -> FloatArray:
     on_arc = np.mod(turned, math.pi) / np.where(bent, np.abs(cells.sweep), 1.0)
     round_piece = frame.sine > 0.0
     square = np.where(round_piece, frame.sine, 1.0) * cell_frame.chord * cell_frame.chord
+    # Of a line cell: where the way from the piece's centre is square to it.
     foot = -(gradient * np.conj(cells.chord)).real / square
     share = np.where(bent, on_arc, np.where(round_piece, foot, 0.0))
     return np.asarray(np.clip(share, 0.0, 1.0))
@@ -390,5 +397,5 @@ def deviation_bound(exact: Contour, contour: Contour) -> float:
         If `contour` does not follow `exact` once round.
     """
     if abs(abs(exact.area) - abs(contour.area)) > 0.5 * abs(exact.area):
-        raise GeometryError("the contour does not go once round the exact outline")
+        raise GeometryError("the contour does not run once round the exact outline")
     return distance(exact, contour)

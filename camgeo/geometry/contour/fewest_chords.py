@@ -126,6 +126,7 @@ def _kinks(leg: StretchLeg) -> list[float]:
 
 
 def _stretched(leg: StretchLeg, start: float, end: float, *, closed: bool) -> Stretched:
+    """The stretch of `leg` from cam angle `start` to `end` [rad], without a corner inside."""
     curve = leg.curve
 
     def place(phi: FloatArray) -> tuple[ComplexArray, ComplexArray]:
@@ -139,13 +140,14 @@ def _stretched(leg: StretchLeg, start: float, end: float, *, closed: bool) -> St
 
 
 def _chain(laid: Sequence[Chords]) -> Chain:
-    """Stretches one after the other; the last vertex of each is the first of the next."""
+    """The chain of consecutive stretches: the last vertex of each is the first of the next."""
     angles = np.concatenate([chords.angles[: len(chords.worst)] for chords in laid])
     vertices = np.concatenate([chords.vertices[: len(chords.worst)] for chords in laid])
     return Chain.straight(angles, vertices)
 
 
 def _arc_chords(leg: TurnLeg, aim: float) -> Chain:
+    """The fewest chords within `aim` [mm] of an arc, which lies on both sides of them."""
     count = arc_count(aim, leg.radius, leg.end, MOST_TURN)
     if count > MAX_CHORDS:
         raise too_many(MAX_CHORDS, "straight pieces", aim)
@@ -215,6 +217,7 @@ class Ladder:
         ToleranceError
             If no such number of pieces can meet the deviation in double precision.
         """
+        # The rung on which the formula expects this deviation.
         rung = max(math.ceil(0.5 * RUNGS * math.log2(share * self.unit / most)), -FINEST)
         reached = math.inf
         seen: set[bytes] = set()
@@ -224,6 +227,8 @@ class Ladder:
             key = counts.tobytes()
             if key not in seen:
                 seen.add(key)
+                # Fewest pieces first, and among equals the layout of a rung before one with an
+                # added piece.
                 heapq.heappush(waiting, (int(np.sum(counts)), -plain, key, rung, plain))
 
         wait(self._counts(rung), rung, plain=True)
@@ -241,6 +246,7 @@ class Ladder:
             aim = self._aim(rung) * bends.least(counts)
             laid = place_equal_error(self.stretch, aim, counts, MOST_TURN)
             chords = laid.chords
+            # As in the proof: distances across the pieces, and of the ends along them.
             deviation = math.hypot(share * float(np.max(chords.worst)), chords.gap)
             if np.max(chords.turns) <= MOST_TURN * EVENNESS:
                 reached = min(reached, deviation)
@@ -255,9 +261,11 @@ class Ladder:
         raise ToleranceError("straight pieces cannot follow the curve", most, reached)
 
     def _aim(self, rung: int) -> float:
+        """Deviation [mm] on a `rung`: half of that `RUNGS / 2` rungs before."""
         return self.unit * math.exp2(-2.0 * rung / RUNGS)
 
     def _bends(self, rung: int) -> Bends:
+        """The bends of the stretch for the deviation on a `rung`."""
         table = self.stretch.table
         shares = table.shares(self._aim(rung), MOST_TURN)
         return stretch_bends(self.stretch, shares, np.ones(len(table.inflections)))
@@ -270,6 +278,7 @@ class Ladder:
     def _last_rung(self, counts: IntArray, rung: int) -> int:
         """The last rung on which no bend needs more than its `counts` (b,); `rung` is one such."""
         low, step = rung, 1
+        # Doubled steps bracket the last rung, then halving finds it.
         while low + step <= FINEST and np.all(self._counts(low + step) <= counts):
             low, step = low + step, 2 * step
         high = min(low + step, FINEST + 1)
@@ -358,6 +367,7 @@ def stretch_bends(
         none = np.zeros(1)
         return Bends(none, np.array([total]), none, none, none > 0.0)
     if stretch.closed:
+        # Bend k lies between the inflections k and k + 1, the last one across the start.
         low, high = right, np.append(left[1:], left[0] + total)
         first, last = inflections, np.append(inflections[1:], inflections[0] + total)
         extra = np.zeros(len(low))
@@ -446,10 +456,13 @@ def place_equal_error(
             break
         single = _with_ends(single, np.flatnonzero(chords.worst > UNEVEN * tolerance))
         piece_deviation = 0.5 * (chords.span + chords.worst)
+        # The number of ideal chords that a piece is worth: a deviation grows with the square of the
+        # length.
         cost = np.maximum(np.sqrt(piece_deviation / tolerance), chords.turns / most_turn)
         marks, costs = _cumulative_costs(
             places, np.maximum(cost, LEAST_COST), total, stretch.closed
         )
+        # Through an inflection the deviation grows with the cube of the length.
         reaches = reaches / np.cbrt(np.roll(excess, 1) if stretch.closed else excess)
     assert best is not None
     return best
@@ -487,6 +500,7 @@ def _offsets(
     sides = stretch.table.sides
     if stretch.closed and len(sides) > 1:
         sides = sides[1:]
+    # Both ends of each chord through an inflection.
     ends = through | np.roll(through, 1)
     loose = ends & bends.narrow[bend]
     held = ends & ~loose
@@ -511,7 +525,9 @@ def _with_ends(single: BoolArray, pieces: IntArray) -> BoolArray:
 def _cumulative_costs(
     places: FloatArray, cost: FloatArray, total: float, closed: bool
 ) -> tuple[FloatArray, FloatArray]:
-    """Places and the sum of the costs up to them; of a closed stretch a chord more at both ends."""
+    """Places of the vertices and the sum of the costs up to each; of a closed stretch with one more
+    chord at both ends, so that the table covers a whole turn.
+    """
     if closed:
         places = np.concatenate((places[-1:] - total, places, places[:2] + total))
         cost = np.concatenate((cost[-1:], cost, cost[:1]))
@@ -598,6 +614,7 @@ def stretch_table(curve: WorkingCurve, start: float, end: float) -> StretchTable
     parts = np.arange(CELLS) / CELLS
     grid = (cuts[:-1, None] + np.diff(cuts)[:, None] * parts).ravel()
     grid = np.append(grid, end)
+    # A chord through an inflection may be short, so that the table is finer there.
     crossings = _sign_changes(curve, grid)
     if len(crossings):
         width = 2.0 * (end - start) / len(grid)
@@ -639,6 +656,7 @@ def _sign_changes(curve: WorkingCurve, grid: FloatArray) -> FloatArray:
     middle = 0.5 * (grid[:-1] + grid[1:])
     low, high = middle[bent[change]], middle[bent[change + 1]]
     sign = np.sign(kappa[bent[change]])
+    # Bisection until the cam angle is exact to rounding.
     for _ in range(40):
         half = 0.5 * (low + high)
         same = np.sign(curve.pitch.curvature(half)) == sign
@@ -736,12 +754,14 @@ def lay(
     points, tangents = stretch.place(angles)
     normals = 1j * stretch.rotation * tangents
     ends = np.append(angles[1:], last)[:count]
+    # The | 1 makes the number odd, so that one sample lies in the middle.
     samples = min(max(POINTS // count | 1, FINE), FINEST_SPLIT) if count < MANY else COARSE
     parts = (np.arange(samples) + 1.0) / (samples + 1.0)
     inner = angles[:count, None] + (ends - angles[:count])[:, None] * parts
     inner_points = stretch.points(inner.ravel()).reshape(inner.shape)
 
     height, share = _heights(points, inner_points, count, stretch.rotation)
+    # Of each chord only the farthest sample enters the least squares.
     highest = np.argmax(np.abs(height), axis=1)[:, None]
     vertex_offsets = _least_squares(
         np.take_along_axis(height, highest, axis=1)[:, 0],
@@ -753,6 +773,7 @@ def lay(
         vertex_offsets[number] = _least_worst(int(number), vertex_offsets, height, share)
     vertices = points + vertex_offsets * normals
     height, _ = _heights(vertices, inner_points, count, stretch.rotation)
+    # Seen from the chord, the curve at a vertex lies opposite to the vertex's offset.
     heights = np.column_stack(
         (-vertex_offsets[:count], height, -np.roll(vertex_offsets, -1)[:count])
     )
@@ -799,6 +820,7 @@ def _least_squares(
     part, rise = np.zeros(size), np.zeros(size)
     weight[:count], part[:count], rise[:count] = 1.0, share, height
     rest = 1.0 - part
+    # Normal equations; each vertex is coupled with its neighbours by their common chords.
     diagonal = 1.0 + weight * rest * rest + np.roll(weight * part * part, 1)
     coupling = weight * rest * part
     right = weight * rest * rise + np.roll(weight * part * rise, 1)
@@ -868,6 +890,7 @@ def monotone(x: FloatArray, y: FloatArray, places: FloatArray) -> FloatArray:
         left_weight / slope[:-1] + right_weight / slope[1:]
     )
     slopes[0], slopes[-1] = slope[0], slope[-1]
+    # Beyond the ends the outermost cubics go on.
     k = np.clip(np.searchsorted(x, places, side="right") - 1, 0, len(width) - 1)
     s = (places - x[k]) / width[k]
     m0, m1, d = slopes[k], slopes[k + 1], slope[k]

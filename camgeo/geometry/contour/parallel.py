@@ -35,6 +35,7 @@ def parallel(contour: Contour, distance: float) -> Contour:
     radii = contour.radii + np.sign(contour.sweeps) * distance
     if np.any(round_ & (radii <= 0.0)):
         raise _gone(distance)
+    # The contour runs counter-clockwise, so that outside is on the right of its direction.
     shifted = starts - 1j * distance * ahead
     vertices = shifted.copy()
     for k in np.flatnonzero(sharp).tolist():
@@ -58,6 +59,7 @@ def _meeting(one: Carrier, other: Carrier, near: complex, distance: float) -> co
     if isinstance(one[1], float) and isinstance(other[1], float):
         centre_line = other[0] - one[0]
         centre_distance = abs(centre_line)
+        # Along the line of centres to the common chord of the circles; concentric ones have none.
         along = (
             (centre_distance**2 + one[1] ** 2 - other[1] ** 2) / (2.0 * centre_distance)
             if centre_distance
@@ -105,6 +107,7 @@ def _sweeps(
                 raise _gone(distance)
             continue
         start, end = vertices[k] - contour.centres[k], ends[k] - contour.centres[k]
+        # Counted in the sense of the sweep, in [0, 2 pi).
         turned = float(np.angle(end / start)) * np.sign(sweep) % TURN
         near = abs(sweep)
         # Ends of whole turns may be rounded to either side.
@@ -136,7 +139,7 @@ def count_steps(contour: Contour, distance: float, limit: float) -> int:
     """
 
     def corner_error(step: float) -> float:
-        # The root of a linear function is bent most where it is least, in its first step.
+        # The root of a linear function bends most where it is smallest: in its first step.
         middle, end = (parallel(contour, shift).vertices for shift in (0.5 * step, step))
         return SAG * float(np.max(np.abs(middle - 0.5 * (contour.vertices + end))))
 
@@ -145,5 +148,5 @@ def count_steps(contour: Contour, distance: float, limit: float) -> int:
 
 def _gone(distance: float) -> GeometryError:
     return GeometryError(
-        f"a contour {abs(distance):g} mm beside it has other pieces, or none", key="part"
+        f"the contour has no parallel with the same pieces at {abs(distance):g} mm", key="part"
     )

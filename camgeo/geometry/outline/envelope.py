@@ -59,8 +59,8 @@ class EnvelopeSamples:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Pivots:
-    """The turns among m elements, in their places: `Pivot.centre`, `normal` at the start, and +1 or
-    -1 for the sense of the sweep; 0 for stretches.
+    """The turns about a point among m elements: `Pivot.centre`, `normal` at the start, and +1 or -1
+    for the sense of the sweep. All are 0 at the numbers of stretches.
     """
 
     centre: ComplexArray
@@ -95,6 +95,7 @@ class Envelope:
         chain: list[Element] = []
         ends = np.append(angles[1:], angles[0] + TURN)
         for k, (start, end) in enumerate(zip(map(float, angles), map(float, ends), strict=True)):
+            # The outward normal is n = i sigma t.
             normal = 1j * curve.pitch.rotation * complex(arriving[k])
             chain.append(
                 Pivot(
@@ -102,6 +103,7 @@ class Envelope:
                     curve.distance,
                     normal,
                     float(sweeps[k]),
+                    # A corner at cam angle 0 ends the stretch before it at a full turn.
                     phi_start=start if start > 0.0 else TURN,
                     phi_end=start,
                 )
@@ -181,6 +183,7 @@ class Envelope:
 
     def wrapped(self, places: FloatArray) -> FloatArray:
         """(n,) `places` reduced to [0, total)."""
+        # The subtraction may round up to the total itself, which is the start again.
         reduced = places - self.total * np.floor(places / self.total)
         return np.asarray(np.where(reduced >= self.total, 0.0, reduced))
 
@@ -252,6 +255,7 @@ class Envelope:
         z1, z2 = jet[1], jet[2]
         speed = np.abs(z1)
         tangents = z1 / speed
+        # The rate at which the direction of Z' turns: Im(conj(Z') Z'') / |Z'|^2.
         turning = (z1.real * z2.imag - z1.imag * z2.real) / (speed * speed)
         normal = 1j * pitch.rotation * tangents
         return EnvelopeSamples(
@@ -287,7 +291,7 @@ PLACE = 2.0**-52 * 32.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FlankCells:
-    """n cells.
+    """n cells of an envelope, each with a box that encloses that stretch of it.
 
     Attributes
     ----------
@@ -345,11 +349,14 @@ Boxes = tuple[Any, ...]
 
 
 def _stretch_boxes(envelope: Envelope, low: FloatArray, high: FloatArray, index: IntArray) -> Boxes:
+    """The boxes of cells on stretches of the parallel, see above."""
     curve, pitch = envelope.curve, envelope.curve.pitch
     offset = abs(curve.distance)
     half = 0.5 * (high - low)
     shift = envelope.angle_offsets[index]
     middle = 0.5 * (low + high) + shift
+    # Bounds are those of one turn: cells are reduced to it, and their ends clipped against
+    # rounding.
     turns = np.where(middle >= TURN, TURN, 0.0)
     ends = np.maximum(low + shift - turns, 0.0), np.minimum(high + shift - turns, TURN)
     jet, (_, _, third) = pitch.jet_and_bounds(*ends)
@@ -358,6 +365,7 @@ def _stretch_boxes(envelope: Envelope, low: FloatArray, high: FloatArray, index:
     tangent = z1 / speed
     turning = (z1.real * z2.imag - z1.imag * z2.real) / (speed * speed)
     pace = speed - pitch.rotation * curve.distance * turning
+    # Bounds of |Z'| from below and of |Z''| from above over the cell.
     slowest = speed - half * (size + 0.5 * half * third)
     second = size + half * third
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
@@ -386,6 +394,7 @@ def _stretch_boxes(envelope: Envelope, low: FloatArray, high: FloatArray, index:
 
 
 def _pivot_boxes(envelope: Envelope, low: FloatArray, high: FloatArray, index: IntArray) -> Boxes:
+    """The boxes of cells on arcs about corners of the pitch curve."""
     half = 0.5 * (high - low)
     samples = envelope.pivot_samples(index, 0.5 * (low + high) - envelope.starts[index])
     pace, sign = np.abs(samples.pace), np.sign(samples.pace)
@@ -404,17 +413,18 @@ def halved(envelope: Envelope, cells: FlankCells) -> FlankCells:
     if len(cells) > MOST + MORE * len(envelope.borders):
         raise unresolved(envelope, cells.low[np.argsort(cells.high - cells.low)])
     middle = 0.5 * (cells.low + cells.high)
+    # Interleaved: the halves of cell k are the cells 2 k and 2 k + 1.
     low = np.column_stack((cells.low, middle)).ravel()
     high = np.column_stack((middle, cells.high)).ravel()
     return enclose(envelope, low, high, np.repeat(cells.origin, 2))
 
 
 def unresolved(envelope: Envelope, places: FloatArray) -> GeometryError:
-    """The error of a division that does not end, at the first of `places` (n,)."""
+    """The error for a division that does not end, with the cam angle of the first of `places`."""
     angle = np.degrees(envelope.cam_angles(envelope.wrapped(places[:1])))[0]
     return GeometryError(
-        f"at cam angle {angle:.6f} deg the flank bends more tightly than can be resolved, or keeps"
-        " too near to a cusp: it cannot be decided what is left of it"
+        f"at cam angle {angle:.6f} deg the flank bends too tightly to be resolved, or stays too"
+        " close to a cusp: it cannot be decided what is left of it"
     )
 
 
@@ -428,6 +438,7 @@ def overlapping(envelope: Envelope, cells: FlankCells) -> tuple[IntArray, IntArr
     GeometryError if there are more than `MOST_PAIRS`.
     """
     tangent = cells.tangent
+    # Half sides of the upright rectangle about a turned box.
     wide = np.abs(tangent.real) * cells.along + np.abs(tangent.imag) * cells.across
     high = np.abs(tangent.imag) * cells.along + np.abs(tangent.real) * cells.across
     left, right = cells.middle.real - wide, cells.middle.real + wide
@@ -439,7 +450,7 @@ def overlapping(envelope: Envelope, cells: FlankCells) -> tuple[IntArray, IntArr
         worst = order[[int(np.argmax(counts))]]
         angle = np.degrees(envelope.cam_angles(cells.low[worst]))[0]
         raise GeometryError(
-            f"about cam angle {angle:.6f} deg too many stretches of the flank lie too close to be"
+            f"near cam angle {angle:.6f} deg too many stretches of the flank lie too close to be"
             " separated: it cannot be decided what is left of it"
         )
     one, step = grouped(counts)
@@ -468,6 +479,7 @@ def cross_once(one: FlankCells, other: FlankCells) -> BoolArray:
     """(k,) True where the tangents of both cells provably differ: they cross at most once."""
     turned = np.conj(one.tangent) * other.tangent
     angle = np.abs(np.angle(turned))
+    # Between the lines: it does not matter which way either is traversed.
     angle = np.minimum(angle, np.pi - angle)
     return np.asarray(angle > one.turn + other.turn)
 
@@ -482,12 +494,10 @@ def cross_once(one: FlankCells, other: FlankCells) -> BoolArray:
 # - nor where a changes sign once, at theta_c, and theta goes on growing or falling: then
 #   a sin(theta - theta_c) keeps its sign;
 # - nor where a changes sign once and theta stays within a right angle: the way between two points
-# of
-#   a branch is never square to a tangent of it then, so that the distance of a point of the branch
-#   from the roller centre Z has no extreme but at its own cam angle. It is smallest there, |d|,
-# where
-#   a > 0, and largest where a < 0: the roller at the cusp touches neither branch again, one lies
-#   outside of it and the other inside;
+#   of a branch is never square to a tangent of it then, so that the distance of a point of the
+#   branch from the roller centre Z has no extreme but at its own cam angle. It is smallest there,
+#   |d|, where a > 0, and largest where a < 0: the roller at the cusp touches neither branch again,
+#   one lies outside of it and the other inside;
 # - where a changes sign twice, + - +, and theta grows or falls steadily, there is at most one such
 #   pair: of two, the one inside the other would need two sums of directions from cones that lie
 #   apart to be equal, and two side by side a sum in one half plane to vanish.
@@ -595,6 +605,7 @@ def first_cells(envelope: Envelope, cusps: FloatArray) -> FlankCells:
 
 
 def _touches(cells: FlankCells, cusps: FloatArray) -> BoolArray:
+    """(n,) whether a cell begins or ends at one of the `cusps` (k,)."""
     if not len(cusps):
         return np.zeros(len(cells), dtype=np.bool_)
     # The last cell ends where the first one begins.
@@ -604,6 +615,7 @@ def _touches(cells: FlankCells, cusps: FloatArray) -> BoolArray:
 
 def _sums(values: FloatArray | BoolArray) -> NDArray[Any]:
     """Sums before each cell and after the last, over two turns; of truth values, how many hold."""
+    # Over two turns, so that runs across the start are differences of two sums as well.
     return np.concatenate(([0], np.cumsum(np.concatenate((values, values)))))
 
 
@@ -666,6 +678,7 @@ def _candidate_pairs(division: Division, runs: list[CellRun]) -> tuple[IntArray,
     reach = np.zeros(count, dtype=np.intp)
     for run in runs:
         reach[run.first] = max(reach[run.first], run.first + run.cells)
+        # A run across the end goes on from the first cell.
         reach[0] = max(reach[0], run.first + run.cells - count)
     reach = np.maximum.accumulate(reach)
     plain |= (reach[first] > second) | (reach[second] > first + count)
@@ -704,8 +717,8 @@ def _decide(envelope: Envelope, cells: FlankCells, pairs: tuple[IntArray, IntArr
     nearest = [int(np.argmin(gaps))]
     angles = [math.degrees(envelope.cam_angles(branch.low[nearest])[0]) for branch in (one, other)]
     raise GeometryError(
-        f"about cam angles {angles[0]:.6f} and {angles[1]:.6f} deg two stretches of the flank lie"
-        f" on each other, to {gaps[nearest[0]]:.2g} mm: it cannot be decided what is left of it"
+        f"near the cam angles {angles[0]:.6f} and {angles[1]:.6f} deg two stretches of the flank"
+        f" lie on each other, to {gaps[nearest[0]]:.2g} mm: it cannot be decided what is left of it"
     )
 
 
@@ -729,9 +742,11 @@ def _refined(
     """The pairs of the halves of each pair whose boxes still meet."""
     if not len(first):
         return cells, first, second
+    # A cell that belongs to several pairs is halved once.
     used, place = np.unique_inverse(np.concatenate((first, second)))
     fine = halved(envelope, cells.some(used))
     one, other = 2 * place[: len(first)], 2 * place[len(first) :]
+    # All four pairs of halves.
     one = np.concatenate((one, one, one + 1, one + 1))
     other = np.concatenate((other, other + 1, other, other + 1))
     both = meet(fine.some(one), fine.some(other))
@@ -759,6 +774,7 @@ def _newton(
         if not np.any(inside):  # no place moves any more
             break
         with np.errstate(divide="ignore", invalid="ignore"):
+            # Cramer's rule for the two parts of that equation.
             dx = (np.conj(at_y.tangents) * gap).imag / (-sine * at_x.pace)
             dy = (np.conj(at_x.tangents) * gap).imag / (-sine * at_y.pace)
         inside &= np.isfinite(dx) & np.isfinite(dy)
@@ -784,10 +800,12 @@ def _newton(
 
 
 def _node(one: float, other: float, point: complex, *, touching: bool = False) -> Node:
+    """The node with these two path parameters, in any order."""
     return Node(min(one, other), max(one, other), point, touching)
 
 
 def _near(places: FloatArray, cells: FlankCells, share: float) -> BoolArray:
+    """(n,) whether `places` (n,) are in their cells, or outside by at most that `share` of them."""
     room = share * (cells.high - cells.low)
     return np.asarray((places >= cells.low - room) & (places <= cells.high + room))
 
@@ -803,6 +821,8 @@ def _distinct(nodes: list[Node], total: float) -> tuple[Node, ...]:
         if any(_same(node, other, limit, total) for other in near.get(field % fields, ())):
             continue
         distinct.append(node)
+        # Nodes that are the same lie in the same field of the path parameter or in neighbouring
+        # ones.
         nearby = {
             int(place / TOUCHING) + step
             for place in (node.first, node.second)
@@ -814,6 +834,7 @@ def _distinct(nodes: list[Node], total: float) -> tuple[Node, ...]:
 
 
 def _same(one: Node, other: Node, limit: float, total: float) -> bool:
+    """Whether both places of two nodes agree to `limit`, in either order and across the end."""
     pairs = [(other.first, other.second), (other.second, other.first)]
     gaps = np.abs(np.array(pairs) - [one.first, one.second])
     return bool(np.any(np.all(np.minimum(gaps, total - gaps) < limit, axis=1)))
@@ -900,6 +921,7 @@ class UnrolledCells:
         self.low, self.high, bend = thrice.low + turns, thrice.high + turns, thrice.bend
         self.negative: BoolArray = np.tile(division.negative, 3)
         self.turn = np.tile(2.0 * cells.turn, 3)
+        # A sense of 0 asks for no bend: all cells qualify.
         self.bending = {0.0: bend == bend, 1.0: bend == 1.0, -1.0: bend == -1.0}
 
     def steady_run(self, start: float, end: float) -> CellRun | None:
@@ -965,15 +987,18 @@ def small_runs(
     for cusp, limit in ((start, [run.low for run in runs]), (end, [run.high for run in runs])):
         away, room = np.sign(limit - cusp), np.abs(limit - cusp)
         pace = envelope.samples(cusp + 1e-3 * away * half).pace
+        # As far as the parts must reach at the pace next to the cusp, or as the run goes.
         reach = cusp + away * np.minimum(REACH * length / np.maximum(pace, 1e-300), room)
         way = reach - cusp
         along = _samples(
             envelope, cusp[:, None] + way[:, None] * np.linspace(0.0, 1.0, SAMPLES)[1:]
         )
+        # It must hold the length of what runs back, and the pace stays positive.
         sure &= np.mean(along.pace, axis=1) * np.abs(way) >= length
         sure &= np.min(along.pace, axis=1) > 0.0
         steps = np.abs(np.angle(along.tangents[:, 1:] * np.conj(along.tangents[:, :-1])))
         with np.errstate(divide="ignore", invalid="ignore"):  # where the pace is not above 0
+            # The fastest turn of the tangent per unit of length.
             fastest = np.max(steps / along.pace[:, 1:], axis=1) * SAMPLES / np.abs(way)
         reaches.append(reach)
         tangents.append(along.tangents)
@@ -1027,7 +1052,7 @@ def swallow_tails(
 def _tails(
     envelope: Envelope, known: list[tuple[tuple[float, float], CellRun]]
 ) -> list[tuple[Node, CellRun]]:
-    """The crossings of the runs about ranges, all by Newton's method at once."""
+    """The crossings in runs about backward ranges, all by Newton's method at once."""
     start, end, low, high = np.array([(*span, run.low, run.high) for span, run in known]).T
     middle, half = 0.5 * (start + end), 0.5 * (end - start)
     # Of a pace that is a parabola between the cusps the crossing lies root 3 times as far out.
@@ -1051,6 +1076,7 @@ def _tails(
         dx, dy = _across(t_y, gap) / (-sine * a_x), _across(t_x, gap) / (-sine * a_y)
         # Stay on the same side of the cusps, and inside the run.
         room = np.minimum(_room(x[k], dx, low[k], start[k]), _room(y[k], dy, end[k], high[k]))
+        # One factor for both steps keeps the direction of Newton's step.
         share = np.minimum(1.0, room)
         x[k], y[k] = x[k] + share * dx, y[k] + share * dy
         converged[k] = settled[k]
@@ -1072,7 +1098,7 @@ def _tails(
 
 
 def _borders(envelope: Envelope) -> FloatArray:
-    """(k,) path parameters of the borders in three turns, ascending."""
+    """(k,) path parameters of the borders over three turns, ascending."""
     turns = envelope.total * np.array([[-1.0], [0.0], [1.0]])
     return np.sort((envelope.borders + turns), axis=None)
 
@@ -1090,7 +1116,9 @@ def _room(place: FloatArray, step: FloatArray, low: FloatArray, high: FloatArray
 
 
 def _ways(envelope: Envelope, x: FloatArray, y: FloatArray, ends: EnvelopeSamples) -> ComplexArray:
-    """(n,) from the envelope at x (n,) to that at y (n,), `ends` (2, n)."""
+    """(n,) complex [mm] the way along the envelope from x (n,) to y (n,), whose samples are `ends`
+    (2, n).
+    """
     way: ComplexArray = ends.points[1] - ends.points[0]
     size = np.max(np.abs(ends.points), axis=0) + abs(envelope.curve.distance)
     small = np.sum(np.abs(ends.pace), axis=0) * (y - x) <= SMALL * size

@@ -149,8 +149,8 @@ def real_outline(flank: WorkingCurve, bends: Extremes | None = None) -> Outline:
 def _unsettled(
     envelope: Envelope, backward: list[tuple[float, float]], nodes: tuple[Node, ...]
 ) -> str:
-    """In words, the first range in which the flank runs back and which no crossing cuts off; or if
-    there is none, the first crossing.
+    """The place, in words, of the first range in which the flank runs back and which no crossing
+    cuts off; if there is none, of the first crossing.
     """
     total = envelope.total
     spans = [(node.first, node.second) for node in nodes]
@@ -190,6 +190,7 @@ def require_room(flank: WorkingCurve) -> None:
 
 
 def _require_axis(flank: WorkingCurve) -> None:
+    """Raise UndercutError if the roller reaches over the cam axis."""
     nearest, phi = nearest_to_axis(flank.pitch)
     if nearest <= -flank.distance:
         raise UndercutError(
@@ -216,6 +217,7 @@ def _require_simple(pitch: PitchCurve) -> None:
 
 
 def _parts(envelope: Envelope, nodes: tuple[Node, ...]) -> list[_Part]:
+    """The parts of the envelope from each crossing to the next, once round."""
     events = sorted(
         (place, k) for k, node in enumerate(nodes) for place in (node.first, node.second)
     )
@@ -236,8 +238,10 @@ def _boundary_parts(
     start, end = np.array([(part.start, part.end) for part in parts]).T
     ranges = np.array(backward).reshape(-1, 2)
     turns = np.repeat([-envelope.total, 0.0, envelope.total], len(ranges))
+    # Over three turns, so that each part meets its ranges; the infinite one ends every search.
     low, high = np.append(np.tile(ranges, (3, 1)) + turns[:, None], [[np.inf, np.inf]], axis=0).T
     regular = low[np.searchsorted(high, start, side="right")] >= end
+    # A part may reach beyond the turn by which path parameters are counted.
     arriving = np.where(end >= envelope.total, end - envelope.total, end)
     sides = [
         _sides(envelope, [nodes[number] for number in numbers], places, low, high)
@@ -271,6 +275,7 @@ def _sides(
     branch_tangents, crossed = (
         envelope.samples(parameters).tangents for parameters in (places, other)
     )
+    # The roller centre lies at -d n from the flank, with the outward normal n = i sigma t.
     sense = -math.copysign(1.0, envelope.curve.distance) * envelope.curve.pitch.rotation
     towards_roller = sense * 1j * crossed
     return np.where(behind, np.nan, (np.conj(towards_roller) * branch_tangents).real)
@@ -324,6 +329,7 @@ def are_clear(
     centres, reach = pitch.point(0.5 * (low + high)), _Reach.from_cells(pitch, low, high)
     owners, lows, highs = [], [], []
     for k, (start, end) in enumerate(owns.tolist()):
+        # Cells are counted from the start of the point's own angles on.
         ahead, span = (low - start) % TURN, end - start
         whole = (ahead >= span) & (ahead + wide <= TURN)
         distance = np.abs(centres[whole] - points[k])
@@ -364,7 +370,7 @@ class _Reach:
     ----------
     half : (n,) half the cells [rad].
     pace : (n,) bound of |Z'| [mm/rad].
-    about : (n,) complex [mm] the point about which it turns with the cam; NaN where it does not.
+    centres : (n,) complex [mm] the point about which it turns with the cam; NaN where it does not.
     """
 
     half: FloatArray
@@ -373,13 +379,15 @@ class _Reach:
 
     @classmethod
     def from_cells(cls, pitch: PitchCurve, low: FloatArray, high: FloatArray) -> Self:
+        """The reach over the cells [low, high] (n,) [rad]."""
         centres = rigid_centres(pitch, 0.5 * (low + high))
         return cls(0.5 * (high - low), pitch.speed_bounds(low, high)[0], centres)
 
     def distance_changes(self, points: ComplexArray | complex) -> FloatArray:
-        """(n,) bound [mm] of the change of its distance from `points` (n,), or from one point.
+        """(n,) bound [mm] of how far the roller centre's distance from `points` (n,), or from one
+        point, changes in a cell.
 
-        Where it turns about a point, it is as if `points` turned about that.
+        Where the centre turns about a point, it is as if `points` turned about that one.
         """
         return np.asarray(self.half * np.fmin(self.pace, np.abs(points - self.centres)))
 
@@ -394,6 +402,7 @@ def _loops(nodes: tuple[Node, ...], parts: list[_Part]) -> list[list[_Part]]:
         if first not in following.get(first.from_node, ()):
             continue
         following[first.from_node].remove(first)
+        # A loop is closed by continuing along the other branch at each crossing.
         loop = [first]
         while loop[-1].to_node != first.from_node:
             ways = following.pop(loop[-1].to_node, [])
@@ -408,6 +417,7 @@ def _loops(nodes: tuple[Node, ...], parts: list[_Part]) -> list[list[_Part]]:
 
 
 def _path(envelope: Envelope, nodes: tuple[Node, ...], loop: list[_Part]) -> Path:
+    """The closed path of a loop of parts, with a corner at each crossing."""
     elements: list[Element] = []
     rotation = envelope.curve.pitch.rotation
     meeting = zip(loop, [*loop[1:], loop[0]], strict=True)
@@ -416,6 +426,7 @@ def _path(envelope: Envelope, nodes: tuple[Node, ...], loop: list[_Part]) -> Pat
     angles = envelope.cam_angles(places).tolist()
     for part, (one, other), (phi_start, phi_end) in zip(loop, tangents, angles, strict=True):
         elements += _elements(envelope, part)
+        # At a crossing the path turns from the tangent of one branch to that of the other.
         sweep = float(np.angle(other * np.conj(one)))
         normal = 1j * rotation * complex(one)
         elements.append(Pivot(nodes[part.to_node].point, 0.0, normal, sweep, phi_start, phi_end))
@@ -428,6 +439,7 @@ def _elements(envelope: Envelope, part: _Part) -> list[Element]:
     curve = envelope.curve
     if len(envelope.elements) == 1:
         return [Stretch(curve, part.start, part.end)]
+    # Twice round, as a part may reach across the end of the turn.
     for turn in (0.0, envelope.total):
         for start, element in zip(envelope.starts + turn, envelope.elements, strict=True):
             span = abs(element.sweep) if isinstance(element, Pivot) else element.end - element.start
@@ -518,6 +530,7 @@ def undercut_ranges(flank: WorkingCurve, bends: Extremes) -> list[tuple[float, f
     angles[smooth] = _crossings(flank, phi[smooth], phi[smooth + 1])
     places = np.flatnonzero(crossing)
     marks = [(float(angles[k]), bool(values[k + 1] < 0.0)) for k in places]
+    # A first mark that ends a range belongs to one that began before it, at the last mark.
     if marks and not marks[0][1]:
         marks = [*marks[1:], marks[0]]
     starts = [angle for angle, begins in marks if begins]
@@ -530,8 +543,10 @@ def _crossings(flank: WorkingCurve, low: FloatArray, high: FloatArray) -> FloatA
 
     Its ends may be breaks, at which the value from the other side does not count here.
     """
+    # At a break itself the value of the other side would count.
     low, high = low + INSIDE, high - INSIDE
     at_low, at_high = flank.regularity(low), flank.regularity(high)
+    # Without a change of sign the root is lost in rounding next to an end.
     roots = np.where(np.abs(at_low) < np.abs(at_high), low, high)
     crossing = np.flatnonzero((at_low < 0.0) != (at_high < 0.0))
     roots[crossing] = bracketed_roots(flank.regularity, low[crossing], high[crossing])
@@ -554,6 +569,8 @@ def backward_ranges(envelope: Envelope, bends: Extremes | None = None) -> list[t
     ]
     rotation = flank.pitch.rotation
     for start, element in zip(envelope.starts, envelope.elements, strict=True):
+        # Such an arc is traversed against its tangent, as its pace is -sigma d times the sense of
+        # its sweep.
         if isinstance(element, Pivot) and rotation * element.distance * element.sweep > 0.0:
             backward.append((float(start), float(start) + abs(element.sweep)))
     return _joined(backward, envelope.total)
@@ -584,6 +601,7 @@ def _least_margins(
     values = np.append(np.tile(margins[order], 3), np.inf)
     first = np.searchsorted(angles, start - INSIDE)
     last = np.searchsorted(angles, start + (end - start) % TURN + INSIDE, side="right")
+    # `reduceat` gives the ranges and what lies between them in turn: every other one is a range.
     return np.minimum.reduceat(values, np.column_stack((first, last)).ravel())[::2]
 
 
@@ -596,6 +614,7 @@ def _joined(ranges: list[tuple[float, float]], total: float) -> list[tuple[float
             joined[-1] = (joined[-1][0], max(end, joined[-1][1]))
         else:
             joined.append((start, end))
+    # The last range may reach into the first one, a turn later.
     if len(joined) > 1 and joined[-1][1] >= total + joined[0][0] - INSIDE:
         first = joined.pop(0)
         joined[-1] = (joined[-1][0], max(joined[-1][1], first[1] + total))
@@ -645,6 +664,7 @@ def _missed_of_cells(
         middle = 0.5 * (cells.low + cells.high)
         wrong = (cells.pace < 0.0) != _inside(middle, known, envelope.total)
         if np.any(wrong):
+            # A pace of rounding has no sign.
             wrong &= np.abs(cells.pace) > CUSP * _speeds(envelope, middle)
         if np.any(wrong):
             missed.append(_extremes_near(envelope, cells.some(wrong)))
@@ -653,6 +673,7 @@ def _missed_of_cells(
 
 
 def _inside(places: FloatArray, ranges: list[tuple[float, float]], total: float) -> BoolArray:
+    """(n,) whether `places` (n,) lie in one of the `ranges`, which may reach beyond `total`."""
     inside: BoolArray = np.zeros(len(places), dtype=np.bool_)
     if ranges:
         start, end = np.array(ranges).T
@@ -675,6 +696,7 @@ def _extremes_near(envelope: Envelope, cells: FlankCells) -> FloatArray:
     """Cam angles of the middles of cells and of extremes of the curvature in them."""
     shift = envelope.angle_offsets[envelope.element_indices(cells.low)]
     ends = cells.low + shift, cells.high + shift
+    # Without the ends of the cells, which may be breaks.
     grid = np.linspace(*ends, PLACES_NEAR + 2, axis=1)[:, 1:-1]
     roots = roots_on_grid(envelope.curve.pitch.curvature_slope, grid)
     return np.concatenate((roots, 0.5 * (ends[0] + ends[1])))
@@ -762,9 +784,8 @@ END: Final = 1e-9
 """Fraction of an arc next to its ends that counts as the end."""
 
 LOST: Final = 16.0
-"""Units in the last place of how far a face is moved out, by which p / tau is off at the ends of
-the ranges that are found on it, at most; seen are 2.
-"""
+"""Largest rounding error of p / tau at the ends of ranges, in units in the last place of the
+distance by which a face is moved out to find them; 2 were observed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -798,7 +819,7 @@ def trimmed_path(flank: WorkingCurve, shape: Convexity) -> Path:
         If it cannot be decided what is left.
     """
     if shape.turn[0] <= 0.0 or shape.jumps or shape.clearance[0] <= SMALLEST * shape.size:
-        raise UndercutError("a flat face touches only a convex cam, and this one is not")
+        raise UndercutError("a flat face can only touch a convex cam, and this cam is not convex")
     ranges = backward_angles(flank.pitch, shape.turn[0])
     if not ranges:
         return Path((Stretch(flank, 0.0, TURN),))
@@ -827,6 +848,7 @@ def backward_angles(pitch: PitchCurve, turn: float) -> list[tuple[float, float]]
     follower: Any = pitch.follower  # a frozen dataclass
     names = [key.removeprefix("follower.") for key in flat_follower(follower).raised_by]
     shift = _fastest(pitch) / turn + follower.base_radius
+    # Moved out until every part of the outline is regular; the disc is its parallel inwards.
     moved = replace(follower, **{name: getattr(follower, name) + shift for name in names})
     parallel = WorkingCurve(replace(pitch, follower=moved), -shift)
     bends = curvature_extremes(parallel.pitch)
@@ -840,14 +862,16 @@ def backward_angles(pitch: PitchCurve, turn: float) -> list[tuple[float, float]]
 
 
 def _undecided(pitch: PitchCurve) -> GeometryError:
-    """The error for a face of which nothing is decided, with the place where it is fastest."""
+    """The error for a face whose disc cannot be decided, with the place where its contact is
+    fastest.
+    """
     low, high = turn_cells(pitch)
     middles = 0.5 * (low + high)
     place = float(middles[np.argmax(pitch.speed_bounds(middles, middles)[0])])
     return GeometryError(
         "it cannot be decided what a flat face leaves of the disc: its contact runs too fast for"
-        f" the digits of a number near cam angle {math.degrees(place % TURN):.6f} deg; give the"
-        " move there a larger span or a smaller way",
+        f" double precision near cam angle {math.degrees(place % TURN):.6f} deg; give the move"
+        " there a longer span or a shorter stroke",
         "motion",
     )
 
@@ -871,8 +895,8 @@ def _fastest(pitch: PitchCurve) -> float:
 
 
 def _missed(pitch: PitchCurve, ranges: list[tuple[float, float]], shift: float) -> FloatArray:
-    """Cam angles [rad] at which the sign of p contradicts the `ranges` of p < 0 by more than their
-    ends are off for rounding, that of the face moved `shift` [mm] among it.
+    """Cam angles [rad] at which the sign of p contradicts the `ranges` of p < 0 by more than
+    rounding, which includes that of the face moved out by `shift` [mm].
     """
     start, end = np.array(ranges).reshape(-1, 2).T
     low, high = turn_cells(pitch)
@@ -914,7 +938,7 @@ class _Face:
         return np.asarray(phi - self.pitch.rotation * self.pitch.follower.swing_sense * lift)
 
     def way(self, x: float, y: float, ends: ComplexArray) -> complex:
-        """Z(y) - Z(x) [mm], `ends` being both."""
+        """Z(y) - Z(x) [mm], from their values `ends` (2,) unless these are too close."""
         if y - x > SHORT:
             return complex(ends[1] - ends[0])
         inner = self.breaks[(self.breaks > x) & (self.breaks < y)]
@@ -1037,6 +1061,7 @@ def _face_path(flank: WorkingCurve, parts: list[tuple[Arc, _Bridge]]) -> Path:
     face = _Face(flank.pitch)
     elements: list[tuple[float, list[Element]]] = []
     for k, (_, bridge) in enumerate(parts):
+        # The stretch before the first corner begins at the last one, a turn earlier.
         previous_end = parts[k - 1][1].y - (TURN if k == 0 else 0.0)
         ends = np.array([bridge.x, bridge.y])
         points, tangents, _ = face.contacts(ends)
@@ -1081,7 +1106,7 @@ class AngleCells:
 
     @classmethod
     def from_nodes(cls, nodes: FloatArray) -> AngleCells:
-        """Those between `nodes` (m,) in [0, 2 pi), ascending."""
+        """The ranges between `nodes` (m,) in [0, 2 pi), ascending."""
         return cls(nodes, np.append(nodes[1:], nodes[0] + TURN))
 
     def __len__(self) -> int:
@@ -1097,6 +1122,7 @@ def cover_cells(cells: AngleCells, first: IntArray, count: IntArray, what: str) 
         raise too_rough(what, np.sum(count) / len(cells))
     piece, rank = grouped(count)
     cell = np.remainder(first[piece] + rank, len(cells))
+    # Stable, so that pieces ascend within each cell.
     order = np.argsort(cell, kind="stable")
     return cell[order], piece[order]
 
@@ -1104,8 +1130,7 @@ def cover_cells(cells: AngleCells, first: IntArray, count: IntArray, what: str) 
 def too_rough(what: str, layers: float) -> GeometryError:
     """The error for a contour of too many layers."""
     return GeometryError(
-        f"the contour is too rough to be replayed: its {what} in {layers:.0f} layers; smooth it"
-        " first"
+        f"the contour is too rough to be replayed: {what} in {layers:.0f} layers; smooth it first"
     )
 
 
@@ -1114,6 +1139,7 @@ def visible_pieces(cell: IntArray, low: FloatArray, high: FloatArray) -> BoolArr
     heights are between `low` and `high` (p,).
     """
     least = np.full(int(np.max(cell, initial=-1)) + 1, -np.inf)
+    # The highest lower bound in each cell: what stays below it is hidden.
     np.maximum.at(least, cell, low)
     return np.asarray(high >= least[cell])
 
@@ -1121,6 +1147,7 @@ def visible_pieces(cell: IntArray, low: FloatArray, high: FloatArray) -> BoolArr
 def pairs_in_cells(cell: IntArray) -> Iterator[Pairs]:
     """All pairs of places in `cell` (p,), ascending, that have the same one, in batches."""
     step = 1
+    # Equal cells are neighbours: pairs one place apart, then two, and so on.
     while np.any(same := cell[step:] == cell[:-step]):
         index = np.flatnonzero(same)
         yield index, index + step
@@ -1149,10 +1176,12 @@ def outermost(
     count = np.searchsorted(cell, parent, "right") - first
     fine, rank = grouped(count)
     candidate = piece[first[fine] + rank]
+    # A piece that is alone in its cell needs no height.
     several = count[fine] > 1
     middle = 0.5 * (borders + np.append(borders[1:], borders[0] + TURN))
     heights = np.zeros(len(fine))
     heights[several] = height(candidate[several], middle[fine[several]])
+    # By border, then height: the last of each border is on top.
     order = np.lexsort((heights, fine))
     fine, candidate = fine[order], candidate[order]
     top = np.flatnonzero(np.diff(fine, append=-1))
@@ -1162,7 +1191,7 @@ def outermost(
 
 
 def changes(borders: FloatArray, held: IntArray) -> tuple[FloatArray, IntArray]:
-    """Those of `borders` (g,) at which the piece changes, at least one, each with the piece that
+    """The `borders` (g,) at which the piece changes, at least one, each with the piece that
     follows.
     """
     changed = held != np.roll(held, 1)

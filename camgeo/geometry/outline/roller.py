@@ -90,6 +90,7 @@ class PlayedLift:
         return self._passed(self.parallel.borders)
 
     def _passed(self, theta: FloatArray) -> FloatArray:
+        """(m,) cam angles [rad], ascending, at which the centre is at `theta` (m,) [rad]."""
         angles, _ = self.path.cam_angle_of(self.parallel.point(theta))
         return ascending(angles)
 
@@ -131,6 +132,7 @@ class PlayedLift:
             across = np.conj(self.path.along(angles, q)[0])
             turning = (across * (-1j * self.path.rotation) * points).imag
             rate = (across * tangents).imag * pace
+            # Where the path is tangent to the parallel, or beyond that, no step leads on.
             if np.any(rate * turning <= 0.0):
                 break
             step = np.clip(_signed(phi - angles) * turning / rate, -LONGEST, LONGEST)
@@ -138,8 +140,8 @@ class PlayedLift:
             if np.max(np.abs(step), initial=0.0) <= SETTLED * TURN:
                 return theta
         raise GeometryError(
-            "the play is too large to be followed: the follower's path does not meet the curve of"
-            " the roller centre on that flank near by"
+            "the side clearance is too large: near the demanded position the follower's path does"
+            " not meet the curve of the roller centre on that flank"
         )
 
     def _snap_to_breaks(self, theta: FloatArray) -> FloatArray:
@@ -169,7 +171,9 @@ HALF_ARC = 0.52
 
 
 def piece_numbers(borders: FloatArray, held: IntArray, angle: FloatArray, side: Side) -> IntArray:
-    """(n,) the piece at `angle` (n,) [rad] of any turn, seen from that side; see `changes`."""
+    """(n,) number of the piece at `angle` (n,) [rad] of any turn, approached from `side`; `borders`
+    and `held` are those of `changes`.
+    """
     return np.asarray(held[np.searchsorted(borders, np.remainder(angle, TURN), side) - 1])
 
 
@@ -202,12 +206,12 @@ class DiscLift(ABC):
 
     @property
     def free(self) -> Motion | PlayedLift:
-        """The motion where it is AS_DEMANDED."""
+        """The motion of the follower where its number is AS_DEMANDED."""
         return self.motion
 
     @property
     def as_demanded(self) -> bool:
-        """Whether it is the demanded one, exactly, where it is AS_DEMANDED: no roller with play."""
+        """Whether the motion is exactly the demanded one where AS_DEMANDED: no roller with play."""
         return self.free is self.motion
 
     @property
@@ -255,7 +259,7 @@ class DiscLift(ABC):
         return turns > corner
 
     def number(self, phi: FloatArray, side: Side = "right") -> IntArray:
-        """(n,) what holds it at `phi` (n,) [rad]."""
+        """(n,) number of what holds the follower at `phi` (n,) [rad]."""
         return piece_numbers(self.borders, self.numbers, phi, side)
 
     def displacement(self, phi: FloatArray, side: Side = "right") -> FloatArray:
@@ -275,6 +279,7 @@ class DiscLift(ABC):
         return self._rows(phi, side, order)
 
     def _rows(self, phi: FloatArray, side: Side, order: Literal[0, 2, 3]) -> FloatArray:
+        """(order + 1, n) lift with derivatives, of what holds the follower at `phi` (n,) [rad]."""
         number = self.number(phi, side)
         held = number != AS_DEMANDED
         jet = np.empty((order + 1, len(phi)))
@@ -315,6 +320,7 @@ class ActualLift(DiscLift):
     def heading(self, phi: FloatArray, jet: FloatArray) -> ComplexArray:
         """See `DiscLift`: of the roller centre."""
         q = self.path.start + self.outward * jet[0]
+        # The cam turns under the follower, so that in the cam the centre turns the other way.
         turn = -1j * self.path.rotation * self.path.point(phi, q)
         along, _ = self.path.along(phi, q)
         return np.asarray(turn + along * self.outward * jet[1])
@@ -352,6 +358,7 @@ class ActualLift(DiscLift):
         chain, lows, highs = _chain(contour, -press * pitch.follower.roller_radius, path)
         order = np.argsort(lows, kind="stable")
         spans = np.remainder(highs - lows, TURN)
+        # Branches of no width are rounding.
         order = order[spans[order] > GAP]
         gaps = np.abs(_signed(np.roll(lows[order], -1) - highs[order]))
         if not np.all(gaps <= GAP) or not abs(float(np.sum(spans[order])) - TURN) <= GAP * len(
@@ -375,6 +382,7 @@ class ActualLift(DiscLift):
         """
         path = path_of(pitch.follower, pitch.rotation)
         none, normals = np.zeros(len(corners)), np.ones(len(corners), dtype=np.complex128)
+        # Full circles about the corners, each begun on its right-hand side.
         points, number = corners + radius, -1 - np.arange(len(corners))
         circles = cut(points, points, normals, none + 1.0 / radius, none + TURN, none, number)
         roller_branches = branches(circles, path)
@@ -406,7 +414,9 @@ def pressed(
     cells = AngleCells.from_nodes(nodes)
     first = np.searchsorted(nodes, branches.lows)
     count = np.remainder(np.searchsorted(nodes, branches.highs) - first, len(nodes))
-    cell, branch = cover_cells(cells, first, count, "parallel at the roller radius lies")
+    cell, branch = cover_cells(
+        cells, first, count, "the pieces of its parallel at the roller radius overlap"
+    )
     used = wanted[cell]
     cell, branch = cell[used], branch[used]
     _require_cover(cells, wanted, cell)
@@ -418,6 +428,7 @@ def pressed(
 
     borders, parent, held = outermost(cells, (cell, branch), inner, height)
     seam = np.flatnonzero(wanted[parent] & (held == AS_DEMANDED))
+    # In a seam nothing holds the roller: what held it before goes on.
     for number in seam:
         held[number] = held[number - 1]
     return changes(borders, held)
@@ -429,6 +440,7 @@ def _wanted(nodes: FloatArray, starts: FloatArray, ends: FloatArray) -> BoolArra
     wanted = np.zeros(len(nodes), dtype=np.bool_)
     for start, end in zip(starts, ends, strict=True):
         first, last = np.searchsorted(nodes, (start, end % TURN))
+        # A range of a whole turn ends in the node where it begins.
         count = (last - first) % len(nodes) if end - start < TURN else len(nodes)
         wanted |= np.remainder(cell - first, len(nodes)) < count
     return wanted
@@ -451,6 +463,7 @@ def _without_hidden(
     ends = []
     for angles in (cells.low[inner], cells.high[inner]):
         ends.append(path.point(angles, path.meet(angles, bows, facing)))
+    # The branch between both ends keeps within half its length of their mean distance.
     middle = 0.5 * (np.abs(ends[0]) + np.abs(ends[1]))
     half = HALF_ARC * np.abs(ends[1] - ends[0])
     near, far = path.coordinate(np.maximum(middle - half, 0.0)), path.coordinate(middle + half)
@@ -461,13 +474,14 @@ def _without_hidden(
 
 
 def _require_cover(cells: AngleCells, wanted: BoolArray, cell: IntArray) -> None:
+    """Raise GeometryError if a `wanted` cell wider than a seam has no branch."""
     bare = wanted & (np.bincount(cell, minlength=len(wanted)) == 0)
     bare &= cells.high - cells.low > SEAM
     if np.any(bare):
         place = np.degrees(cells.low[np.flatnonzero(bare)[0]])
         raise GeometryError(
-            f"at cam angle {place:.6g} degrees the follower's path does not meet the contour; it"
-            " must run once round the cam axis, within the follower's reach"
+            f"at cam angle {place:.6g} degrees the follower's path does not meet the contour; the"
+            " contour must run once round the cam axis, within the follower's reach"
         )
 
 
@@ -594,6 +608,7 @@ def parallel(contour: Contour, distance: float) -> Parallel:
     first = _unit(np.where(arc, sense * (starts - centres), -1j * chords))
     last = np.where(arc, _unit(np.where(arc, sense * (ends - centres), 1.0)), first)
     curvatures = np.where(arc, sense / np.where(arc, np.abs(starts - centres), 1.0), 0.0)
+    # The parallel at d scales the radius of an arc by 1 + kappa d; near 0 it is a point.
     share = 1.0 + curvatures * distance
     extended = np.flatnonzero(np.abs(share) > POINT)
     pieces = cut(
@@ -638,6 +653,7 @@ def branches(pieces: Parallel, path: FollowerPath) -> Branches:
     inner = np.concatenate(places)
     with np.errstate(divide="ignore", invalid="ignore"):
         shares = inner / pieces.lengths
+        # Places outside of a piece sort behind its end.
         shares[~((shares > 0.0) & (shares < 1.0))] = np.inf
     count = len(bows)
     shares = np.sort(np.concatenate((np.zeros((1, count)), shares, np.ones((1, count)))), axis=0)
@@ -688,8 +704,10 @@ def cut(
     normal = normals[index] * np.exp(1j * step * rank)
     kappa = curvatures[index]
     bent = kappa != 0.0
+    # On a circle the point moves by the change of the normal over the curvature.
     shift = np.divide(normal - normals[index], kappa, out=np.zeros_like(normal), where=bent)
     point = starts[index] + shift
+    # A part ends where the next one begins; the last one ends where its arc does.
     finish = np.where(rank + 1 == parts[index], ends[index], np.roll(point, -1))
     way = np.divide(2.0 * np.tan(0.5 * step), kappa, out=np.zeros_like(step), where=bent)
     return Parallel(
@@ -774,6 +792,7 @@ class Cubics:
         speed = np.abs(first)
         cross = (first.conj() * second).imag
         kappa = cross / speed**3
+        # Derivative of kappa over t, from those of the cross product and of the speed.
         grown = (first.conj() * third).imag / speed**3 - 3.0 * kappa * dot(first, second) / speed**2
         share = 1.0 + self.distance * kappa
         normal = -1j * first / speed
@@ -899,6 +918,7 @@ def _ranges(cubics: Cubics, path: FollowerPath) -> tuple[FloatArray, FloatArray]
     if not np.all((pace > 0.0) & (dot(normal, along) > 0.0)):
         raise _folded()
     rows = angles.reshape(count, LOOKS)
+    # Unrolled step by step, as a cubic may cross cam angle 0.
     return rows[:, 0], rows[:, 0] + np.sum(_signed(np.diff(rows, axis=1)), axis=1)
 
 
@@ -960,6 +980,7 @@ def _headings(piece: Arc | ComplexArray) -> tuple[complex, complex]:
 
 
 def _folded() -> GeometryError:
+    """The error for a spline that the roller cannot follow from end to end."""
     return GeometryError(
         "the spline is curved more tightly than the roller, or runs along the follower's path"
     )
