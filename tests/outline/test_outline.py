@@ -20,7 +20,7 @@ from camgeo.geometry.outline import outline
 from camgeo.geometry.outline.envelope import KINK, Envelope, Node
 from camgeo.geometry.outline.outline import (
     Outline,
-    _unsettled,
+    _undecided_angle,
     backward_ranges,
     find_crossings,
     flank_envelope,
@@ -351,8 +351,8 @@ def test_what_is_not_decided_has_a_place() -> None:
     envelope = Envelope(inner_of(pitch_curve_of({"kappa": 1, **hard_case("HC21c")[0]})))
     backward = [(1.0, 1.2), (6.2, 6.4), (3.0, 3.2)]
     about = (Node(0.9, 1.3, 0j), Node(0.2, 6.1, 0j))
-    assert _unsettled(envelope, backward, about) == f"at cam angle {math.degrees(3.1):.6f} deg"
-    assert _unsettled(envelope, backward[:2], about) == f"at cam angle {math.degrees(0.9):.6f} deg"
+    assert _undecided_angle(envelope, backward, about) == pytest.approx(math.degrees(3.1))
+    assert _undecided_angle(envelope, backward[:2], about) == pytest.approx(math.degrees(0.9))
 
 
 ranges = st.lists(

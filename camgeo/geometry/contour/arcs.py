@@ -1,10 +1,8 @@
 """Fits by lines and G1 arcs: the fast one by biarcs, and that of the fewest pieces.
 
-The fast one has biarcs between points of the curve.
-Their joints follow from the law of their distance from the curve, corrected once by the distances
-that result.
-A biarc with turned tangents, see below, over a span h of arc length is off
-the curve by
+The fast fit has biarcs between points of the curve. Their joints follow from the law of their
+distance from the curve, corrected once by the distances that result. A biarc with turned tangents,
+see below, over a span h of arc length is off the curve by
 
     C h^3 (|kappa'| + c |kappa''| h),   C = 0.1001^3,
 
@@ -71,7 +69,8 @@ POWER = 0.25
 because part of it comes from the tangents of its neighbours."""
 
 LEAST_SHARE = 0.01
-"""Least distance that counts, as a fraction of the largest."""
+"""Smallest distance of a span that counts, as a fraction of the largest: it limits the correction.
+"""
 
 WIDEST_SPAN = 2.0
 """Cam angle [rad] of the widest span: a whole turn without a break and with a tiny stroke has no
@@ -180,10 +179,10 @@ TOGETHER = 16
 """Spans that are tried at once for one piece: for more, a second call costs no more."""
 
 HALVINGS = 8
-"""Rounds of halving at most."""
+"""Most rounds in which spans are halved."""
 
 MANY = 16
-"""Spans to be halved again, above which they must have become fewer."""
+"""Up to this many spans are halved again in any case; more of them only if they became fewer."""
 
 MAX_ARCS = 200_000
 """Most arcs of a smooth piece; a tolerance that needs more is beyond double precision."""
@@ -977,7 +976,7 @@ class Arcs:
 
 
 ROUNDS = 14
-"""Rounds of evening out the arcs' deviations."""
+"""Rounds in which the deviations of the arcs are equalised."""
 
 FIRST_POWER, MOST_POWER, CALMER, BOLDER = 1.0 / 6.0, 0.25, 0.7, 1.2
 """Power of its deviation by which an arc is shortened in a round. Where arcs change alternately,

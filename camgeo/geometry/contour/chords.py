@@ -24,7 +24,7 @@ from camgeo.geometry.contour.legs import (
     least_counts,
     sample_bends,
     separate_joints,
-    too_many,
+    too_many_error,
 )
 from camgeo.geometry.contour.proof import (
     AIM,
@@ -57,7 +57,7 @@ CLOSE = 1.01
 """The search ends this close to the requested number of chords."""
 
 MOST_CELLS = 1 << 20
-"""Cells of a piece that are not refined further, for any count: chords share them evenly."""
+"""A piece with this many cells is not refined further: more chords share its cells evenly."""
 
 FLOOR = 0.005
 """Smallest density of chords, as a fraction of the piece's mean: every stretch gets chords."""
@@ -198,7 +198,7 @@ class _Group:
         """A chain for each of the pieces."""
         expected = np.array([density.count(aim) for density in self.densities])
         if np.sum(expected) > MAX_CHORDS:
-            raise too_many(MAX_CHORDS, "straight pieces", tolerance)
+            raise too_many_error(MAX_CHORDS, "straight pieces", tolerance)
         return least_counts(self._trials, expected, aim, tolerance, order=ORDER, most=MAX_CHORDS)
 
     def _trials(self, wanted: Sequence[tuple[int, int]]) -> list[tuple[Chain, float]]:
@@ -266,6 +266,6 @@ def _arc_chords(leg: TurnLeg, aim: float, tolerance: float) -> Chain:
     longest = min(math.sqrt(8.0 * aim / leg.radius), MOST_TURN)
     count = max(1, math.ceil(leg.end / longest))
     if count > MAX_CHORDS:
-        raise too_many(MAX_CHORDS, "straight pieces", tolerance)
+        raise too_many_error(MAX_CHORDS, "straight pieces", tolerance)
     angles = np.linspace(0.0, leg.end, count + 1)[:-1]
     return Chain.straight(angles, leg.point(angles))

@@ -241,7 +241,7 @@ class Fit:
 
 
 SAGITTA = 1e-5
-"""Sagitta of the chords for the test, as a fraction of the contour's length."""
+"""Sagitta of the chords that are tested for crossings, as a fraction of the contour's length."""
 
 
 def crossing(contour: Contour) -> str | None:
@@ -424,7 +424,7 @@ class Pieces(CheckedFields):
 
 
 BLOCK = 500_000
-"""Pairs that are computed at once."""
+"""Pairs of a point and a piece, or of two pieces, that are computed at a time."""
 
 
 def distances(points: ComplexArray, run: PieceRun) -> FloatArray:

@@ -25,7 +25,7 @@ from camgeo.geometry.contour.legs import (
     join_runs,
     path_legs,
     still_closer,
-    too_many,
+    too_many_error,
 )
 from camgeo.geometry.contour.proof import SHARPNESS, fit_until_proved, group_by_curve, proved_bound
 from camgeo.geometry.contour.spline import Arc, CubicSpline, SplineContour, SplineFit
@@ -61,8 +61,8 @@ class Part:
     leg : number of the leg that it lies on.
     begin : its parameter [rad] where the strand begins.
     start : its point there [mm].
-    course, piece : for a spline, the arc length that its knots measure, from the start of the piece
-        of that number; None for an arc.
+    arc_length, piece : for a spline, the arc length that its knots measure, from the start of the
+        piece of that number; None for an arc.
     sweep, centre : of an arc, [rad] and [mm].
     first, last : unit tangents at the ends of a smooth piece.
     """
@@ -70,7 +70,7 @@ class Part:
     leg: int
     begin: float
     start: complex
-    course: ArcLength | None = None
+    arc_length: ArcLength | None = None
     piece: int = 0
     sweep: float = 0.0
     centre: complex = 0j
@@ -79,7 +79,7 @@ class Part:
 
     def arc(self, end: complex) -> Arc | None:
         """The single arc of a dwell or a turn; None for a piece that needs a spline."""
-        if self.course is not None:
+        if self.arc_length is not None:
             return None
         return Arc(self.start, end, self.sweep, self.centre)
 
@@ -178,16 +178,16 @@ def _curve_parts(
 
     rows = [place for place, k in enumerate(moving) if long[k]]
     long_pieces = [moving[place] for place in rows]
-    course = None
+    arc_length = None
     if long_pieces:
         points = np.column_stack((cells.points[rows], ends[long_pieces]))
         tangents = np.column_stack((cells.tangents[rows], back.tangents[long_pieces]))
-        course = ArcLength.from_samples(curve, phi[rows], points, tangents, taken(inside, rows))
+        arc_length = ArcLength.from_samples(curve, phi[rows], points, tangents, taken(inside, rows))
     parts: list[Part | None] = [None] * len(pieces)
     for row, (place, k) in enumerate(zip(rows, long_pieces, strict=True)):
         first, arriving = complex(cells.tangents[place, 0]), complex(back.tangents[k])
         begin, start = pieces[k].start, complex(starts[k])
-        parts[k] = Part(legs[k], begin, start, course, row, first=first, last=arriving)
+        parts[k] = Part(legs[k], begin, start, arc_length, row, first=first, last=arriving)
     for k in rests:
         if long[k]:
             centre = pieces[k].centre or 0j
@@ -506,12 +506,12 @@ class Trial:
         return FittedSpline(spline, float(self.worst[number]))
 
 
-def limits(course: ArcLength, aim: float) -> FloatArray:
+def limits(arc_length: ArcLength, aim: float) -> FloatArray:
     """(pieces,) cubics that each piece needs for `aim` [mm], asymptotically; not whole numbers."""
-    return np.asarray(CUBIC_CONSTANT * course.totals * aim**-0.25)
+    return np.asarray(CUBIC_CONSTANT * arc_length.totals * aim**-0.25)
 
 
-def fewest(course: ArcLength, ends: Ends, aim: float, tolerance: float) -> list[FittedSpline]:
+def fewest(arc_length: ArcLength, ends: Ends, aim: float, tolerance: float) -> list[FittedSpline]:
     """A spline for each piece, of the fewest cubics whose distance found is at most `aim` [mm].
 
     For a number of cubics the distance depends only on the piece, and the numbers tried only on the
@@ -522,17 +522,17 @@ def fewest(course: ArcLength, ends: Ends, aim: float, tolerance: float) -> list[
     ToleranceError
         If more than `MAX_CUBICS` would be needed, or no number comes closer.
     """
-    starts = (bisect.bisect_left(LADDER, LEAST * limit - LESS) for limit in limits(course, aim))
+    starts = (bisect.bisect_left(LADDER, LEAST * limit - LESS) for limit in limits(arc_length, aim))
     counts = [LADDER[start : start + CANDIDATES] for start in starts]
 
     def next_counts(count: int, _excess: float) -> Sequence[int]:
         start = bisect.bisect_right(LADDER, count)
         return LADDER[start : start + CANDIDATES]
 
-    return _search(course, ends, counts, next_counts, DAMPING, aim, tolerance)
+    return _search(arc_length, ends, counts, next_counts, DAMPING, aim, tolerance)
 
 
-def fast(course: ArcLength, ends: Ends, aim: float, tolerance: float) -> list[FittedSpline]:
+def fast(arc_length: ArcLength, ends: Ends, aim: float, tolerance: float) -> list[FittedSpline]:
     """A spline for each piece whose distance found is at most `aim` [mm], nearly always in one
     pass: a few numbers of cubics are tried at once, because calls cost more than numbers.
 
@@ -543,13 +543,13 @@ def fast(course: ArcLength, ends: Ends, aim: float, tolerance: float) -> list[Fi
     """
     counts = [
         _possible(sorted({math.ceil(factor * limit) + more for factor, more in SPARE}))
-        for limit in limits(course, aim)
+        for limit in limits(arc_length, aim)
     ]
 
     def next_counts(count: int, excess: float) -> Sequence[int]:
         return _possible([max(count + 1, math.ceil(count * min(2.0, 1.02 * excess**0.25)))])
 
-    return _search(course, ends, counts, next_counts, DAMPING[:FAST_ROUNDS], aim, tolerance)
+    return _search(arc_length, ends, counts, next_counts, DAMPING[:FAST_ROUNDS], aim, tolerance)
 
 
 def _possible(counts: list[int]) -> list[int]:
@@ -557,7 +557,7 @@ def _possible(counts: list[int]) -> list[int]:
 
 
 def _search(
-    course: ArcLength,
+    arc_length: ArcLength,
     ends: Ends,
     counts: Sequence[Sequence[int]],
     next_counts: Callable[[int, float], Sequence[int]],
@@ -574,9 +574,9 @@ def _search(
     splines: dict[int, FittedSpline] = {}
     while open_counts:
         if not all(open_counts.values()):
-            raise too_many(MAX_CUBICS, "cubics", tolerance)
+            raise too_many_error(MAX_CUBICS, "cubics", tolerance)
         tried = [(k, count) for k, piece_counts in open_counts.items() for count in piece_counts]
-        trial = _equalised(course, ends, tried, damping)
+        trial = _equalised(arc_length, ends, tried, damping)
         for number, (k, count) in enumerate(tried):
             worst = float(trial.worst[number])
             if k in splines:
@@ -591,7 +591,7 @@ def _search(
 
 
 def _equalised(
-    course: ArcLength, ends: Ends, tried: list[tuple[int, int]], damping: tuple[float, ...]
+    arc_length: ArcLength, ends: Ends, tried: list[tuple[int, int]], damping: tuple[float, ...]
 ) -> Trial:
     """Splines for pairs (piece, cubics), their spans shifted until all errors are about equal."""
     piece = np.array([k for k, _ in tried], dtype=np.intp)
@@ -599,27 +599,27 @@ def _equalised(
     layout = Layout(piece, counts, taken(ends, piece))
     owner, local = grouped(counts)
     # All pieces lie on one line of S, and their shares from 0 to 1 on one from 0 to their number.
-    shares = (np.arange(len(course.s))[:, None] + course.shares).ravel()
-    line = course.s.ravel()
+    shares = (np.arange(len(arc_length.s))[:, None] + arc_length.shares).ravel()
+    line = arc_length.s.ravel()
     low = np.interp(piece[owner] + local / counts[owner], shares, line)
     high = np.interp(piece[owner] + (local + 1) / counts[owner], shares, line)
-    solution = solve(course, layout, low, high)
+    solution = solve(arc_length, layout, low, high)
     best_low, best_high = low, high
     worst = np.maximum.reduceat(solution.errors, layout.span_starts)
     for power in damping:
-        low, high = _shifted(course, layout, owner, solution, power)
-        solution = solve(course, layout, low, high)
+        low, high = _shifted(arc_length, layout, owner, solution, power)
+        solution = solve(arc_length, layout, low, high)
         now = np.maximum.reduceat(solution.errors, layout.span_starts)
         better = clearly_less(now, worst)
         moved = better[owner]
         best_low, best_high = np.where(moved, low, best_low), np.where(moved, high, best_high)
         worst = np.where(better, now, worst)
-    best = solve(course, layout, best_low, best_high, final=True)
+    best = solve(arc_length, layout, best_low, best_high, final=True)
     return Trial(layout, best, np.maximum.reduceat(best.errors, layout.span_starts))
 
 
 def _shifted(
-    course: ArcLength, layout: Layout, owner: IntArray, solution: Solution, power: float
+    arc_length: ArcLength, layout: Layout, owner: IntArray, solution: Solution, power: float
 ) -> tuple[FloatArray, FloatArray]:
     """New spans: the density of knots grows with the fourth root of the error, to a power."""
     first = layout.span_starts
@@ -638,9 +638,9 @@ def _shifted(
     far = np.cumsum(lengths)
     line = np.interp(np.arange(len(owner) + 1.0), np.append(0.0, progress), np.append(0.0, far))
     # The line of all spans is moved, spline by spline, onto the pieces of the curve.
-    offset = (course.ends[layout.piece] - (far[first] - lengths[first]))[owner]
+    offset = (arc_length.ends[layout.piece] - (far[first] - lengths[first]))[owner]
     low, high = line[:-1] + offset, line[1:] + offset
-    low[first], high[last] = course.ends[layout.piece], course.ends[layout.piece + 1]
+    low[first], high[last] = arc_length.ends[layout.piece], arc_length.ends[layout.piece + 1]
     return low, high
 
 
@@ -723,12 +723,12 @@ class Solution:
 
 
 def solve(
-    course: ArcLength, layout: Layout, low: FloatArray, high: FloatArray, *, final: bool = False
+    arc_length: ArcLength, layout: Layout, low: FloatArray, high: FloatArray, *, final: bool = False
 ) -> Solution:
     """The splines with spans from `low` to `high` (spans,) [mm] in S.
 
     If `final`, the curve itself is evaluated and the error found at `FINE_PARTS`; before, points
-    interpolated between the cells of `course` suffice, at `PARTS`.
+    interpolated between the cells of `arc_length` suffice, at `PARTS`.
 
     Ends and end tangents are those of the curve: the outermost legs are a third of a span long, as
     they are where the parameter is the arc length.
@@ -744,9 +744,9 @@ def solve(
     basis = _basis(low, high, first_span, first_span + layout.counts[owner] - 1, parts)
     columns = (layout.control_starts[owner] + local)[:, None] + np.arange(ORDER)
 
-    arc_lengths = low[:, None] + (high - low)[:, None] * parts
+    sample_s = low[:, None] + (high - low)[:, None] * parts
     exact = np.full(spans, final) | (layout.counts * CELLS_A_SPAN > CELLS)[owner]
-    points, tangents = _curve(course, layout.piece[owner], arc_lengths, exact)
+    points, tangents = _curve(arc_length, layout.piece[owner], sample_s, exact)
 
     fixed, held = _fixed(layout, low, high)
     middle = len(parts) // 2
@@ -801,25 +801,27 @@ def _peaks(offsets: FloatArray, first: IntArray, last: IntArray) -> FloatArray:
 
 
 def _curve(
-    course: ArcLength, piece: IntArray, s: FloatArray, exact: BoolArray
+    arc_length: ArcLength, piece: IntArray, s: FloatArray, exact: BoolArray
 ) -> tuple[ComplexArray, ComplexArray]:
     """(spans, parts) points and tangents of the curve at S `s`, the curve itself where `exact`
     (spans,), else between its cells.
     """
     sample_piece = np.repeat(piece, s.shape[1]).reshape(s.shape)
     if np.all(exact):
-        points, tangents = _exact(course, sample_piece.ravel(), s.ravel())
+        points, tangents = _exact(arc_length, sample_piece.ravel(), s.ravel())
         return points.reshape(s.shape), tangents.reshape(s.shape)
-    points, tangents = course.near(sample_piece, s)
+    points, tangents = arc_length.near(sample_piece, s)
     if np.any(exact):
-        exact_values = _exact(course, sample_piece[exact].ravel(), s[exact].ravel())
+        exact_values = _exact(arc_length, sample_piece[exact].ravel(), s[exact].ravel())
         points[exact], tangents[exact] = (part.reshape(-1, s.shape[1]) for part in exact_values)
     return points, tangents
 
 
-def _exact(course: ArcLength, piece: IntArray, s: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+def _exact(
+    arc_length: ArcLength, piece: IntArray, s: FloatArray
+) -> tuple[ComplexArray, ComplexArray]:
     """Points and unit tangents (n,) of the curve itself at S `s` (n,) [mm] of `piece` (n,)."""
-    return course.curve.points_and_tangents(course.angles(piece, s))
+    return arc_length.curve.points_and_tangents(arc_length.angles(piece, s))
 
 
 def _fixed(layout: Layout, low: FloatArray, high: FloatArray) -> tuple[ComplexArray, BoolArray]:
@@ -900,8 +902,7 @@ def fit_spline(path: Path, tolerance: float) -> SplineFit:
 def fewest_cubics(path: Path, tolerance: float) -> SplineFit:
     """As `fit_spline`, with the fewest cubics along each smooth piece, then the least deviation.
 
-    Only splines over the arc length are searched; for their number see
-    `camgeo.geometry.contour.cubics.CUBIC_CONSTANT`.
+    Only splines over the arc length are searched; for their number see `CUBIC_CONSTANT`.
     """
     return _proved(path, tolerance, fewest)
 
@@ -921,8 +922,10 @@ def _proved(path: Path, tolerance: float, search: Search) -> SplineFit:
     def fit(aim: float) -> tuple[SplineContour, float]:
         whole: list[CubicSpline | Arc | None] = list(arcs)
         error = 0.0
-        for chosen, course, spline_ends in groups:
-            for k, fitted in zip(chosen, search(course, spline_ends, aim, tolerance), strict=True):
+        for chosen, arc_length, spline_ends in groups:
+            for k, fitted in zip(
+                chosen, search(arc_length, spline_ends, aim, tolerance), strict=True
+            ):
                 whole[k] = _strand(fitted.spline, size)
                 error = max(error, fitted.error)
         return SplineContour(tuple(strand for strand in whole if strand is not None)), error
@@ -940,19 +943,19 @@ def _groups(
     """The parts that need splines, by their curve; nearly always there is only one curve."""
     chosen: dict[int, tuple[ArcLength, list[int]]] = {}
     for k in open_parts:
-        course = parts[k].course
-        if course is not None:
-            chosen.setdefault(id(course), (course, []))[1].append(k)
+        arc_length = parts[k].arc_length
+        if arc_length is not None:
+            chosen.setdefault(id(arc_length), (arc_length, []))[1].append(k)
     groups = []
-    for course, members in chosen.values():
-        course.require_finite()
+    for arc_length, members in chosen.values():
+        arc_length.require_finite()
         spline_ends = Ends(
             np.array([parts[k].start for k in members]),
             np.array([ends[k] for k in members]),
             np.array([parts[k].first for k in members]),
             np.array([parts[k].last for k in members]),
         )
-        groups.append((members, course, spline_ends))
+        groups.append((members, arc_length, spline_ends))
     return groups
 
 
@@ -1016,27 +1019,27 @@ def _angles(parts: Sequence[Part], contour: SplineContour, fine: ApproximatingAr
     """
     angles = np.repeat([part.begin for part in parts], fine.counts)
     low, width = [], []
-    courses: dict[int, ArcLength] = {}
+    arc_lengths: dict[int, ArcLength] = {}
     for part, strand in zip(parts, contour.strands, strict=True):
-        if part.course is not None:
-            courses[id(part.course)] = part.course
+        if part.arc_length is not None:
+            arc_lengths[id(part.arc_length)] = part.arc_length
         if isinstance(strand, CubicSpline):
-            begin = 0.0 if part.course is None else part.course.s[part.piece, 0]
+            begin = 0.0 if part.arc_length is None else part.arc_length.s[part.piece, 0]
             low.append(begin + strand.knots[3:-4])
             width.append(np.diff(strand.knots[3:-3]))
     of_strand = np.repeat(np.arange(len(parts)), fine.counts)
     inner = fine.cubics >= 0
     inner[np.cumsum(fine.counts) - fine.counts] = False  # a strand's own start is known
-    owner = np.array([id(part.course) for part in parts])[of_strand]
+    owner = np.array([id(part.arc_length) for part in parts])[of_strand]
     piece = np.array([part.piece for part in parts])[of_strand]
-    for key, course in courses.items():
+    for key, arc_length in arc_lengths.items():
         which = np.flatnonzero(inner & (owner == key))
         if not len(which):
             continue
         cubic = fine.cubics[which]
         s = np.concatenate(low)[cubic] + fine.shares[which] * np.concatenate(width)[cubic]
-        phi = course.angles(piece[which], s)
-        points, tangents, pace = course.curve.traced(phi)
+        phi = arc_length.angles(piece[which], s)
+        points, tangents, pace = arc_length.curve.traced(phi)
         ahead = (np.conj(tangents) * (fine.contour.vertices[which] - points)).real
         forward = pace > 0.0
         angles[which] = phi + np.where(forward, ahead, 0.0) / np.where(forward, pace, 1.0)

@@ -105,7 +105,7 @@ SHARPNESS = 1e-9
 """Largest fraction by which the bound exceeds the distance, apart from rounding."""
 
 HALF = 0.5 * SHARPNESS
-"""The fraction in each direction: the second starts from the bound of the first."""
+"""The share of each direction: the second one starts from the bound of the first."""
 
 ROUNDING = 2.0**-52 * 4.0
 """Rounding of a distance, as a fraction of the contours' size."""
@@ -121,10 +121,10 @@ ROUNDS = 60
 """Most rounds of halving; then, or before `MOST` cells, the bound is not sharp, but still one."""
 
 MOST = 100_000
-"""Cells that are halved at most [some 50 MB]."""
+"""Most cells that are halved [some 50 MB]."""
 
 PAIRS = 250_000
-"""Pairs of a cell and a piece that are looked at in one go [some 60 MB]."""
+"""Pairs of a cell and a piece that are examined at a time [some 60 MB]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -14,7 +14,7 @@ from camgeo.errors import GeometryError, ToleranceError
 from camgeo.geometry.contour.chords import MAX_CHORDS, fit_polyline
 from camgeo.geometry.contour.contour import Fit
 from camgeo.geometry.contour.exact import arc_angles, arc_count, arc_offset
-from camgeo.geometry.contour.legs import Chain, StretchLeg, TurnLeg, check_regular, too_many
+from camgeo.geometry.contour.legs import Chain, StretchLeg, TurnLeg, check_regular, too_many_error
 from camgeo.geometry.contour.proof import SHARPNESS, PieceOfLeg, proved_fit
 from camgeo.geometry.outline.path import Path
 from camgeo.geometry.pieces import SmoothPiece
@@ -110,9 +110,9 @@ def _ladders(leg: StretchLeg) -> list[Ladder]:
     """The ladders along a whole leg, from corner to corner."""
     cuts = _kinks(leg)
     if leg.closed and not len(cuts):
-        return [Ladder.from_stretch(_stretched(leg, leg.start, leg.end, closed=True))]
+        return [Ladder.from_stretch(_chord_stretch(leg, leg.start, leg.end, closed=True))]
     ends = [*cuts, cuts[0] + leg.end - leg.start] if leg.closed else [leg.start, *cuts, leg.end]
-    parts = [_stretched(leg, low, high, closed=False) for low, high in pairwise(ends)]
+    parts = [_chord_stretch(leg, low, high, closed=False) for low, high in pairwise(ends)]
     return [Ladder.from_stretch(part) for part in parts]
 
 
@@ -125,7 +125,7 @@ def _kinks(leg: StretchLeg) -> list[float]:
     return [float(angle) for angle in joints[gapped | (turned > KINK)]]
 
 
-def _stretched(leg: StretchLeg, start: float, end: float, *, closed: bool) -> Stretched:
+def _chord_stretch(leg: StretchLeg, start: float, end: float, *, closed: bool) -> ChordStretch:
     """The stretch of `leg` from cam angle `start` to `end` [rad], without a corner inside."""
     curve = leg.curve
 
@@ -136,7 +136,7 @@ def _stretched(leg: StretchLeg, start: float, end: float, *, closed: bool) -> St
             tangents[-1] = curve.tangent(phi[-1:], "left")[0]
         return points, tangents
 
-    return Stretched(stretch_table(curve, start, end), place, curve.point, leg.rotation, closed)
+    return ChordStretch(stretch_table(curve, start, end), place, curve.point, leg.rotation, closed)
 
 
 def _chain(laid: Sequence[Chords]) -> Chain:
@@ -150,7 +150,7 @@ def _arc_chords(leg: TurnLeg, aim: float) -> Chain:
     """The fewest chords within `aim` [mm] of an arc, which lies on both sides of them."""
     count = arc_count(aim, leg.radius, leg.end, MOST_TURN)
     if count > MAX_CHORDS:
-        raise too_many(MAX_CHORDS, "straight pieces", aim)
+        raise too_many_error(MAX_CHORDS, "straight pieces", aim)
     offset = arc_offset(count, leg.radius, leg.end)
     angles = arc_angles(count, leg.radius, leg.end, offset)[:-1]
     vertices = leg.centre + (1.0 + offset / leg.radius) * (leg.point(angles) - leg.centre)
@@ -194,11 +194,11 @@ class Ladder:
     unit : [mm] deviation on rung 0, where the table counts one piece.
     """
 
-    stretch: Stretched
+    stretch: ChordStretch
     unit: float
 
     @classmethod
-    def from_stretch(cls, stretch: Stretched) -> Ladder:
+    def from_stretch(cls, stretch: ChordStretch) -> Ladder:
         """The ladder of a stretch; the unit of a straight one is its own length."""
         table = stretch.table
         whole = 0.25 * float(np.sum(table.bends))
@@ -239,7 +239,7 @@ class Ladder:
             number, _, key, rung, plain = heapq.heappop(waiting)
             pieces += number
             if number > most_pieces:
-                raise too_many(most_pieces, "straight pieces", most)
+                raise too_many_error(most_pieces, "straight pieces", most)
             counts = np.frombuffer(key, dtype=np.intp)
             rung = self._last_rung(counts, rung)
             bends = self._bends(rung)
@@ -349,7 +349,7 @@ class Bends:
 
 
 def stretch_bends(
-    stretch: Stretched,
+    stretch: ChordStretch,
     shares: FloatArray,
     reaches: FloatArray,
     counts: IntArray | None = None,
@@ -421,7 +421,7 @@ class EqualErrorPieces:
 
 
 def place_equal_error(
-    stretch: Stretched, tolerance: float, counts: IntArray, most_turn: float
+    stretch: ChordStretch, tolerance: float, counts: IntArray, most_turn: float
 ) -> EqualErrorPieces:
     """Pieces that deviate by `tolerance` [mm] if they can: `counts` (b,) of them in the bends.
 
@@ -442,7 +442,7 @@ def place_equal_error(
         held, offsets, loose = _offsets(stretch, bends, bend, through, full)
         single = single if len(single) else np.zeros(len(places), dtype=np.bool_)
         loose |= single & ~held
-        chords = lay(stretch, stretch.angles(shares, places), held, offsets, loose)
+        chords = lay_chords(stretch, stretch.angles(shares, places), held, offsets, loose)
         size = len(chords.worst)
         through = through[:size]
         turned = float(np.max(chords.turns)) / most_turn
@@ -451,8 +451,8 @@ def place_equal_error(
         if gain > 1.0:
             best, least = EqualErrorPieces(chords, bend[:size], through), score
         excess = np.maximum(chords.worst[through] / tolerance, 1.0)
-        settled = number > 2 and gain < EVENNESS and np.max(excess, initial=0.0) <= EVENNESS
-        if score <= EVENNESS or settled:
+        converged = number > 2 and gain < EVENNESS and np.max(excess, initial=0.0) <= EVENNESS
+        if score <= EVENNESS or converged:
             break
         single = _with_ends(single, np.flatnonzero(chords.worst > UNEVEN * tolerance))
         piece_deviation = 0.5 * (chords.span + chords.worst)
@@ -469,7 +469,7 @@ def place_equal_error(
 
 
 def _places(
-    stretch: Stretched, bends: Bends, counts: IntArray, marks: FloatArray, costs: FloatArray
+    stretch: ChordStretch, bends: Bends, counts: IntArray, marks: FloatArray, costs: FloatArray
 ) -> tuple[FloatArray, IntArray, BoolArray]:
     """Places (m,) of the vertices, the bend of each, and whether it is the last before an
     inflection; `costs` over the places `marks` define equal parts.
@@ -489,7 +489,7 @@ def _places(
 
 
 def _offsets(
-    stretch: Stretched, bends: Bends, bend: IntArray, through: BoolArray, full: FloatArray
+    stretch: ChordStretch, bends: Bends, bend: IntArray, through: BoolArray, full: FloatArray
 ) -> tuple[BoolArray, FloatArray, BoolArray]:
     """The vertices that are held, their offsets [mm] from the curve, and those that are loose.
 
@@ -685,7 +685,7 @@ Place = Callable[[FloatArray], tuple[ComplexArray, ComplexArray]]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Stretched:
+class ChordStretch:
     """A stretch for straight pieces, from corner to corner or all round.
 
     Attributes
@@ -736,8 +736,8 @@ class Chords:
     gap: float
 
 
-def lay(
-    stretch: Stretched,
+def lay_chords(
+    stretch: ChordStretch,
     angles: FloatArray,
     held: BoolArray,
     offsets: FloatArray,

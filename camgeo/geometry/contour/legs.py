@@ -392,7 +392,7 @@ passed to `separate_joints`; a pace that changes thousandfold between two joints
 
 
 def check_regular(curve: WorkingCurve, piece: SmoothPiece, regularity: FloatArray) -> None:
-    """Raise UndercutError unless `regularity` (n,), samples of 1 + d kappa, is that of a contour."""
+    """Raise UndercutError unless `regularity` (n,), 1 + d kappa at samples, allows an outline."""
     smallest = float(np.min(regularity))
     if smallest < -CUSP or (piece.is_arc and smallest <= CUSP):
         raise UndercutError(
@@ -616,7 +616,7 @@ def stuck_error(distance: float, tolerance: float) -> ToleranceError:
     return ToleranceError("the pieces of the contour cannot follow the curve", tolerance, reached)
 
 
-def too_many(most: int, what: str, tolerance: float) -> ToleranceError:
+def too_many_error(most: int, what: str, tolerance: float) -> ToleranceError:
     """The error for a `tolerance` [mm] that needs more than `most` pieces, called `what`."""
     return ToleranceError(f"more than {most:,} {what} would be needed", tolerance, math.inf)
 

@@ -34,7 +34,7 @@ def parallel(contour: Contour, distance: float) -> Contour:
     ahead, sharp = _ahead(contour), corners(contour)
     radii = contour.radii + np.sign(contour.sweeps) * distance
     if np.any(round_ & (radii <= 0.0)):
-        raise _gone(distance)
+        raise _parallel_error(distance)
     # The contour runs counter-clockwise, so that outside is on the right of its direction.
     shifted = starts - 1j * distance * ahead
     vertices = shifted.copy()
@@ -81,7 +81,7 @@ def _meeting(one: Carrier, other: Carrier, near: complex, distance: float) -> co
         share = (np.conj(other[0] - one[0]) * other[1]).imag / cross
         return complex(one[0] + share * one[1])
     if not points:
-        raise _gone(distance)
+        raise _parallel_error(distance)
     return min(points, key=lambda point: abs(point - near))
 
 
@@ -104,7 +104,7 @@ def _sweeps(
     for k, sweep in enumerate(contour.sweeps):
         if sweep == 0.0:
             if ((ends[k] - vertices[k]) * np.conj(ahead[k])).real <= 0.0:
-                raise _gone(distance)
+                raise _parallel_error(distance)
             continue
         start, end = vertices[k] - contour.centres[k], ends[k] - contour.centres[k]
         # Counted in the sense of the sweep, in [0, 2 pi).
@@ -113,7 +113,7 @@ def _sweeps(
         # Ends of whole turns may be rounded to either side.
         turned = min((turned, turned + TURN), key=lambda angle: abs(angle - near))
         if abs(turned - near) > 0.25 * TURN or not turned > 0.0:
-            raise _gone(distance)
+            raise _parallel_error(distance)
         sweeps[k] = math.copysign(turned, sweep)
     return sweeps
 
@@ -146,7 +146,7 @@ def count_steps(contour: Contour, distance: float, limit: float) -> int:
     return next(steps for steps in count(1) if corner_error(distance / steps) <= limit)
 
 
-def _gone(distance: float) -> GeometryError:
+def _parallel_error(distance: float) -> GeometryError:
     return GeometryError(
         f"the contour has no parallel with the same pieces at {abs(distance):g} mm", key="part"
     )

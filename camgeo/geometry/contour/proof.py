@@ -1,10 +1,9 @@
 """Proof of a contour: an upper bound of its distance from the exact curve, for every point.
 
 Each leg of the path is compared with its own run of pieces, and each piece with the part of the leg
-between the two places given for its ends. Over cells of the leg's parameter
-`camgeo.geometry.contour.proof` encloses the distance of the leg from the line or circle of the
-piece, and the angle alpha between both; cells that decide the largest distance b are halved until
-the bound is sharp.
+between the two places given for its ends. Over cells of the leg's parameter, `enclose` bounds the
+distance of the leg from the line or circle of the piece, and the angle alpha between both; cells
+that decide the largest distance b are halved until the bound is sharp.
 
 Why b and the distances of the ends bound the distance in both directions: as long as alpha stays
 far from a right angle, the place square across on the line or circle moves steadily forward along
@@ -83,10 +82,10 @@ FEWEST, MOST = 4, 256
 """Fewest and most initial cells of one arc."""
 
 HALVINGS = 40
-"""Rounds of halving at most; then, or after `MAX_CELLS`, the bound is not sharp, but still one."""
+"""Most rounds of halving; then, or after `MAX_CELLS`, the bound is not sharp, but still one."""
 
 MAX_CELLS = 400_000
-"""Cells at most [some 80 MB], unless there are as many pieces; a contour within its tolerance needs
+"""Most cells [some 80 MB], unless there are as many pieces; a contour within its tolerance needs
 a few for each."""
 
 BLOCK = 16_384
@@ -99,7 +98,7 @@ HUGE = 1e3
 """Radius of an arc that may count as a line, as a multiple of the contour's reach."""
 
 SHORT = 1e-3
-"""Range of a formula [rad] that a message suspects."""
+"""Range of a formula [rad] up to which an error names the motion as its cause."""
 
 LEFT_DISTANCE = 2.0 * SNAP
 """Distance before a border at which its left-hand value is taken [rad]: a few ulps, so that the
@@ -202,11 +201,11 @@ def _run_bound(run: LegRun, reached: float, arc_cells: int, enough: float) -> tu
         )
         if np.count_nonzero(loose) > most or halving + 1 == HALVINGS:
             loose = steep
-        settled = ~loose
-        largest = max(largest, float(np.max(bound[settled], initial=0.0)))
+        decided = ~loose
+        largest = max(largest, float(np.max(bound[decided], initial=0.0)))
         # The turns of a piece add up over its cells, however often these were halved.
         for total, part in zip(turned, (enclosure.least_turn, enclosure.most_turn), strict=True):
-            total += np.bincount(cells.piece[settled], part[settled], len(total))
+            total += np.bincount(cells.piece[decided], part[decided], len(total))
         if not np.any(loose):
             _check_turns(run, turned[0], turned[1])
             return reached, _with_ends(run, places, largest)
@@ -215,10 +214,10 @@ def _run_bound(run: LegRun, reached: float, arc_cells: int, enough: float) -> tu
         cells = cells.halved(loose)
         blocks = range(0, len(cells.low), BLOCK)
         enclosure = joined([_enclosed(run, taken(cells, slice(k, k + BLOCK))) for k in blocks])
-    raise _uncompared(run, float(cells.low[np.argmax(enclosure.steepness)]))
+    raise _uncompared_error(run, float(cells.low[np.argmax(enclosure.steepness)]))
 
 
-def _uncompared(run: LegRun, place: float) -> GeometryError:
+def _uncompared_error(run: LegRun, place: float) -> GeometryError:
     """The error for a contour that does not follow the leg at `place` [rad]; it is the motion's if
     a formula of it holds there for no longer than `SHORT`.
     """
@@ -807,7 +806,7 @@ the aim; the tolerance is for messages."""
 def fit_by_groups(
     make: Callable[[WorkingCurve, list[SmoothPiece]], Group], tolerance: float
 ) -> FitPieces:
-    """The fit of `camgeo.geometry.contour.proof.proved_fit`, group by group.
+    """The fit of the smooth pieces for `proved_fit`, group by group.
 
     `make` makes a group from a curve and its pieces, only once however often the aim is lowered.
     """

@@ -411,7 +411,7 @@ def halved(envelope: Envelope, cells: FlankCells) -> FlankCells:
     if not len(cells):
         return cells
     if len(cells) > MOST + MORE * len(envelope.borders):
-        raise unresolved(envelope, cells.low[np.argsort(cells.high - cells.low)])
+        raise unresolved_error(envelope, cells.low[np.argsort(cells.high - cells.low)])
     middle = 0.5 * (cells.low + cells.high)
     # Interleaved: the halves of cell k are the cells 2 k and 2 k + 1.
     low = np.column_stack((cells.low, middle)).ravel()
@@ -419,7 +419,7 @@ def halved(envelope: Envelope, cells: FlankCells) -> FlankCells:
     return enclose(envelope, low, high, np.repeat(cells.origin, 2))
 
 
-def unresolved(envelope: Envelope, places: FloatArray) -> GeometryError:
+def unresolved_error(envelope: Envelope, places: FloatArray) -> GeometryError:
     """The error for a division that does not end, with the cam angle of the first of `places`."""
     angle = np.degrees(envelope.cam_angles(envelope.wrapped(places[:1])))[0]
     return GeometryError(
@@ -572,7 +572,7 @@ def divide(envelope: Envelope, cusps: FloatArray) -> Division:
     while True:
         wide, sharp = cells.high - cells.low > NARROWEST, cells.turn > STEEPEST
         if np.any(sharp & ~wide):
-            raise unresolved(envelope, cells.low[sharp & ~wide])
+            raise unresolved_error(envelope, cells.low[sharp & ~wide])
         coarse = sharp | (_touches(cells, cusps) & (cells.bend == 0.0))
         coarse &= wide
         if not np.any(coarse):
@@ -670,7 +670,9 @@ def find_nodes(envelope: Envelope, backward: list[tuple[float, float]]) -> tuple
 
 
 def _candidate_pairs(division: Division, runs: list[CellRun]) -> tuple[IntArray, IntArray]:
-    """Pairs of cells that may cross and do not belong to one of the `runs`, already settled."""
+    """Pairs of cells that may cross and do not belong to one of the `runs`, whose crossing is
+    known.
+    """
     first, second = overlapping(division.envelope, division.cells)
     count = len(division.cells)
     plain = division.is_plain(first, second) | division.is_plain(second, first + count)
@@ -864,10 +866,10 @@ REACH = 1.2
 back; more than 1 / cos(0.5)."""
 
 SLIGHT = 0.5
-"""Largest angle [rad] by which the tangent turns in these parts."""
+"""Largest angle [rad] by which the tangent turns in the parts next to the cusps."""
 
 SQUARE = 1.5
-"""Largest angle [rad] by which it turns in the run: less than a right angle."""
+"""Largest angle [rad] by which the tangent turns in a short run: less than a right angle."""
 
 SAMPLES = 33
 """Places at which the tangents of a part are sampled; over so short a part, with few borders, they
@@ -884,9 +886,9 @@ NODES = 12
 """Nodes of a quadrature over each smooth part."""
 
 MOST_BREAKS = 4
-"""Most borders inside a tail that is integrated by quadrature, or that short parts are known of."""
+"""Most borders inside a tail that is integrated by quadrature, or in a run of short parts."""
 
-SETTLED = 1e-7
+SMALL_STEP = 1e-7
 """After a Newton step of this fraction of the tail's width the next one is mere rounding."""
 
 NOISE = 2.0**-52 * 64.0
@@ -1059,8 +1061,8 @@ def _tails(
     x = np.maximum(middle - np.sqrt(3.0) * half, 0.5 * (low + start))
     y = np.minimum(middle + np.sqrt(3.0) * half, 0.5 * (end + high))
     speed = np.abs(envelope.curve.pitch.jet(envelope.cam_angles(start))[1])
-    settled = np.zeros(len(x), dtype=np.bool_)
-    converged = settled.copy()
+    small_step = np.zeros(len(x), dtype=np.bool_)
+    converged = small_step.copy()
     k = np.arange(len(x))  # those still iterated
     for _ in range(STEPS):
         ends = _samples(envelope, np.stack((x[k], y[k])))
@@ -1079,11 +1081,11 @@ def _tails(
         # One factor for both steps keeps the direction of Newton's step.
         share = np.minimum(1.0, room)
         x[k], y[k] = x[k] + share * dx, y[k] + share * dy
-        converged[k] = settled[k]
+        converged[k] = small_step[k]
         # The pace is a difference of speeds; of a tiny tail it has few digits left.
         noise = NOISE * speed[k] / np.minimum(a_x, a_y)
-        least = (SETTLED + noise) * (y[k] - x[k]) + 8.0 * np.spacing(y[k])
-        settled[k] = np.abs(dx) + np.abs(dy) <= least
+        least = (SMALL_STEP + noise) * (y[k] - x[k]) + 8.0 * np.spacing(y[k])
+        small_step[k] = np.abs(dx) + np.abs(dy) <= least
         k = k[~converged[k]]
     converged &= (low <= x) & (x < start) & (end < y) & (y <= high)
     chosen = np.flatnonzero(converged)

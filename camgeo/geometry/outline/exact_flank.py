@@ -43,10 +43,10 @@ CELL: Final = math.radians(0.25)
 """Widest cell [rad] of cam angle, or of the angle turned about a point."""
 
 FEW: Final = 64
-"""Points whose nearest cells are found without a tree of them."""
+"""Up to this many points, the nearest cells are found without a search tree."""
 
 CORNER_DISTANCE: Final = 1e-9
-"""Closer to a corner than this [mm] a point has no direction from it."""
+"""A point closer to a corner than this [mm] has no direction from it."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

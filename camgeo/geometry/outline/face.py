@@ -31,7 +31,7 @@ from camgeo.geometry.outline.outline import (
     cover_cells,
     outermost,
     pairs_in_cells,
-    too_rough,
+    too_rough_error,
     visible_pieces,
 )
 from camgeo.geometry.outline.path import Path
@@ -196,7 +196,7 @@ def _crossings(
     for index, with_index in pairs_in_cells(cell):
         examined += len(index)
         if examined > MOST_PAIRS:
-            raise too_rough(LAYERS, len(cell) / len(cells))
+            raise too_rough_error(LAYERS, len(cell) / len(cells))
         one, other = which[index], which[with_index]
         low, high = cells.low[cell[index]], cells.high[cell[index]]
         way = circles.centres[other] - circles.centres[one]
@@ -215,13 +215,13 @@ def _crossings(
 # The part of the disc that a flat face touches at each cam angle, and the resulting lift.
 #
 # The face is pressed inward until it touches: what holds it is the convex hull of the disc, see
-# `camgeo.geometry.outline.face`. As long as the contact is on the rocker's own side of the pivot's
+# the top of this module. As long as the contact is on the rocker's own side of the pivot's
 # foot, the cam angle runs steadily with the normal, so that each place of the hull holds the face
 # over one range of cam angle, known exactly.
 
 
 SIDE = 1e-6
-"""Difference of a lift from itself, by rounding, close to where the contact loses its lever."""
+"""Relative rounding error of a lift close to where the contact loses its lever."""
 
 STEADY = 1e-9
 """Cam angle [rad] by which neighbouring borders may come in the wrong order, by rounding."""
@@ -258,7 +258,7 @@ class FaceLift(DiscLift):
         in_row = turned - np.maximum.accumulate(np.where(small, 0.0, turned))
         return ~small | (in_row > corner)
 
-    def held(self, phi: FloatArray, numbers: IntArray, order: Literal[0, 2, 3]) -> FloatArray:
+    def held_jet(self, phi: FloatArray, numbers: IntArray, order: Literal[0, 2, 3]) -> FloatArray:
         """See `DiscLift`."""
         circles = self.circles
         return self.path.jet(phi, circles.centres[numbers], circles.radii[numbers])[: order + 1]

@@ -20,7 +20,14 @@ from typing import Any, Final, Self
 import numpy as np
 
 from camgeo.errors import GeometryError, UndercutError
-from camgeo.geometry.outline.envelope import Envelope, Node, divide, find_nodes, halved, unresolved
+from camgeo.geometry.outline.envelope import (
+    Envelope,
+    Node,
+    divide,
+    find_nodes,
+    halved,
+    unresolved_error,
+)
 from camgeo.geometry.outline.envelope import FlankCells as FlankCells
 from camgeo.geometry.outline.path import Element, Path, Pivot, Stretch, whole
 from camgeo.geometry.pieces import (
@@ -122,8 +129,9 @@ def real_outline(flank: WorkingCurve, bends: Extremes | None = None) -> Outline:
     if not nodes:
         if backward and backward != [(0.0, envelope.total)]:
             raise GeometryError(
-                f"the flank runs back {_unsettled(envelope, backward, nodes)}, where it does not"
-                " cross itself by more than rounding: it cannot be decided what is left of it"
+                "the flank runs back at cam angle"
+                f" {_undecided_angle(envelope, backward, nodes):.6f} deg, where it does not cross"
+                " itself by more than rounding: it cannot be decided what is left of it"
             )
         if backward:
             raise UndercutError(
@@ -140,17 +148,17 @@ def real_outline(flank: WorkingCurve, bends: Extremes | None = None) -> Outline:
         # Where the axis is free, there is a disc about it, and the rest lies around all rollers.
         raise GeometryError(
             "it cannot be decided what is left of the flank: its sides touch to rounding"
-            f" {_unsettled(envelope, backward, nodes)}"
+            f" at cam angle {_undecided_angle(envelope, backward, nodes):.6f} deg"
         )
     lobes = tuple(path for k, path in enumerate(paths) if k != main[0])
     return Outline(paths[main[0]], lobes, _dropped(paths[main[0]]))
 
 
-def _unsettled(
+def _undecided_angle(
     envelope: Envelope, backward: list[tuple[float, float]], nodes: tuple[Node, ...]
-) -> str:
-    """The place, in words, of the first range in which the flank runs back and which no crossing
-    cuts off; if there is none, of the first crossing.
+) -> float:
+    """Cam angle [deg] in the middle of the first range in which the flank runs back and which no
+    crossing cuts off; if there is none, of the first crossing.
     """
     total = envelope.total
     spans = [(node.first, node.second) for node in nodes]
@@ -163,13 +171,13 @@ def _unsettled(
         )
     ]
     place = envelope.wrapped(np.array([*places, *(first for first, _ in spans)][:1]))
-    return f"at cam angle {math.degrees(envelope.cam_angles(place)[0]):.6f} deg"
+    return math.degrees(envelope.cam_angles(place)[0])
 
 
 def _convex_outline(flank: WorkingCurve) -> Outline:
     """The whole contact curve of a flat face, or what remains of it where it undercuts.
 
-    `camgeo.geometry.outline.face` shows why the whole one does not cross itself.
+    `camgeo.geometry.pieces` shows why the whole one does not cross itself.
     """
     shape = convexity(flank.pitch)
     if shape.is_convex:
@@ -628,7 +636,7 @@ PASSES = 40
 """Most passes over the cells. Each adds extremes, and in all but the last one some were missing."""
 
 PLACES_NEAR = 65
-"""Places among which an added extreme is sought."""
+"""Places among which an added extreme is searched for."""
 
 
 def sure_bends(flank: WorkingCurve, bends: Extremes) -> Extremes:
@@ -648,7 +656,7 @@ def sure_bends(flank: WorkingCurve, bends: Extremes) -> Extremes:
         if not len(missed):
             return bends
         bends = with_places(flank.pitch, bends, missed)
-    raise unresolved(envelope, missed)
+    raise unresolved_error(envelope, missed)
 
 
 def _missed_of_cells(
@@ -761,7 +769,7 @@ def find_crossings(curve: WorkingCurve, bends: Extremes | None = None) -> tuple[
 STEPS: Final = 60
 """Most Newton steps; from the guess six suffice."""
 
-SETTLED: Final = 1e-7
+SMALL_STEP: Final = 1e-7
 """After a Newton step of this fraction of the tail's width the next one is mere rounding."""
 
 SHORT: Final = 0.05
@@ -772,13 +780,14 @@ NODES: Final = 12
 """Nodes of the quadrature over each smooth part; of a part this short it has all digits."""
 
 SAMPLES: Final = 257
-"""Places of an arc among which a common sine is sought where Newton's method does not find it."""
+"""Places of an arc among which a common sine is searched for where Newton's method does not find
+it."""
 
 ROUNDS: Final = 4
-"""Rounds of this search, each on the part between two of the places before."""
+"""Rounds of the search for a common sine, each between two of the places of the round before."""
 
 BISECTIONS: Final = 40
-"""Halvings of the other arc."""
+"""Halvings of the first arc, for each of which the second one is searched."""
 
 END: Final = 1e-9
 """Fraction of an arc next to its ends that counts as the end."""
@@ -828,7 +837,7 @@ def trimmed_path(flank: WorkingCurve, shape: Convexity) -> Path:
         for (_, end), (start, _) in zip([ranges[-1], *ranges[:-1]], ranges, strict=True)
     ]
     arcs = sorted((start % TURN, start % TURN + (end - start)) for start, end in arcs)
-    return _face_path(flank, _scanned(_Face(flank.pitch), arcs))
+    return _face_path(flank, _scan_arcs(_Face(flank.pitch), arcs))
 
 
 def backward_angles(pitch: PitchCurve, turn: float) -> list[tuple[float, float]]:
@@ -858,10 +867,10 @@ def backward_angles(pitch: PitchCurve, turn: float) -> list[tuple[float, float]]
         if not len(missed):
             return sorted(ranges)
         bends = with_places(parallel.pitch, bends, missed)
-    raise _undecided(pitch)
+    raise _undecided_error(pitch)
 
 
-def _undecided(pitch: PitchCurve) -> GeometryError:
+def _undecided_error(pitch: PitchCurve) -> GeometryError:
     """The error for a face whose disc cannot be decided, with the place where its contact is
     fastest.
     """
@@ -891,7 +900,7 @@ def _fastest(pitch: PitchCurve) -> float:
         if not np.any(wide):
             return fastest
         low, high = halves(low, high, wide)
-    raise _undecided(pitch)
+    raise _undecided_error(pitch)
 
 
 def _missed(pitch: PitchCurve, ranges: list[tuple[float, float]], shift: float) -> FloatArray:
@@ -949,7 +958,7 @@ class _Face:
         return complex(np.sum(parts))
 
 
-def _scanned(face: _Face, arcs: list[Arc]) -> list[tuple[Arc, _Bridge]]:
+def _scan_arcs(face: _Face, arcs: list[Arc]) -> list[tuple[Arc, _Bridge]]:
     """The arcs that count, each with its bridge to the next one."""
     bridges: list[_Bridge | None] = [None] * len(arcs)
     while arcs:
@@ -969,7 +978,7 @@ def _scanned(face: _Face, arcs: list[Arc]) -> list[tuple[Arc, _Bridge]]:
         del arcs[place], bridges[place]
         if bridges:
             bridges[place - 1] = None
-    raise _undecided(face.pitch)
+    raise _undecided_error(face.pitch)
 
 
 def _bridge(face: _Face, first: Arc, second: Arc) -> _Bridge:
@@ -989,7 +998,7 @@ def _bridge(face: _Face, first: Arc, second: Arc) -> _Bridge:
 
 def _newton(face: _Face, first: Arc, second: Arc, x: float, y: float) -> _Bridge | None:
     """The bridge by Newton's method from a guess; None if it does not converge inside the arcs."""
-    settled = False
+    small_step = False
     for _ in range(STEPS):
         points, (t_x, t_y), (p_x, p_y) = face.contacts(np.array([x, y]))
         sine = float((np.conj(t_x) * t_y).imag)
@@ -1000,11 +1009,11 @@ def _newton(face: _Face, first: Arc, second: Arc, x: float, y: float) -> _Bridge
         dy = float((np.conj(way) * t_x).imag) / (p_y * sine)
         share = min(1.0, _room(x, dx, first), _room(y, dy, second))
         x, y = x + share * dx, y + share * dy
-        if settled:
+        if small_step:
             turned = face.turning(np.array([x, y]))
             # Half a turn on, and the same place once more: neither is a sine in common.
             return _Bridge(x, y, exact=True) if turned[1] - turned[0] < math.pi else None
-        settled = abs(dx) + abs(dy) <= SETTLED * (y - x) + 8.0 * math.ulp(TURN)
+        small_step = abs(dx) + abs(dy) <= SMALL_STEP * (y - x) + 8.0 * math.ulp(TURN)
     return None
 
 
@@ -1119,7 +1128,7 @@ def cover_cells(cells: AngleCells, first: IntArray, count: IntArray, what: str) 
     Raises GeometryError if there are too many pairs; `what` are the pieces, in a message.
     """
     if np.sum(count) > MOST_PAIRS:
-        raise too_rough(what, np.sum(count) / len(cells))
+        raise too_rough_error(what, np.sum(count) / len(cells))
     piece, rank = grouped(count)
     cell = np.remainder(first[piece] + rank, len(cells))
     # Stable, so that pieces ascend within each cell.
@@ -1127,7 +1136,7 @@ def cover_cells(cells: AngleCells, first: IntArray, count: IntArray, what: str) 
     return cell[order], piece[order]
 
 
-def too_rough(what: str, layers: float) -> GeometryError:
+def too_rough_error(what: str, layers: float) -> GeometryError:
     """The error for a contour of too many layers."""
     return GeometryError(
         f"the contour is too rough to be replayed: {what} in {layers:.0f} layers; smooth it first"

@@ -66,7 +66,7 @@ AROUND: Final = 0.02
 """Range [rad] on both sides of a joint from which the error of the lift around it is taken."""
 
 SEAM: Final = 1e-9
-"""Least distance [rad] within which a joint is sought: rounding of cam angles."""
+"""Smallest reach [rad] about a joint: the rounding of cam angles."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -179,7 +179,7 @@ def replay_contour(
     else:
         _require_inner(press)
         lift = FaceLift.from_contour(contour, pitch)
-    return compared(pitch, lift.without_corners(corner), press, step, corner)
+    return replay_lift(pitch, lift.without_corners(corner), press, step, corner)
 
 
 def replay_spline(
@@ -195,7 +195,7 @@ def replay_spline(
     Otherwise as `replay_contour`; raises as `ActualLift.from_splines`.
     """
     press = Flank(flank).sign
-    return compared(pitch, ActualLift.from_splines(pitch, contour, press), press, step, corner)
+    return replay_lift(pitch, ActualLift.from_splines(pitch, contour, press), press, step, corner)
 
 
 def replay_outline(
@@ -232,7 +232,7 @@ def replay_outline(
         if len(corners) != len(starts):
             raise GeometryError("a stretch is missing where the outline has no corner for the face")
         face = FaceLift.from_corners(pitch, corners, starts, ends)
-        return compared(pitch, face, press, step)
+        return replay_lift(pitch, face, press, step)
     radius = abs(distance)
     # A pivot at no distance from the roller centre is the roller's turn about its own centre.
     pivots = [pivot for pivot in outline.offset(-distance).pivots if pivot.distance != 0.0]
@@ -250,7 +250,7 @@ def replay_outline(
     centres = np.array([pivot.centre for pivot in pivots], dtype=np.complex128)
     # A knife edge has no such pivots.
     lift = ActualLift.from_corners(pitch, centres, press, radius or 1.0, _gaps(stretches), played)
-    return compared(pitch, lift, press, step)
+    return replay_lift(pitch, lift, press, step)
 
 
 def _require_inner(press: int) -> None:
@@ -272,7 +272,7 @@ def _gaps(stretches: tuple[Stretch, ...]) -> tuple[FloatArray, FloatArray]:
     return starts[gaps], starts[gaps] + widths[gaps]
 
 
-def compared(
+def replay_lift(
     pitch: PitchCurve,
     lift: DiscLift,
     press: int,
@@ -412,8 +412,8 @@ class Replay(CheckedFields):
 
     Samples are for pictures. They lie on a regular grid and at both sides of every place where the
     formula of the actual or of the demanded motion changes; such a place occurs twice in `phi`, its
-    left side first. What is largest is sought in the smooth pieces between these places, whatever
-    the grid.
+    left side first. The largest values are searched for in the smooth pieces between these places,
+    whatever the grid.
 
     Attributes
     ----------

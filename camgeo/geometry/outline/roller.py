@@ -54,7 +54,7 @@ if TYPE_CHECKING:
 STEPS = 40
 """Most Newton steps; the parallel is near the pitch curve, so five are already many."""
 
-SETTLED = 64.0 * 2.0**-52
+SMALL_STEP = 64.0 * 2.0**-52
 """A step [rad] below this, a few roundings of a cam angle, is the last one."""
 
 LONGEST = 0.2
@@ -137,7 +137,7 @@ class PlayedLift:
                 break
             step = np.clip(_signed(phi - angles) * turning / rate, -LONGEST, LONGEST)
             theta = theta + step
-            if np.max(np.abs(step), initial=0.0) <= SETTLED * TURN:
+            if np.max(np.abs(step), initial=0.0) <= SMALL_STEP * TURN:
                 return theta
         raise GeometryError(
             "the side clearance is too large: near the demanded position the follower's path does"
@@ -167,7 +167,7 @@ SEAM = 1e-9
 ends differ by rounding."""
 
 HALF_ARC = 0.52
-"""Half an arc of at most an eighth of a turn over its chord, at most: pi/16 / sin(pi/8)."""
+"""Largest ratio of half an arc of up to an eighth of a turn to its chord: pi/16 / sin(pi/8)."""
 
 
 def piece_numbers(borders: FloatArray, held: IntArray, angle: FloatArray, side: Side) -> IntArray:
@@ -205,24 +205,24 @@ class DiscLift(ABC):
         return int(self.path.outward)
 
     @property
-    def free(self) -> Motion | PlayedLift:
+    def free_motion(self) -> Motion | PlayedLift:
         """The motion of the follower where its number is AS_DEMANDED."""
         return self.motion
 
     @property
     def as_demanded(self) -> bool:
         """Whether the motion is exactly the demanded one where AS_DEMANDED: no roller with play."""
-        return self.free is self.motion
+        return self.free_motion is self.motion
 
     @property
     def breaks(self) -> FloatArray:
         """(m,) cam angles [rad] where a derivative of the demanded or the played lift may jump."""
-        return ascending(np.concatenate((self.motion.breaks, self.free.breaks)))
+        return ascending(np.concatenate((self.motion.breaks, self.free_motion.breaks)))
 
     @property
     def knots(self) -> FloatArray:
         """(m,) the `breaks` and all other cam angles [rad] where the formula of either changes."""
-        return ascending(np.concatenate((self.motion.borders, self.free.borders)))
+        return ascending(np.concatenate((self.motion.borders, self.free_motion.borders)))
 
     @abstractmethod
     def holding_elements(self, numbers: IntArray) -> tuple[IntArray, FloatArray]:
@@ -244,7 +244,7 @@ class DiscLift(ABC):
         """
 
     @abstractmethod
-    def held(self, phi: FloatArray, numbers: IntArray, order: Literal[0, 2, 3]) -> FloatArray:
+    def held_jet(self, phi: FloatArray, numbers: IntArray, order: Literal[0, 2, 3]) -> FloatArray:
         """(order + 1, n) lift with derivatives where `numbers` (n,) hold it at `phi` (n,) [rad]."""
 
     def without_corners(self, corner: float) -> Self:
@@ -284,9 +284,9 @@ class DiscLift(ABC):
         held = number != AS_DEMANDED
         jet = np.empty((order + 1, len(phi)))
         if not np.all(held):
-            jet[:, ~held] = self.free.jet(phi[~held], side, max(order, 1))[: order + 1]
+            jet[:, ~held] = self.free_motion.jet(phi[~held], side, max(order, 1))[: order + 1]
         if np.any(held):
-            jet[:, held] = self.held(phi[held], number[held], order)
+            jet[:, held] = self.held_jet(phi[held], number[held], order)
         return jet
 
 
@@ -305,7 +305,7 @@ class ActualLift(DiscLift):
     played: PlayedLift | None = None
 
     @property
-    def free(self) -> Motion | PlayedLift:
+    def free_motion(self) -> Motion | PlayedLift:
         """See `DiscLift`."""
         return self.played or self.motion
 
@@ -313,7 +313,7 @@ class ActualLift(DiscLift):
         """See `DiscLift`."""
         return self.branches.elements[numbers], self.branches.corners[numbers]
 
-    def held(self, phi: FloatArray, numbers: IntArray, order: Literal[0, 2, 3]) -> FloatArray:
+    def held_jet(self, phi: FloatArray, numbers: IntArray, order: Literal[0, 2, 3]) -> FloatArray:
         """See `DiscLift`."""
         return self.branches.jet(self.path, phi, numbers, order)
 
@@ -336,17 +336,20 @@ class ActualLift(DiscLift):
         """The lift of the roller of `pitch` on a closed contour of lines and arcs,
         counter-clockwise.
 
-        `press` is as for `pressed`. Raises GeometryError as `parallel` and `pressed`.
+        `press` is as for `holding_branches`. Raises GeometryError as `parallel` and
+        `holding_branches` do.
         """
         path = path_of(pitch.follower, pitch.rotation)
         roller_branches = branches(parallel(contour, -press * pitch.follower.roller_radius), path)
         whole = (np.zeros(1), np.full(1, TURN))
-        return cls(path, pitch, *pressed(roller_branches, path, press, whole), roller_branches)
+        return cls(
+            path, pitch, *holding_branches(roller_branches, path, press, whole), roller_branches
+        )
 
     @classmethod
     def from_splines(cls, pitch: PitchCurve, contour: SplineContour, press: int) -> ActualLift:
         """The lift of the roller of `pitch` on a closed contour of cubics, arcs and lines,
-        counter-clockwise; `press` is as for `pressed`.
+        counter-clockwise; `press` is as for `holding_branches`.
 
         Raises
         ------
@@ -378,7 +381,8 @@ class ActualLift(DiscLift):
         played: PlayedLift | None,
     ) -> ActualLift:
         """The lift of a roller of `radius` [mm] that runs over the `corners` (k,) [mm] of an
-        outline in the `ranges`, as of `pressed`, and elsewhere as demanded, or as `played`.
+        outline in the `ranges`, as of `holding_branches`; elsewhere it moves as demanded, or as
+        `played`.
         """
         path = path_of(pitch.follower, pitch.rotation)
         none, normals = np.zeros(len(corners)), np.ones(len(corners), dtype=np.complex128)
@@ -388,11 +392,11 @@ class ActualLift(DiscLift):
         roller_branches = branches(circles, path)
         borders, numbers = np.zeros(1), np.full(1, AS_DEMANDED)
         if len(ranges[0]):
-            borders, numbers = pressed(roller_branches, path, press, ranges)
+            borders, numbers = holding_branches(roller_branches, path, press, ranges)
         return cls(path, pitch, borders, numbers, roller_branches, played)
 
 
-def pressed(
+def holding_branches(
     branches: Branches, path: FollowerPath, press: int, ranges: tuple[FloatArray, FloatArray]
 ) -> tuple[FloatArray, IntArray]:
     """Borders (k,) [rad] and the branch (k,) that holds the roller from each of them on.
@@ -513,7 +517,7 @@ def _crossings(
 # It is the contour's parallel at the roller radius: a line gives a line, an arc a concentric arc, a
 # corner the arc of the roller radius about it. Nothing is trimmed: where the contour turns in, or
 # is too narrow for the roller, the parallel crosses itself, and the follower's place decides (see
-# `camgeo.geometry.outline.roller`). Each of its points is a roller radius from some point of the
+# `holding_branches`). Each of its points is a roller radius from some point of the
 # contour, so none can represent a place that the roller does not reach.
 
 
@@ -747,11 +751,11 @@ def _clip_to_reach(points: ComplexArray, reach: tuple[float, float]) -> ComplexA
 
 
 BEYOND: Final = 0.1
-"""Parameters that far beyond a cubic are still tried."""
+"""How far beyond [0, 1] parameters of a cubic are still tried."""
 
 LOOKS: Final = 33
-"""Parameters of each cubic at which its parallel is looked at: whether it is regular and the cam
-angle runs one way. This is sampled, not proved; cubics of a fit turn by little."""
+"""Parameters of each cubic at which its parallel is checked: it must be regular, and the cam
+angle run one way. This is sampled, not proved; cubics of a fit turn by little."""
 
 GAP: Final = 1e-9
 """Neighbouring branches meet within this cam angle [rad]: the rounding of their ends."""
@@ -868,7 +872,7 @@ class Chain:
             moved = np.clip(t + step, -BEYOND, 1.0 + BEYOND)
             last = np.max(np.abs((moved - t) * spans), initial=0.0)
             t = moved
-            if last <= SETTLED * TURN:
+            if last <= SMALL_STEP * TURN:
                 return t
         raise GeometryError("the roller does not touch the spline where it should")
 
@@ -888,7 +892,7 @@ def _chain(
     corners = _corners(pieces, ends, distance)
     straight = branches(joined([plain, corners]), path)
     if np.any(straight.facing < 0.0):
-        raise _folded()
+        raise _folded_error()
     starts, finishes = _ranges(cubics, path)
     forward = path.rotation < 0
     lows, highs = (starts, finishes) if forward else (finishes, starts)
@@ -916,7 +920,7 @@ def _ranges(cubics: Cubics, path: FollowerPath) -> tuple[FloatArray, FloatArray]
     angles, q = path.cam_angle_of(point)
     along, _ = path.along(angles, q)
     if not np.all((pace > 0.0) & (dot(normal, along) > 0.0)):
-        raise _folded()
+        raise _folded_error()
     rows = angles.reshape(count, LOOKS)
     # Unrolled step by step, as a cubic may cross cam angle 0.
     return rows[:, 0], rows[:, 0] + np.sum(_signed(np.diff(rows, axis=1)), axis=1)
@@ -935,7 +939,7 @@ def _arcs(arcs: list[Arc], numbers: IntArray, distance: float) -> Parallel:
     kappa = np.where(curved, np.sign(sweeps) / np.where(curved, radii, 1.0), 0.0)
     share = 1.0 + kappa * distance
     if np.any(share <= 0.0):
-        raise _folded()
+        raise _folded_error()
     lengths = np.where(curved, 0.0, np.abs(ends - starts))
     return cut(
         starts + distance * first, ends + distance * last, first, kappa / share, sweeps, lengths,
@@ -979,7 +983,7 @@ def _headings(piece: Arc | ComplexArray) -> tuple[complex, complex]:
     return ways[0] / abs(ways[0]), ways[1] / abs(ways[1])
 
 
-def _folded() -> GeometryError:
+def _folded_error() -> GeometryError:
     """The error for a spline that the roller cannot follow from end to end."""
     return GeometryError(
         "the spline is curved more tightly than the roller, or runs along the follower's path"
