@@ -22,7 +22,7 @@ from hypothesis import strategies as st
 
 from camgeo.errors import GeometryError, ToleranceError, UndercutError
 from camgeo.geometry.contour import arcs as arcs_module
-from camgeo.geometry.contour.arcs import Biarcs, Ends, Strands, fewest_arcs, fit_arcs
+from camgeo.geometry.contour.arcs import Biarcs, PieceEnds, Strands, fewest_arcs, fit_arcs
 from camgeo.geometry.contour.chords import fit_polyline
 from camgeo.geometry.contour.contour import Contour, Fit, require_simple
 from camgeo.geometry.contour.cubics import fewest_cubics, fit_spline
@@ -445,7 +445,7 @@ def test_distances_of_biarcs(curve: WorkingCurve, start: float, span: float, cou
     breaks = np.concatenate([curve.breaks - TURN, curve.breaks, curve.breaks + TURN, [start + 9.0]])
     end = min(start + span, float(np.min(breaks[breaks > start + 1e-9])))
     joints = np.linspace(start, end, count + 1)
-    ends = Ends(*curve.traced(joints[-1:], "left"))
+    ends = PieceEnds(*curve.traced(joints[-1:], "left"))
     biarcs = Biarcs.along(curve, joints, np.array([count]), ends)
     chain = biarcs.chain()
     points = curve.point(np.linspace(start, end, 4000)[:-1])

@@ -33,7 +33,7 @@ from camgeo.geometry.outline.replay import (
     replay_outline,
     replay_spline,
 )
-from camgeo.geometry.outline.roller import ActualLift, Chain, PlayedLift
+from camgeo.geometry.outline.roller import ActualLift, PlayedLift, SplineBranches
 from camgeo.geometry.pitch_curve import PitchCurve, WorkingCurve
 from camgeo.kinematics.mechanism.follower_path import path_of
 from camgeo.kinematics.mechanism.rollers import TranslatingRoller
@@ -415,7 +415,7 @@ def test_the_lift_is_that_of_a_roller_that_touches_the_cubic(scene: str, path: A
     lift = replay.lift
     assert isinstance(lift, ActualLift)
     chain = lift.branches
-    assert isinstance(chain, Chain)
+    assert isinstance(chain, SplineBranches)
     first = len(chain.arcs.elements)
     middles = 0.5 * (lift.borders + np.append(lift.borders[1:], lift.borders[0] + 2.0 * math.pi))
     curved = np.flatnonzero(lift.numbers >= first)
@@ -485,7 +485,7 @@ def test_the_acceleration_of_one_spline_is_continuous() -> None:
     lift = replay_of("plate_translating", 1e-3).lift
     assert isinstance(lift, ActualLift)
     chain = lift.branches
-    assert isinstance(chain, Chain)
+    assert isinstance(chain, SplineBranches)
     first = len(chain.arcs.elements)
     inside = (lift.numbers >= first) & (np.roll(lift.numbers, 1) >= first)
     contour = contour_of("plate_translating", 1e-3)

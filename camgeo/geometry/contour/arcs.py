@@ -213,7 +213,7 @@ def turn_arc(leg: TurnLeg, _aim: float) -> Chain:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Group:
+class _BiarcGroup:
     """Smooth pieces of one curve, which share its evaluations.
 
     Attributes
@@ -226,7 +226,7 @@ class _Group:
     curve: WorkingCurve
     pieces: tuple[SmoothPiece, ...]
     densities: tuple[ArcDensity, ...]
-    ends: Ends
+    ends: PieceEnds
     rests: tuple[Chain, ...]
 
     def fit(self, aim: float, tolerance: float) -> list[Chain]:
@@ -267,8 +267,8 @@ def _group(curve: WorkingCurve, pieces: list[SmoothPiece]) -> Group:
         if not piece.is_arc:
             densities.append(ArcDensity(piece, bends))
             stops.append(piece.end)
-    ends = Ends(*curve.traced(np.array(stops, dtype=np.float64), "left"))
-    return _Group(curve, tuple(pieces), tuple(densities), ends, rest_arcs(curve, pieces)).fit
+    ends = PieceEnds(*curve.traced(np.array(stops, dtype=np.float64), "left"))
+    return _BiarcGroup(curve, tuple(pieces), tuple(densities), ends, rest_arcs(curve, pieces)).fit
 
 
 def rest_arcs(curve: WorkingCurve, pieces: Sequence[SmoothPiece]) -> tuple[Chain, ...]:
@@ -286,7 +286,7 @@ def rest_arcs(curve: WorkingCurve, pieces: Sequence[SmoothPiece]) -> tuple[Chain
 
 
 def _sound_biarcs(
-    curve: WorkingCurve, joints: list[FloatArray], ends: Ends
+    curve: WorkingCurve, joints: list[FloatArray], ends: PieceEnds
 ) -> list[tuple[Biarcs, FloatArray]]:
     """Biarcs whose arcs have a parallel on the pitch curve, see `camgeo.geometry.contour.proof`,
     with their joints.
@@ -323,7 +323,7 @@ def _sound_biarcs(
     return list(zip(fits, joints, strict=True))
 
 
-def _biarcs(curve: WorkingCurve, joints: list[FloatArray], ends: Ends) -> list[Biarcs]:
+def _biarcs(curve: WorkingCurve, joints: list[FloatArray], ends: PieceEnds) -> list[Biarcs]:
     stops = np.cumsum([len(chain_joints) for chain_joints in joints]) - 1
     biarcs = Biarcs.along(curve, np.concatenate(joints), stops, ends)
     # The joints of all chains lie in one array, and a chain has one span less than joints.
@@ -417,7 +417,7 @@ its centre has no significant digits."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Ends:
+class PieceEnds:
     """Points, unit tangents and paces (k,) at the ends of smooth pieces, left-hand values there."""
 
     points: ComplexArray
@@ -449,7 +449,9 @@ class Biarcs:
     least_step: FloatArray
 
     @classmethod
-    def along(cls, curve: WorkingCurve, joints: FloatArray, stops: IntArray, ends: Ends) -> Self:
+    def along(
+        cls, curve: WorkingCurve, joints: FloatArray, stops: IntArray, ends: PieceEnds
+    ) -> Self:
         """Biarcs along several chains of spans, one after the other.
 
         Parameters
@@ -832,7 +834,7 @@ class JointedCurve:
     valid : (k,) False for splines that have joints too close to each other.
     """
 
-    layout: Layout
+    layout: ArcLayout
     angles: FloatArray
     points: ComplexArray
     tangents: ComplexArray
@@ -842,7 +844,7 @@ class JointedCurve:
 
     @classmethod
     def sample(
-        cls, strands: Strands, layout: Layout, pieces: IntArray, places: FloatArray, probes: int
+        cls, strands: Strands, layout: ArcLayout, pieces: IntArray, places: FloatArray, probes: int
     ) -> JointedCurve:
         """The curve at the `places` (j,) of joints along `pieces` (k,), and at `probes` per arc."""
         angles = strands.difficulty.angles(layout, pieces, places)
@@ -1040,14 +1042,14 @@ def arc_splines(strands: Strands, pieces: IntArray, counts: IntArray) -> list[Ar
 
     Their deviation is nearly the least possible. Each depends only on its piece and number of arcs.
     """
-    layout = Layout.from_counts(counts)
+    layout = ArcLayout.from_counts(counts)
     best, excess = _equal_error_places(
         strands, layout, pieces, strands.difficulty.joints(layout, pieces)
     )
     # Splines that stay uneven get more rounds from their best places; the others are done.
     uneven = np.flatnonzero(excess > UNEVENNESS)
     if len(uneven):
-        part = Layout.from_counts(counts[uneven])
+        part = ArcLayout.from_counts(counts[uneven])
         chosen = layout.of_joints(excess > UNEVENNESS)
         for _ in range(REPEATS):
             best[chosen] = _equal_error_places(strands, part, pieces[uneven], best[chosen])[0]
@@ -1062,11 +1064,11 @@ def arc_splines(strands: Strands, pieces: IntArray, counts: IntArray) -> list[Ar
 
 
 def _equal_error_places(
-    strands: Strands, layout: Layout, pieces: IntArray, places: FloatArray
+    strands: Strands, layout: ArcLayout, pieces: IntArray, places: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Places (j,) of joints for equal deviations, by iteration from `places` (j,): those of the
     round with the smallest largest deviation; and (k,) the excess of that deviation in each spline,
-    see `Layout.excess`.
+    see `ArcLayout.excess`.
     """
     system = ArcSystem.from_layout(layout)
     count = len(layout.first)
@@ -1136,7 +1138,7 @@ LEAST = 1e-3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Layout:
+class ArcLayout:
     """Places of the joints and arcs of k splines in the arrays of a batch.
 
     Attributes
@@ -1152,7 +1154,7 @@ class Layout:
     spline: IntArray
 
     @classmethod
-    def from_counts(cls, counts: IntArray) -> Layout:
+    def from_counts(cls, counts: IntArray) -> ArcLayout:
         """Splines of `counts` (k,) arcs each."""
         last = np.cumsum(counts + 1) - 1
         left = np.delete(np.arange(last[-1] + 1), last)
@@ -1242,7 +1244,7 @@ class Difficulty:
             integral(speed).ravel(),
         )
 
-    def joints(self, layout: Layout, pieces: IntArray) -> FloatArray:
+    def joints(self, layout: ArcLayout, pieces: IntArray) -> FloatArray:
         """(j,) places of joints with equal deviations of the arcs according to the tables.
 
         Spline i of `layout` lies along piece `pieces[i]`.
@@ -1267,14 +1269,14 @@ class Difficulty:
             places = move_joints(layout, places, ALONE * layout.excess(stress * deviations))
         return places
 
-    def angles(self, layout: Layout, pieces: IntArray, places: FloatArray) -> FloatArray:
+    def angles(self, layout: ArcLayout, pieces: IntArray, places: FloatArray) -> FloatArray:
         """(j,) cam angles [rad] of `places` (j,), see `joints`."""
         part = places - 2.0 * layout.of_joints(pieces)
         starts, spans = layout.of_joints(self.starts[pieces]), layout.of_joints(self.spans[pieces])
         return np.asarray(starts + spans * part)
 
 
-def move_joints(layout: Layout, places: FloatArray, shrink: FloatArray) -> FloatArray:
+def move_joints(layout: ArcLayout, places: FloatArray, shrink: FloatArray) -> FloatArray:
     """Places (j,) of joints, moved from `places` so that each arc's share of its spline shrinks by
     the factor exp(shrink), shrink (n,), as against the others.
     """
@@ -1306,11 +1308,11 @@ class ArcSystem:
     cells : places of all coefficients in the banded matrix, row by row.
     """
 
-    layout: Layout
+    layout: ArcLayout
     cells: IntArray
 
     @classmethod
-    def from_layout(cls, layout: Layout) -> ArcSystem:
+    def from_layout(cls, layout: ArcLayout) -> ArcSystem:
         """The equations of `layout`: where coefficients stand. Their values come with `solve`."""
         size = 3 * (int(layout.last[-1]) + 1)
         # Offset and turn of the joint on the left, then of that on the right.

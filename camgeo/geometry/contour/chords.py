@@ -180,7 +180,7 @@ def sampled_polyline(path: Path, tolerance: float) -> Contour:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Group:
+class _ChordGroup:
     """Smooth pieces of one curve, which share its evaluations.
 
     Attributes
@@ -258,7 +258,7 @@ def _group(curve: WorkingCurve, pieces: list[SmoothPiece]) -> Group:
     bends = sample_bends(curve, pieces)
     points, tangents, pace = curve.traced(np.array([piece.end for piece in pieces]), "left")
     densities = tuple(ChordDensity(*pair) for pair in zip(pieces, bends, strict=True))
-    return _Group(curve, densities, points, tangents * pace).fit
+    return _ChordGroup(curve, densities, points, tangents * pace).fit
 
 
 def _arc_chords(leg: TurnLeg, aim: float, tolerance: float) -> Chain:

@@ -487,7 +487,7 @@ class Trial:
     worst : (splines,) [mm] largest distance found of each.
     """
 
-    layout: Layout
+    layout: SplineLayout
     solution: Solution
     worst: FloatArray
 
@@ -511,7 +511,9 @@ def limits(arc_length: ArcLength, aim: float) -> FloatArray:
     return np.asarray(CUBIC_CONSTANT * arc_length.totals * aim**-0.25)
 
 
-def fewest(arc_length: ArcLength, ends: Ends, aim: float, tolerance: float) -> list[FittedSpline]:
+def fewest(
+    arc_length: ArcLength, ends: SplineEnds, aim: float, tolerance: float
+) -> list[FittedSpline]:
     """A spline for each piece, of the fewest cubics whose distance found is at most `aim` [mm].
 
     For a number of cubics the distance depends only on the piece, and the numbers tried only on the
@@ -532,7 +534,9 @@ def fewest(arc_length: ArcLength, ends: Ends, aim: float, tolerance: float) -> l
     return _search(arc_length, ends, counts, next_counts, DAMPING, aim, tolerance)
 
 
-def fast(arc_length: ArcLength, ends: Ends, aim: float, tolerance: float) -> list[FittedSpline]:
+def fast(
+    arc_length: ArcLength, ends: SplineEnds, aim: float, tolerance: float
+) -> list[FittedSpline]:
     """A spline for each piece whose distance found is at most `aim` [mm], nearly always in one
     pass: a few numbers of cubics are tried at once, because calls cost more than numbers.
 
@@ -558,7 +562,7 @@ def _possible(counts: list[int]) -> list[int]:
 
 def _search(
     arc_length: ArcLength,
-    ends: Ends,
+    ends: SplineEnds,
     counts: Sequence[Sequence[int]],
     next_counts: Callable[[int, float], Sequence[int]],
     damping: tuple[float, ...],
@@ -591,12 +595,15 @@ def _search(
 
 
 def _equalised(
-    arc_length: ArcLength, ends: Ends, tried: list[tuple[int, int]], damping: tuple[float, ...]
+    arc_length: ArcLength,
+    ends: SplineEnds,
+    tried: list[tuple[int, int]],
+    damping: tuple[float, ...],
 ) -> Trial:
     """Splines for pairs (piece, cubics), their spans shifted until all errors are about equal."""
     piece = np.array([k for k, _ in tried], dtype=np.intp)
     counts = np.array([count for _, count in tried], dtype=np.intp)
-    layout = Layout(piece, counts, taken(ends, piece))
+    layout = SplineLayout(piece, counts, taken(ends, piece))
     owner, local = grouped(counts)
     # All pieces lie on one line of S, and their shares from 0 to 1 on one from 0 to their number.
     shares = (np.arange(len(arc_length.s))[:, None] + arc_length.shares).ravel()
@@ -619,7 +626,7 @@ def _equalised(
 
 
 def _shifted(
-    arc_length: ArcLength, layout: Layout, owner: IntArray, solution: Solution, power: float
+    arc_length: ArcLength, layout: SplineLayout, owner: IntArray, solution: Solution, power: float
 ) -> tuple[FloatArray, FloatArray]:
     """New spans: the density of knots grows with the fourth root of the error, to a power."""
     first = layout.span_starts
@@ -668,7 +675,7 @@ ORDER = 4
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Ends:
+class SplineEnds:
     """Where splines begin and end [mm], and their unit tangents there: complex, one each."""
 
     starts: ComplexArray
@@ -678,7 +685,7 @@ class Ends:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Layout:
+class SplineLayout:
     """Splines to be fitted, one after the other, with the indices of their spans and control
     points.
 
@@ -691,7 +698,7 @@ class Layout:
 
     piece: IntArray
     counts: IntArray
-    ends: Ends
+    ends: SplineEnds
 
     @property
     def span_starts(self) -> IntArray:
@@ -723,7 +730,12 @@ class Solution:
 
 
 def solve(
-    arc_length: ArcLength, layout: Layout, low: FloatArray, high: FloatArray, *, final: bool = False
+    arc_length: ArcLength,
+    layout: SplineLayout,
+    low: FloatArray,
+    high: FloatArray,
+    *,
+    final: bool = False,
 ) -> Solution:
     """The splines with spans from `low` to `high` (spans,) [mm] in S.
 
@@ -824,7 +836,9 @@ def _exact(
     return arc_length.curve.points_and_tangents(arc_length.angles(piece, s))
 
 
-def _fixed(layout: Layout, low: FloatArray, high: FloatArray) -> tuple[ComplexArray, BoolArray]:
+def _fixed(
+    layout: SplineLayout, low: FloatArray, high: FloatArray
+) -> tuple[ComplexArray, BoolArray]:
     """(control points,) complex [mm] the four outermost control points of each spline, 0 for all
     others; and a mask of those four.
     """
@@ -877,7 +891,7 @@ between samples miss, so that the first proof holds."""
 STRAIGHT = 2.0**-52 * 64.0
 """A piece whose sagitta is a smaller fraction of its distance from the cam axis is a line."""
 
-Search = Callable[[ArcLength, Ends, float, float], list[FittedSpline]]
+Search = Callable[[ArcLength, SplineEnds, float, float], list[FittedSpline]]
 
 
 def fit_spline(path: Path, tolerance: float) -> SplineFit:
@@ -939,7 +953,7 @@ def _proved(path: Path, tolerance: float, search: Search) -> SplineFit:
 
 def _groups(
     parts: Sequence[Part], ends: Sequence[complex], open_parts: Sequence[int]
-) -> list[tuple[list[int], ArcLength, Ends]]:
+) -> list[tuple[list[int], ArcLength, SplineEnds]]:
     """The parts that need splines, by their curve; nearly always there is only one curve."""
     chosen: dict[int, tuple[ArcLength, list[int]]] = {}
     for k in open_parts:
@@ -949,7 +963,7 @@ def _groups(
     groups = []
     for arc_length, members in chosen.values():
         arc_length.require_finite()
-        spline_ends = Ends(
+        spline_ends = SplineEnds(
             np.array([parts[k].start for k in members]),
             np.array([ends[k] for k in members]),
             np.array([parts[k].first for k in members]),

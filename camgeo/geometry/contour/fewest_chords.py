@@ -264,7 +264,7 @@ class Ladder:
         """Deviation [mm] on a `rung`: half of that `RUNGS / 2` rungs before."""
         return self.unit * math.exp2(-2.0 * rung / RUNGS)
 
-    def _bends(self, rung: int) -> Bends:
+    def _bends(self, rung: int) -> StretchBends:
         """The bends of the stretch for the deviation on a `rung`."""
         table = self.stretch.table
         shares = table.shares(self._aim(rung), MOST_TURN)
@@ -315,7 +315,7 @@ b - eps)^2 = 16 b eps, and its length is sqrt(b/(2 eps)) of the others'."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Bends:
+class StretchBends:
     """Starts and ends of the bends between inflections, in chords, see `StretchTable.shares`.
 
     Attributes
@@ -353,7 +353,7 @@ def stretch_bends(
     shares: FloatArray,
     reaches: FloatArray,
     counts: IntArray | None = None,
-) -> Bends:
+) -> StretchBends:
     """The bends of a stretch if the chords through its inflections reach `reaches` (k,) `THROUGH`
     to both sides.
 
@@ -365,7 +365,7 @@ def stretch_bends(
     left, right = inflections - THROUGH * reaches, inflections + THROUGH * reaches
     if stretch.closed and not len(inflections):
         none = np.zeros(1)
-        return Bends(none, np.array([total]), none, none, none > 0.0)
+        return StretchBends(none, np.array([total]), none, none, none > 0.0)
     if stretch.closed:
         # Bend k lies between the inflections k and k + 1, the last one across the start.
         low, high = right, np.append(left[1:], left[0] + total)
@@ -386,7 +386,7 @@ def stretch_bends(
         start[0], end[0] = 0.0, room[0]
         start[-1], end[-1] = total - room[-1], total
     low, high = np.where(narrow, start, low), np.where(narrow, end, high)
-    return Bends(low, high, extra, last - first - (high - low), narrow)
+    return StretchBends(low, high, extra, last - first - (high - low), narrow)
 
 
 ROUNDS = 8
@@ -469,7 +469,11 @@ def place_equal_error(
 
 
 def _places(
-    stretch: ChordStretch, bends: Bends, counts: IntArray, marks: FloatArray, costs: FloatArray
+    stretch: ChordStretch,
+    bends: StretchBends,
+    counts: IntArray,
+    marks: FloatArray,
+    costs: FloatArray,
 ) -> tuple[FloatArray, IntArray, BoolArray]:
     """Places (m,) of the vertices, the bend of each, and whether it is the last before an
     inflection; `costs` over the places `marks` define equal parts.
@@ -489,7 +493,7 @@ def _places(
 
 
 def _offsets(
-    stretch: ChordStretch, bends: Bends, bend: IntArray, through: BoolArray, full: FloatArray
+    stretch: ChordStretch, bends: StretchBends, bend: IntArray, through: BoolArray, full: FloatArray
 ) -> tuple[BoolArray, FloatArray, BoolArray]:
     """The vertices that are held, their offsets [mm] from the curve, and those that are loose.
 

@@ -301,7 +301,7 @@ class ActualLift(DiscLift):
     """
 
     path: FollowerPath
-    branches: Branches | Chain
+    branches: Branches | SplineBranches
     played: PlayedLift | None = None
 
     @property
@@ -810,7 +810,7 @@ class Cubics:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Chain:
+class SplineBranches:
     """What the roller runs on, arcs, then cubics; otherwise as `Branches`.
 
     Attributes
@@ -879,7 +879,7 @@ class Chain:
 
 def _chain(
     contour: SplineContour, distance: float, path: FollowerPath
-) -> tuple[Chain, FloatArray, FloatArray]:
+) -> tuple[SplineBranches, FloatArray, FloatArray]:
     """The chain, and where each of its branches begins and ends over the cam angle [rad]."""
     pieces = contour.pieces
     cubic = np.array([isinstance(piece, np.ndarray) for piece in pieces])
@@ -896,7 +896,7 @@ def _chain(
     starts, finishes = _ranges(cubics, path)
     forward = path.rotation < 0
     lows, highs = (starts, finishes) if forward else (finishes, starts)
-    whole = Chain(
+    whole = SplineBranches(
         straight,
         cubics,
         starts,
