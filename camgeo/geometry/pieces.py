@@ -250,7 +250,7 @@ def extremes_of_members(
     starts, ends = turn.starts, turn.ends
     middle, which = np.empty(0), np.empty(0, dtype=np.intp)
     if len(turn.places):
-        middle, which = _turning(many, value, slopes, turn.places)
+        middle, which = _slope_roots(many, value, slopes, turn.places)
     at_starts = many.everywhere(value, starts, "right")
     at_ends = many.everywhere(value, ends, "left")
     inner_values = many.at(value, middle, "right", which)
@@ -308,7 +308,7 @@ def cached_turn(curve: PitchCurve) -> Turn:
     return divide_turn(curve)
 
 
-def _turning(
+def _slope_roots(
     many: Many[Asked], value: Asked, slopes: Asked, places: FloatArray
 ) -> tuple[FloatArray, IntArray]:
     """(n,) where one of the `slopes` of a member of `many` vanishes, ascending, and (n,) the number
@@ -454,7 +454,7 @@ def convexity(curve: PitchCurve) -> Convexity:
     turn = smallest_turn(curve)
     clearance = _distances(curve).smallest()
     radius = (-np.inf, turn[1]) if turn[0] <= 0.0 else _proved_radius(curve)
-    jump, count = _jumps(curve, NO_JUMP * size)
+    jump, count = _contact_jumps(curve, NO_JUMP * size)
     return Convexity(turn, radius, clearance, jump, count, size)
 
 
@@ -532,7 +532,7 @@ def _proved_radius(curve: PitchCurve) -> Extreme:
     return smallest
 
 
-def _jumps(curve: PitchCurve, least: float) -> tuple[Extreme, int]:
+def _contact_jumps(curve: PitchCurve, least: float) -> tuple[Extreme, int]:
     """The worst jump of the contact along the outline: the largest one backwards, else forwards."""
     phi = ascending(np.append(curve.breaks, 0.0))
     left, right = (touch(curve, phi, side).contact[0] for side in ("left", "right"))

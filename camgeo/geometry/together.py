@@ -42,13 +42,13 @@ def several(members: Sequence[Member], which: IntArray) -> Member:
 def alike(member: object) -> Hashable:
     """Equal for members that differ in numbers only, and so can be one of `several`."""
     values = (getattr(member, field.name) for field in fields(member))  # type: ignore[arg-type]  # followers and linkages are dataclasses
-    return type(member), *(_sort(value) for value in values)
+    return type(member), *(_formula_key(value) for value in values)
 
 
-def _sort(value: Any) -> Hashable:
+def _formula_key(value: Any) -> Hashable:
     """What of a value decides between formulas: of a float or complex number only its type."""
     if type(value) is tuple:
-        return tuple(map(_sort, value))
+        return tuple(map(_formula_key, value))
     if is_dataclass(value):
         return alike(value)
     kind: Hashable = type(value).__name__ if type(value) in (float, complex) else value

@@ -148,7 +148,7 @@ class ArcDensity:
         if not density[0] > 0.0:  # a straight line has no difficulty anywhere
             density = np.ones(len(density))
         reached = np.concatenate(([0.0], np.cumsum(density)))
-        joints: FloatArray = np.interp(_parts(count) * reached[-1], reached, self._borders)
+        joints: FloatArray = np.interp(_part_ends(count) * reached[-1], reached, self._borders)
         joints[0], joints[-1] = self._piece.start, self._piece.end
         return joints
 
@@ -163,7 +163,7 @@ class ArcDensity:
         return density
 
 
-def _parts(count: int) -> FloatArray:
+def _part_ends(count: int) -> FloatArray:
     """(count + 1,) ends of `count` parts of [0, 1], equal but for the outermost, see `OUTER`."""
     sizes = np.ones(count)
     for number, size in enumerate(OUTER[: (count + 1) // 2]):
@@ -738,7 +738,7 @@ class _FewestGroup:
             raise ToleranceError("arcs cannot be distinguished from the curve", aim, math.inf)
         # The asymptotic number of arcs, from the law `ARC`.
         limits = self._strands.difficulty.totals * (ARC / aim) ** (1.0 / 3.0)
-        ladders = [_numbers(int(limit)) for limit in limits]
+        ladders = [_arc_counts(int(limit)) for limit in limits]
         splines: dict[int, ArcSpline] = {}
         laid = 0
         for attempt in range(ATTEMPTS):
@@ -771,7 +771,7 @@ class _FewestGroup:
             self.missed = self.missed or (pair[1] > 1 and spline.deviation == math.inf)
 
 
-def _numbers(limit: int) -> list[int]:
+def _arc_counts(limit: int) -> list[int]:
     """Numbers of arcs to be tried in turn where `limit` is a lower bound, see `ALL_NUMBERS`."""
     numbers: list[int] = []
     number = max(1, limit)

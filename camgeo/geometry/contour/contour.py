@@ -490,7 +490,7 @@ def _bounds(pieces: Pieces) -> tuple[ComplexArray, FloatArray]:
     return middles, reaches
 
 
-def _least(values: FloatArray, valid: BoolArray) -> float:
+def _least_valid(values: FloatArray, valid: BoolArray) -> float:
     """The least of the `valid` values; infinite if there are none."""
     return float(np.min(values[valid], initial=np.inf))
 
@@ -511,7 +511,9 @@ def _arc_gap(a: Pieces, b: Pieces) -> float:
     for one in (1.0, -1.0):
         for other in (1.0, -1.0):
             gap = np.abs(centre_distance + other * rb - one * ra)
-            least = min(least, _least(gap, bent & a.faces(one * along) & b.faces(other * along)))
+            least = min(
+                least, _least_valid(gap, bent & a.faces(one * along) & b.faces(other * along))
+            )
     # From the centre of the first circle along the line of centres to the common chord.
     lever = (centre_distance**2 + ra**2 - rb**2) / (2.0 * np.where(bent, centre_distance, 1.0))
     meet = bent & (np.abs(lever) <= ra)
@@ -531,7 +533,7 @@ def _arc_line_gap(arc: Pieces, line: Pieces) -> float:
     foot = line.starts + share * chord - arc.centres
     inside = mixed & (share >= 0.0) & (share <= 1.0)
     gap = np.abs(np.abs(foot) - arc.radii)
-    least = _least(gap, inside & arc.faces(foot))
+    least = _least_valid(gap, inside & arc.faces(foot))
     length = np.where(mixed, np.abs(chord), 1.0)
     # Half the chord that the circle cuts from the line, as a share of the line.
     half = np.sqrt(np.maximum(arc.radii**2 - np.abs(foot) ** 2, 0.0)) / length

@@ -175,7 +175,7 @@ def bounds_beside_arcs(
     square = middle.real * (middle.real - lengths) + middle.imag * middle.imag
     centre = square / (2.0 * height)
     radius = np.where(forward, np.hypot(0.5 * lengths, centre), 1.0)
-    from_arc, narrow = _from_arcs(x, y, lengths, centre, radius)
+    from_arc, narrow = _circle_bounds(x, y, lengths, centre, radius)
     # The sagitta r - |c| without its cancellation, from (r - |c|) (r + |c|) = L^2 / 4.
     deep = 0.25 * lengths * lengths / (radius + np.abs(centre))
     sagitta = np.where(line, 0.0, np.sign(centre) * deep)
@@ -184,7 +184,7 @@ def bounds_beside_arcs(
     return sagitta, np.where(forward, bound, np.inf)
 
 
-def _from_arcs(
+def _circle_bounds(
     x: FloatArray, y: FloatArray, lengths: FloatArray, centre: FloatArray, radius: FloatArray
 ) -> tuple[FloatArray, BoolArray]:
     """(n,) bound [mm] of the distance of parts, in the axes of their chords, from their circles;

@@ -154,10 +154,10 @@ def _curve_parts(
     rest_starts = np.array([pieces[k].start for k in rests])
     middle = np.array([0.5 * (pieces[k].start + pieces[k].end) for k in rests])
     # From the right: the starts of the cells, their nodes, then starts and middles of the arcs.
-    here = Traced.evaluate(
+    here = CurveSamples.evaluate(
         curve, np.concatenate((phi[:, :-1].ravel(), nodes.ravel(), rest_starts, middle))
     )
-    back = Traced.evaluate(curve, np.array([piece.end for piece in pieces]), "left")
+    back = CurveSamples.evaluate(curve, np.array([piece.end for piece in pieces]), "left")
 
     stop, last = phi[:, :-1].size, phi[:, :-1].size + nodes.size
     cells = here.shaped(slice(0, stop), (count, CELLS))
@@ -228,7 +228,7 @@ NEWTON = 4
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Traced:
+class CurveSamples:
     """One evaluation of a parallel at n cam angles, in arrays of one shape.
 
     Attributes
@@ -248,7 +248,7 @@ class Traced:
     slope: FloatArray
 
     @classmethod
-    def evaluate(cls, curve: WorkingCurve, phi: FloatArray, side: Side = "right") -> Traced:
+    def evaluate(cls, curve: WorkingCurve, phi: FloatArray, side: Side = "right") -> CurveSamples:
         """The evaluation at `phi` (n,) [rad], in one call."""
         pitch = curve.pitch
         relative = pitch.relative_jet(phi, side)
@@ -266,10 +266,10 @@ class Traced:
             slope = pitch.rotation * (b1 * a3 - a1 * b3) / cube - 3.0 * bend * growth
         return cls(points, tangents, speed, 1.0 + curve.distance * bend, bend, slope)
 
-    def shaped(self, which: slice, shape: tuple[int, ...]) -> Traced:
+    def shaped(self, which: slice, shape: tuple[int, ...]) -> CurveSamples:
         """The part `which` of all arrays, reshaped."""
         part = taken(self, which)
-        return Traced(*(getattr(part, column.name).reshape(shape) for column in fields(part)))
+        return CurveSamples(*(getattr(part, column.name).reshape(shape) for column in fields(part)))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -303,7 +303,7 @@ class ArcLength:
         phi: FloatArray,
         points: ComplexArray,
         tangents: ComplexArray,
-        inside: Traced,
+        inside: CurveSamples,
     ) -> ArcLength:
         """Arc length and difficulty, from the curve at the cells' ends and, `inside`, at the nodes;
         see `cell_angles`.
@@ -546,17 +546,17 @@ def fast(
         If more than `MAX_CUBICS` would be needed, or no number comes closer.
     """
     counts = [
-        _possible(sorted({math.ceil(factor * limit) + more for factor, more in SPARE}))
+        _allowed_counts(sorted({math.ceil(factor * limit) + more for factor, more in SPARE}))
         for limit in limits(arc_length, aim)
     ]
 
     def next_counts(count: int, excess: float) -> Sequence[int]:
-        return _possible([max(count + 1, math.ceil(count * min(2.0, 1.02 * excess**0.25)))])
+        return _allowed_counts([max(count + 1, math.ceil(count * min(2.0, 1.02 * excess**0.25)))])
 
     return _search(arc_length, ends, counts, next_counts, DAMPING[:FAST_ROUNDS], aim, tolerance)
 
 
-def _possible(counts: list[int]) -> list[int]:
+def _allowed_counts(counts: list[int]) -> list[int]:
     return counts if counts[-1] <= MAX_CUBICS else []
 
 
@@ -580,7 +580,7 @@ def _search(
         if not all(open_counts.values()):
             raise too_many_error(MAX_CUBICS, "cubics", tolerance)
         tried = [(k, count) for k, piece_counts in open_counts.items() for count in piece_counts]
-        trial = _equalised(arc_length, ends, tried, damping)
+        trial = _equalise_spans(arc_length, ends, tried, damping)
         for number, (k, count) in enumerate(tried):
             worst = float(trial.worst[number])
             if k in splines:
@@ -594,7 +594,7 @@ def _search(
     return [splines[k] for k in range(len(counts))]
 
 
-def _equalised(
+def _equalise_spans(
     arc_length: ArcLength,
     ends: SplineEnds,
     tried: list[tuple[int, int]],
@@ -614,7 +614,7 @@ def _equalised(
     best_low, best_high = low, high
     worst = np.maximum.reduceat(solution.errors, layout.span_starts)
     for power in damping:
-        low, high = _shifted(arc_length, layout, owner, solution, power)
+        low, high = _shift_spans(arc_length, layout, owner, solution, power)
         solution = solve(arc_length, layout, low, high)
         now = np.maximum.reduceat(solution.errors, layout.span_starts)
         better = clearly_less(now, worst)
@@ -625,7 +625,7 @@ def _equalised(
     return Trial(layout, best, np.maximum.reduceat(best.errors, layout.span_starts))
 
 
-def _shifted(
+def _shift_spans(
     arc_length: ArcLength, layout: SplineLayout, owner: IntArray, solution: Solution, power: float
 ) -> tuple[FloatArray, FloatArray]:
     """New spans: the density of knots grows with the fourth root of the error, to a power."""
@@ -758,9 +758,9 @@ def solve(
 
     sample_s = low[:, None] + (high - low)[:, None] * parts
     exact = np.full(spans, final) | (layout.counts * CELLS_A_SPAN > CELLS)[owner]
-    points, tangents = _curve(arc_length, layout.piece[owner], sample_s, exact)
+    points, tangents = _curve_points(arc_length, layout.piece[owner], sample_s, exact)
 
-    fixed, held = _fixed(layout, low, high)
+    fixed, held = _fixed_controls(layout, low, high)
     middle = len(parts) // 2
     chosen = basis[:, ::middle]  # ends and middles of the spans
     free = chosen * ~held[columns][:, None, :]
@@ -812,7 +812,7 @@ def _peaks(offsets: FloatArray, first: IntArray, last: IntArray) -> FloatArray:
     return np.asarray(np.max(peaks, axis=1))
 
 
-def _curve(
+def _curve_points(
     arc_length: ArcLength, piece: IntArray, s: FloatArray, exact: BoolArray
 ) -> tuple[ComplexArray, ComplexArray]:
     """(spans, parts) points and tangents of the curve at S `s`, the curve itself where `exact`
@@ -820,23 +820,23 @@ def _curve(
     """
     sample_piece = np.repeat(piece, s.shape[1]).reshape(s.shape)
     if np.all(exact):
-        points, tangents = _exact(arc_length, sample_piece.ravel(), s.ravel())
+        points, tangents = _exact_points(arc_length, sample_piece.ravel(), s.ravel())
         return points.reshape(s.shape), tangents.reshape(s.shape)
     points, tangents = arc_length.near(sample_piece, s)
     if np.any(exact):
-        exact_values = _exact(arc_length, sample_piece[exact].ravel(), s[exact].ravel())
+        exact_values = _exact_points(arc_length, sample_piece[exact].ravel(), s[exact].ravel())
         points[exact], tangents[exact] = (part.reshape(-1, s.shape[1]) for part in exact_values)
     return points, tangents
 
 
-def _exact(
+def _exact_points(
     arc_length: ArcLength, piece: IntArray, s: FloatArray
 ) -> tuple[ComplexArray, ComplexArray]:
     """Points and unit tangents (n,) of the curve itself at S `s` (n,) [mm] of `piece` (n,)."""
     return arc_length.curve.points_and_tangents(arc_length.angles(piece, s))
 
 
-def _fixed(
+def _fixed_controls(
     layout: SplineLayout, low: FloatArray, high: FloatArray
 ) -> tuple[ComplexArray, BoolArray]:
     """(control points,) complex [mm] the four outermost control points of each spline, 0 for all
@@ -910,7 +910,7 @@ def fit_spline(path: Path, tolerance: float) -> SplineFit:
     GeometryError
         If the contour cannot be compared with the path, or the path has a gap.
     """
-    return _proved(path, tolerance, fast)
+    return _fit_proved(path, tolerance, fast)
 
 
 def fewest_cubics(path: Path, tolerance: float) -> SplineFit:
@@ -918,10 +918,10 @@ def fewest_cubics(path: Path, tolerance: float) -> SplineFit:
 
     Only splines over the arc length are searched; for their number see `CUBIC_CONSTANT`.
     """
-    return _proved(path, tolerance, fewest)
+    return _fit_proved(path, tolerance, fewest)
 
 
-def _proved(path: Path, tolerance: float, search: Search) -> SplineFit:
+def _fit_proved(path: Path, tolerance: float, search: Search) -> SplineFit:
     legs = path_legs(path)
     parts = path_parts(legs, tolerance)
     size = max(abs(part.start) for part in parts)

@@ -190,7 +190,7 @@ def distance(one: Contour, other: Contour) -> float:
         reached, some = bound, max(1, PAIRS // len(pieces.sweep))
         for first in range(0, len(cells.sweep), some):
             block = taken(cells, slice(first, first + some))
-            reached, block_bound = _largest(block, pieces, rounding, reached)
+            reached, block_bound = _largest_distance(block, pieces, rounding, reached)
             bound = max(bound, block_bound)
     return bound + 2.0 * rounding
 
@@ -201,17 +201,19 @@ def _pieces(contour: Contour) -> _Pieces:
     return _Pieces(parts.vertices[moving], parts.ends[moving], parts.sweeps[moving])
 
 
-def _largest(cells: _Pieces, pieces: _Pieces, rounding: float, known: float) -> tuple[float, float]:
+def _largest_distance(
+    cells: _Pieces, pieces: _Pieces, rounding: float, known: float
+) -> tuple[float, float]:
     """Largest distance [mm] found of a point of `cells` from `pieces`, and a bound of it; both at
     least `known`.
     """
     count, others = len(cells.sweep), len(pieces.sweep)
     pairs = np.repeat(np.arange(count), others), np.tile(np.arange(others), count)
-    starts = _least(_distances(cells.start[pairs[0]], taken(pieces, pairs[1])), pairs[0])
+    starts = _group_least(_distances(cells.start[pairs[0]], taken(pieces, pairs[1])), pairs[0])
     reached, bound = max(known, float(np.max(starts))), known
     for _ in range(ROUNDS):
         # In the order of the cells, each of which has at least one piece.
-        pairs, reached, most = _bounded(cells, pieces, pairs, reached, rounding)
+        pairs, reached, most = _bound_cells(cells, pieces, pairs, reached, rounding)
         loose = most > reached * (1.0 + HALF) + rounding
         bound = max(bound, float(np.max(most[~loose], initial=0.0)))
         if not np.any(loose):
@@ -233,7 +235,7 @@ Pairs = tuple[IntArray, IntArray]
 """(m,), (m,) numbers of cells, ascending, and of pieces."""
 
 
-def _bounded(
+def _bound_cells(
     cells: _Pieces, pieces: _Pieces, pairs: Pairs, reached: float, rounding: float
 ) -> tuple[Pairs, float, FloatArray]:
     """The pairs in which the piece may be nearest to a point of the cell, the largest distance
@@ -242,7 +244,7 @@ def _bounded(
     middle = cells.middle
     reach = np.maximum(np.abs(cells.start - middle), np.abs(cells.end - middle))
     distances = _distances(middle[pairs[0]], taken(pieces, pairs[1]))
-    nearest = _least(distances, pairs[0])
+    nearest = _group_least(distances, pairs[0])
     reached = max(reached, float(np.max(nearest)))
     # A piece that is farther from the middle than the nearest one, by twice the reach, is never
     # the nearest to a point of the cell.
@@ -256,7 +258,7 @@ def _bounded(
         cell, piece = pairs[0][chosen], pairs[1][chosen]
         chosen_cells, chosen_pieces = taken(cells, cell), taken(pieces, piece)
         share, largest = _extremes(chosen_cells, chosen_pieces, rounding)
-        least = _least(largest, cell)
+        least = _group_least(largest, cell)
         most[few] = np.minimum(most[few], least)
         # Where the piece that decides is farthest off, the distance is found, not only bounded.
         place = np.cumsum(few) - 1
@@ -264,12 +266,12 @@ def _bounded(
         shares = np.zeros(len(least))
         shares[place[cell[deciding]]] = share[deciding]
         points = taken(cells, few).points_by_share(shares)
-        there = _least(_distances(points[place[cell]], chosen_pieces), cell)
+        there = _group_least(_distances(points[place[cell]], chosen_pieces), cell)
         reached = max(reached, float(np.max(there)))
     return pairs, reached, most
 
 
-def _least(values: FloatArray, group: IntArray) -> FloatArray:
+def _group_least(values: FloatArray, group: IntArray) -> FloatArray:
     """The least of `values` (m,) in each run of equal numbers in the ascending `group` (m,)."""
     first = np.flatnonzero(np.diff(group, prepend=-1))
     return np.asarray(np.minimum.reduceat(values, first))
@@ -341,7 +343,7 @@ def _extremes(cells: _Pieces, pieces: _Pieces, rounding: float) -> tuple[FloatAr
     """
     frame = _frame(pieces)
     shares = np.stack(
-        (np.zeros(len(cells.sweep)), np.ones(len(cells.sweep)), _share(cells, pieces))
+        (np.zeros(len(cells.sweep)), np.ones(len(cells.sweep)), _parallel_share(cells, pieces))
     )
     offsets = np.stack(
         [
@@ -364,7 +366,7 @@ def _extremes(cells: _Pieces, pieces: _Pieces, rounding: float) -> tuple[FloatAr
     return share, bound
 
 
-def _share(cells: _Pieces, pieces: _Pieces) -> FloatArray:
+def _parallel_share(cells: _Pieces, pieces: _Pieces) -> FloatArray:
     """(n,) where a cell runs parallel to the line or circle of its piece, as a share of its length;
     if it does so nowhere, any share.
 

@@ -51,7 +51,9 @@ class Outlines:
 
     def with_origin(self, origin: complex) -> Outlines:
         """The same contours in axes whose origin is at `origin` [mm]."""
-        return replace(self, contours=tuple(_moved(contour, -origin) for contour in self.contours))
+        return replace(
+            self, contours=tuple(_shift_contour(contour, -origin) for contour in self.contours)
+        )
 
     def misplaced_bore(self, outline: Contour) -> str:
         """A sentence on the bore of `outline` if its centre is not the origin; else empty.
@@ -83,7 +85,7 @@ class Outlines:
         return ""
 
 
-def _moved(contour: Contour | SplineContour, shift: complex) -> Contour | SplineContour:
+def _shift_contour(contour: Contour | SplineContour, shift: complex) -> Contour | SplineContour:
     if isinstance(contour, Contour):
         centres = np.where(contour.sweeps != 0.0, contour.centres + shift, 0.0)
         return Contour(contour.vertices + shift, contour.sweeps, centres)

@@ -249,12 +249,12 @@ def path_legs(path: Path) -> tuple[Leg, ...]:
             start = previous.end if isinstance(previous, Pivot) else None
             legs.append(StretchLeg(element.curve, element.start, element.end, path.is_whole, start))
         else:
-            legs += _turn(element, path.stretches[0].curve.pitch.rotation)
+            legs += _pivot_leg(element, path.stretches[0].curve.pitch.rotation)
         previous = element
     return tuple(legs)
 
 
-def _turn(pivot: Pivot, rotation: int) -> list[TurnLeg]:
+def _pivot_leg(pivot: Pivot, rotation: int) -> list[TurnLeg]:
     """The arc of a pivot, or none if it is a corner."""
     size = abs(pivot.centre) + abs(pivot.distance)
     if abs(pivot.distance * pivot.sweep) <= ROUNDING * size:

@@ -31,7 +31,7 @@ def parallel(contour: Contour, distance: float) -> Contour:
         If a piece turns inside out, or neighbours do not meet.
     """
     starts, round_ = contour.vertices, contour.sweeps != 0.0
-    ahead, sharp = _ahead(contour), corners(contour)
+    ahead, sharp = _start_directions(contour), corners(contour)
     radii = contour.radii + np.sign(contour.sweeps) * distance
     if np.any(round_ & (radii <= 0.0)):
         raise _parallel_error(distance)
@@ -45,7 +45,7 @@ def parallel(contour: Contour, distance: float) -> Contour:
             else (complex(shifted[j]), complex(ahead[j]))
             for j in (k - 1, k)
         ]
-        vertices[k] = _meeting(carriers[0], carriers[1], complex(starts[k]), distance)
+        vertices[k] = _meeting_point(carriers[0], carriers[1], complex(starts[k]), distance)
     sweeps = _sweeps(contour, vertices, ahead, distance)
     return Contour(vertices, sweeps, contour.centres)
 
@@ -54,7 +54,7 @@ Carrier = tuple[complex, complex | float]
 """A line by a point and its unit direction, complex; a circle by centre and radius, a float."""
 
 
-def _meeting(one: Carrier, other: Carrier, near: complex, distance: float) -> complex:
+def _meeting_point(one: Carrier, other: Carrier, near: complex, distance: float) -> complex:
     """Where two lines or circles meet, next to `near`."""
     if isinstance(one[1], float) and isinstance(other[1], float):
         centre_line = other[0] - one[0]
@@ -118,7 +118,7 @@ def _sweeps(
     return sweeps
 
 
-def _ahead(contour: Contour) -> ComplexArray:
+def _start_directions(contour: Contour) -> ComplexArray:
     """(n,) unit direction at the start of each piece."""
     turned = 1j * np.sign(contour.sweeps) * (contour.vertices - contour.centres)
     ahead = np.where(contour.sweeps != 0.0, turned, contour.ends - contour.vertices)
@@ -127,7 +127,7 @@ def _ahead(contour: Contour) -> ComplexArray:
 
 def corners(contour: Contour) -> BoolArray:
     """(n,) whether the piece before each vertex comes to it in another direction."""
-    ahead = _ahead(contour)
+    ahead = _start_directions(contour)
     # Turned by the sweep, the direction at the start of a piece is that at its end.
     leaving = np.roll(ahead * np.exp(1j * contour.sweeps), 1)
     return np.asarray(np.abs((np.conj(leaving) * ahead).imag) > SMOOTH)

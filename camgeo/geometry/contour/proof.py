@@ -213,7 +213,7 @@ def _run_bound(run: LegRun, reached: float, arc_cells: int, enough: float) -> tu
             break
         cells = cells.halved(loose)
         blocks = range(0, len(cells.low), BLOCK)
-        enclosure = joined([_enclosed(run, taken(cells, slice(k, k + BLOCK))) for k in blocks])
+        enclosure = joined([_enclose_cells(run, taken(cells, slice(k, k + BLOCK))) for k in blocks])
     raise _uncompared_error(run, float(cells.low[np.argmax(enclosure.steepness)]))
 
 
@@ -297,7 +297,7 @@ def _first_enclosure(run: LegRun, cells: _Cells) -> tuple[Enclosure, ComplexArra
     """
     starts, ends = run.angles[:-1], run.angles[1:]
     # A piece that ends at a border ends in the left-hand value, which is taken just before it.
-    at_border = _near(ends, run.leg.borders)
+    at_border = _near_borders(ends, run.leg.borders)
     at_border[-1] = True
     left_angles = ends[at_border] - LEFT_DISTANCE
     low = np.concatenate((cells.low, starts, ends[-1:], left_angles))
@@ -309,10 +309,10 @@ def _first_enclosure(run: LegRun, cells: _Cells) -> tuple[Enclosure, ComplexArra
     reached = places[1 : pieces + 1].copy()
     reached[at_border] = places[pieces + 1 :]
     both = np.stack((places[:pieces], reached))
-    return _enclosed(run, cells, (jet[:, :count], speeds[:, :count])), both
+    return _enclose_cells(run, cells, (jet[:, :count], speeds[:, :count])), both
 
 
-def _near(angles: FloatArray, borders: FloatArray) -> BoolArray:
+def _near_borders(angles: FloatArray, borders: FloatArray) -> BoolArray:
     """(n,) which of `angles` (n,) count as one of the ascending `borders`."""
     if not len(borders):
         return np.zeros(len(angles), dtype=np.bool_)
@@ -321,7 +321,7 @@ def _near(angles: FloatArray, borders: FloatArray) -> BoolArray:
     return np.minimum(next_distance, np.abs(borders[place - 1] - angles)) <= SNAP
 
 
-def _enclosed(
+def _enclose_cells(
     run: LegRun, cells: _Cells, known: tuple[ComplexArray, FloatArray] | None = None
 ) -> Enclosure:
     """The cells compared with their pieces; `known` are their jets and speeds, if there are any."""

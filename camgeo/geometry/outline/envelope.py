@@ -666,7 +666,7 @@ def find_nodes(envelope: Envelope, backward: list[tuple[float, float]]) -> tuple
     pairs = _candidate_pairs(division, [run for _, run in tails])
     nodes = [node for node, _ in tails]
     nodes += _decide(envelope, division.cells, pairs)
-    return _distinct(nodes, envelope.total)
+    return _distinct_nodes(nodes, envelope.total)
 
 
 def _candidate_pairs(division: Division, runs: list[CellRun]) -> tuple[IntArray, IntArray]:
@@ -711,7 +711,7 @@ def _decide(envelope: Envelope, cells: FlankCells, pairs: tuple[IntArray, IntArr
             point = complex(one.middle[k])
             all_nodes.append(_node(float(one.low[k]), float(other.low[k]), point, touching=True))
         resolved |= small
-        cells, first, second = _refined(envelope, cells, first[~resolved], second[~resolved])
+        cells, first, second = _refine_pairs(envelope, cells, first[~resolved], second[~resolved])
     if not len(first):
         return all_nodes
     one, other = cells.some(first), cells.some(second)
@@ -738,7 +738,7 @@ def _tiny(envelope: Envelope, cells: FlankCells) -> BoolArray:
     return tiny
 
 
-def _refined(
+def _refine_pairs(
     envelope: Envelope, cells: FlankCells, first: IntArray, second: IntArray
 ) -> tuple[FlankCells, IntArray, IntArray]:
     """The pairs of the halves of each pair whose boxes still meet."""
@@ -782,9 +782,9 @@ def _newton(
         inside &= np.isfinite(dx) & np.isfinite(dy)
         x = np.where(inside, x + np.clip(dx, -wide_x, wide_x), x)
         y = np.where(inside, y + np.clip(dy, -wide_y, wide_y), y)
-        inside &= _near(x, one, 1.0) & _near(y, other, 1.0)
+        inside &= _near_cells(x, one, 1.0) & _near_cells(y, other, 1.0)
     size = np.abs(points) + abs(envelope.curve.distance)
-    inside &= _near(x, one, OUTSIDE) & _near(y, other, OUTSIDE)
+    inside &= _near_cells(x, one, OUTSIDE) & _near_cells(y, other, OUTSIDE)
     # Where the pace is large, the rounding of the cam angle counts as well.
     fastest = np.maximum(np.abs(at_x.pace), np.abs(at_y.pace))
     inside &= np.abs(gap) <= 4.0 * ROUNDING * size + PLACE * fastest
@@ -806,13 +806,13 @@ def _node(one: float, other: float, point: complex, *, touching: bool = False) -
     return Node(min(one, other), max(one, other), point, touching)
 
 
-def _near(places: FloatArray, cells: FlankCells, share: float) -> BoolArray:
+def _near_cells(places: FloatArray, cells: FlankCells, share: float) -> BoolArray:
     """(n,) whether `places` (n,) are in their cells, or outside by at most that `share` of them."""
     room = share * (cells.high - cells.low)
     return np.asarray((places >= cells.low - room) & (places <= cells.high + room))
 
 
-def _distinct(nodes: list[Node], total: float) -> tuple[Node, ...]:
+def _distinct_nodes(nodes: list[Node], total: float) -> tuple[Node, ...]:
     """Each node once; of a crossing and a contact next to it, the crossing."""
     distinct: list[Node] = []
     fields = max(1, int(total / TOUCHING))
@@ -820,7 +820,7 @@ def _distinct(nodes: list[Node], total: float) -> tuple[Node, ...]:
     for node in sorted(nodes, key=lambda node: (node.touching, node.first, node.second)):
         limit = TOUCHING if node.touching else SAME
         field = int(node.first / TOUCHING)
-        if any(_same(node, other, limit, total) for other in near.get(field % fields, ())):
+        if any(_same_node(node, other, limit, total) for other in near.get(field % fields, ())):
             continue
         distinct.append(node)
         # Nodes that are the same lie in the same field of the path parameter or in neighbouring
@@ -835,7 +835,7 @@ def _distinct(nodes: list[Node], total: float) -> tuple[Node, ...]:
     return tuple(sorted(distinct, key=lambda node: (node.first, node.second)))
 
 
-def _same(one: Node, other: Node, limit: float, total: float) -> bool:
+def _same_node(one: Node, other: Node, limit: float, total: float) -> bool:
     """Whether both places of two nodes agree to `limit`, in either order and across the end."""
     pairs = [(other.first, other.second), (other.second, other.first)]
     gaps = np.abs(np.array(pairs) - [one.first, one.second])
@@ -1066,18 +1066,20 @@ def _tails(
     k = np.arange(len(x))  # those still iterated
     for _ in range(STEPS):
         ends = _samples(envelope, np.stack((x[k], y[k])))
-        gap = _ways(envelope, x[k], y[k], ends)
+        gap = _displacements(envelope, x[k], y[k], ends)
         (t_x, t_y), (a_x, a_y) = ends.tangents, ends.pace
-        sine = _across(t_x, t_y)
+        sine = _cross_product(t_x, t_y)
         forward = (sine != 0.0) & (a_x > 0.0) & (a_y > 0.0)
         k, gap, sine, t_x, t_y, a_x, a_y = (
             part[forward] for part in (k, gap, sine, t_x, t_y, a_x, a_y)
         )
         if not len(k):
             break
-        dx, dy = _across(t_y, gap) / (-sine * a_x), _across(t_x, gap) / (-sine * a_y)
+        dx, dy = _cross_product(t_y, gap) / (-sine * a_x), _cross_product(t_x, gap) / (-sine * a_y)
         # Stay on the same side of the cusps, and inside the run.
-        room = np.minimum(_room(x[k], dx, low[k], start[k]), _room(y[k], dy, end[k], high[k]))
+        room = np.minimum(
+            _step_share(x[k], dx, low[k], start[k]), _step_share(y[k], dy, end[k], high[k])
+        )
         # One factor for both steps keeps the direction of Newton's step.
         share = np.minimum(1.0, room)
         x[k], y[k] = x[k] + share * dx, y[k] + share * dy
@@ -1105,19 +1107,23 @@ def _borders(envelope: Envelope) -> FloatArray:
     return np.sort((envelope.borders + turns), axis=None)
 
 
-def _across(one: ComplexArray, other: ComplexArray) -> FloatArray:
+def _cross_product(one: ComplexArray, other: ComplexArray) -> FloatArray:
     """(n,) the part of `other` (n,) to the left of the unit vectors `one` (n,)."""
     return one.real * other.imag - one.imag * other.real
 
 
-def _room(place: FloatArray, step: FloatArray, low: FloatArray, high: FloatArray) -> FloatArray:
+def _step_share(
+    place: FloatArray, step: FloatArray, low: FloatArray, high: FloatArray
+) -> FloatArray:
     """Fraction of `step` that stays short of the end it goes towards."""
     room = 0.9 * np.where(step > 0.0, high - place, place - low)
     size = np.abs(step)
     return np.divide(room, size, out=np.ones_like(size), where=size > room)
 
 
-def _ways(envelope: Envelope, x: FloatArray, y: FloatArray, ends: EnvelopeSamples) -> ComplexArray:
+def _displacements(
+    envelope: Envelope, x: FloatArray, y: FloatArray, ends: EnvelopeSamples
+) -> ComplexArray:
     """(n,) complex [mm] the way along the envelope from x (n,) to y (n,), whose samples are `ends`
     (2, n).
     """

@@ -298,7 +298,7 @@ class ExactFlank:
                 normals = self._outward * 1j * curve.pitch.rotation * tangents
                 phi = grid % TURN
             else:
-                points, normals = _turned(element, grid)
+                points, normals = _pivot_places(element, grid)
                 normals = self._outward * normals
                 tangents = np.zeros_like(points)
                 phi = np.full(len(grid), element.phi_end % TURN)
@@ -355,7 +355,7 @@ class ExactFlank:
         for number, path_element in enumerate(self.path.elements):
             which = element == number
             if isinstance(path_element, Pivot) and np.any(which):
-                points, normals = _turned(path_element, along[which])
+                points, normals = _pivot_places(path_element, along[which])
                 places.points[which], places.normals[which] = points, self._outward * normals
                 places.phi[which] = path_element.phi_end % TURN
         return places
@@ -368,7 +368,7 @@ def _span(element: Element) -> tuple[float, float]:
     return 0.0, abs(element.sweep) if element.distance != 0.0 else 0.0
 
 
-def _turned(pivot: Pivot, along: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+def _pivot_places(pivot: Pivot, along: FloatArray) -> tuple[ComplexArray, ComplexArray]:
     """Points (n,) [mm] of a turn and outward normals (n,), `along` (n,) [rad] from its start."""
     normals = pivot.normal * np.exp(1j * math.copysign(1.0, pivot.sweep) * along)
     return pivot.centre + pivot.distance * normals, normals

@@ -333,8 +333,8 @@ class FaceLift(DiscLift):
         # By ascending cam angle: of several that begin at one, to rounding, the last one counts.
         order = np.arange(len(starts))[:: -path.rotation]
         turned = starts[order] % TURN
-        order = np.roll(order, -_wrap(turned))
-        borders = np.maximum.accumulate(np.roll(turned, -_wrap(turned)))
+        order = np.roll(order, -_first_index(turned))
+        borders = np.maximum.accumulate(np.roll(turned, -_first_index(turned)))
         numbers = hull.touched[order]
         widths = np.zeros(len(hull.circles.radii))
         # A circle that is touched in several ranges has the sum of their widths.
@@ -369,7 +369,7 @@ class FaceLift(DiscLift):
         return cls(path, pitch, borders, numbers, circles, np.full(len(corners), TURN))
 
 
-def _wrap(turned: FloatArray) -> int:
+def _first_index(turned: FloatArray) -> int:
     """Index of the first of the cam angles `turned` (k,) [rad], which ascend over a turn from
     anywhere in it.
     """

@@ -151,7 +151,7 @@ def real_outline(flank: WorkingCurve, bends: Extremes | None = None) -> Outline:
             f" at cam angle {_undecided_angle(envelope, backward, nodes):.6f} deg"
         )
     lobes = tuple(path for k, path in enumerate(paths) if k != main[0])
-    return Outline(paths[main[0]], lobes, _dropped(paths[main[0]]))
+    return Outline(paths[main[0]], lobes, _dropped_ranges(paths[main[0]]))
 
 
 def _undecided_angle(
@@ -184,7 +184,7 @@ def _convex_outline(flank: WorkingCurve) -> Outline:
         return Outline(whole(flank), (), ())
 
     path = trimmed_path(flank, shape)
-    return Outline(path, (), _dropped(path))
+    return Outline(path, (), _dropped_ranges(path))
 
 
 def require_room(flank: WorkingCurve) -> None:
@@ -252,7 +252,7 @@ def _boundary_parts(
     # A part may reach beyond the turn by which path parameters are counted.
     arriving = np.where(end >= envelope.total, end - envelope.total, end)
     sides = [
-        _sides(envelope, [nodes[number] for number in numbers], places, low, high)
+        _branch_sides(envelope, [nodes[number] for number in numbers], places, low, high)
         for numbers, places in (
             ([part.from_node for part in parts], start),
             ([part.to_node for part in parts], arriving),
@@ -263,12 +263,12 @@ def _boundary_parts(
         return []
     middles = np.array([0.5 * (part.start + part.end) for part in free])
     points = envelope.samples(middles).points
-    owns = _owns(envelope, free, middles)
+    owns = _own_ranges(envelope, free, middles)
     clear = are_clear(envelope.curve.pitch, points, abs(envelope.curve.distance), owns)
     return [part for part, is_clear in zip(free, clear, strict=True) if is_clear]
 
 
-def _sides(
+def _branch_sides(
     envelope: Envelope, nodes: list[Node], places: FloatArray, low: FloatArray, high: FloatArray
 ) -> FloatArray:
     """(n,) positive where the branch at `places` (n,) of the `nodes` enters the part that the other
@@ -289,7 +289,7 @@ def _sides(
     return np.where(behind, np.nan, (np.conj(towards_roller) * branch_tangents).real)
 
 
-def _owns(envelope: Envelope, parts: list[_Part], middles: FloatArray) -> FloatArray:
+def _own_ranges(envelope: Envelope, parts: list[_Part], middles: FloatArray) -> FloatArray:
     """(n, 2) cam angles about `middles` (n,) along which the tangent provably turns little, inside
     each of the `parts`; the second above the first.
     """
@@ -489,7 +489,7 @@ def _winding(envelope: Envelope, loop: list[_Part]) -> int:
     return round(float(np.sum(np.angle(np.roll(points, -1) * np.conj(points)))) / TURN)
 
 
-def _dropped(path: Path) -> tuple[tuple[float, float], ...]:
+def _dropped_ranges(path: Path) -> tuple[tuple[float, float], ...]:
     """Ranges of cam angle between the stretches of the disc."""
     corners = [pivot for pivot in path.pivots if pivot.distance == 0.0]
     return tuple(
@@ -581,7 +581,7 @@ def backward_ranges(envelope: Envelope, bends: Extremes | None = None) -> list[t
         # its sweep.
         if isinstance(element, Pivot) and rotation * element.distance * element.sweep > 0.0:
             backward.append((float(start), float(start) + abs(element.sweep)))
-    return _joined(backward, envelope.total)
+    return _merge_ranges(backward, envelope.total)
 
 
 def deep_ranges(flank: WorkingCurve, bends: Extremes) -> list[tuple[float, float]]:
@@ -613,7 +613,7 @@ def _least_margins(
     return np.minimum.reduceat(values, np.column_stack((first, last)).ravel())[::2]
 
 
-def _joined(ranges: list[tuple[float, float]], total: float) -> list[tuple[float, float]]:
+def _merge_ranges(ranges: list[tuple[float, float]], total: float) -> list[tuple[float, float]]:
     """Ranges that meet are merged, in order; those of a whole turn need no merging."""
     ordered = sorted((start, end if end > start else end + total) for start, end in ranges)
     joined: list[tuple[float, float]] = []
@@ -670,7 +670,7 @@ def _missed_of_cells(
         if not len(cells):
             break
         middle = 0.5 * (cells.low + cells.high)
-        wrong = (cells.pace < 0.0) != _inside(middle, known, envelope.total)
+        wrong = (cells.pace < 0.0) != _inside_ranges(middle, known, envelope.total)
         if np.any(wrong):
             # A pace of rounding has no sign.
             wrong &= np.abs(cells.pace) > CUSP * _speeds(envelope, middle)
@@ -680,7 +680,9 @@ def _missed_of_cells(
     return np.concatenate(missed)
 
 
-def _inside(places: FloatArray, ranges: list[tuple[float, float]], total: float) -> BoolArray:
+def _inside_ranges(
+    places: FloatArray, ranges: list[tuple[float, float]], total: float
+) -> BoolArray:
     """(n,) whether `places` (n,) lie in one of the `ranges`, which may reach beyond `total`."""
     inside: BoolArray = np.zeros(len(places), dtype=np.bool_)
     if ranges:
@@ -856,14 +858,14 @@ def backward_angles(pitch: PitchCurve, turn: float) -> list[tuple[float, float]]
     """
     follower: Any = pitch.follower  # a frozen dataclass
     names = [key.removeprefix("follower.") for key in flat_follower(follower).raised_by]
-    shift = _fastest(pitch) / turn + follower.base_radius
+    shift = _speed_bound(pitch) / turn + follower.base_radius
     # Moved out until every part of the outline is regular; the disc is its parallel inwards.
     moved = replace(follower, **{name: getattr(follower, name) + shift for name in names})
     parallel = WorkingCurve(replace(pitch, follower=moved), -shift)
     bends = curvature_extremes(parallel.pitch)
     for _ in range(PASSES):
         ranges = deep_ranges(parallel, bends)
-        missed = _missed(pitch, ranges, shift)
+        missed = _missed_angles(pitch, ranges, shift)
         if not len(missed):
             return sorted(ranges)
         bends = with_places(parallel.pitch, bends, missed)
@@ -885,7 +887,7 @@ def _undecided_error(pitch: PitchCurve) -> GeometryError:
     )
 
 
-def _fastest(pitch: PitchCurve) -> float:
+def _speed_bound(pitch: PitchCurve) -> float:
     """A bound of |p| [mm] over the turn, at most twice its largest value, so that few digits of the
     lift are lost where the face is moved out by it.
     """
@@ -903,7 +905,9 @@ def _fastest(pitch: PitchCurve) -> float:
     raise _undecided_error(pitch)
 
 
-def _missed(pitch: PitchCurve, ranges: list[tuple[float, float]], shift: float) -> FloatArray:
+def _missed_angles(
+    pitch: PitchCurve, ranges: list[tuple[float, float]], shift: float
+) -> FloatArray:
     """Cam angles [rad] at which the sign of p contradicts the `ranges` of p < 0 by more than
     rounding, which includes that of the face moved out by `shift` [mm].
     """
@@ -1007,7 +1011,7 @@ def _newton(face: _Face, first: Arc, second: Arc, x: float, y: float) -> _Bridge
         way = face.way(x, y, points)
         dx = float((np.conj(way) * t_y).imag) / (p_x * sine)
         dy = float((np.conj(way) * t_x).imag) / (p_y * sine)
-        share = min(1.0, _room(x, dx, first), _room(y, dy, second))
+        share = min(1.0, _step_share(x, dx, first), _step_share(y, dy, second))
         x, y = x + share * dx, y + share * dy
         if small_step:
             turned = face.turning(np.array([x, y]))
@@ -1017,7 +1021,7 @@ def _newton(face: _Face, first: Arc, second: Arc, x: float, y: float) -> _Bridge
     return None
 
 
-def _room(place: float, step: float, arc: Arc) -> float:
+def _step_share(place: float, step: float, arc: Arc) -> float:
     """Fraction of `step` that stays inside the `arc`."""
     room = 0.9 * ((arc[1] - place) if step > 0.0 else (place - arc[0]))
     return room / abs(step) if abs(step) > room else 1.0

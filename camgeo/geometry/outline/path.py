@@ -142,7 +142,9 @@ class Path(Brief):
         turned = math.fsum(
             one.real
             for stretch in self.stretches
-            for one, *_ in stretch_integrals(stretch, (_turning, _turning), NEAR_A_TURN)
+            for one, *_ in stretch_integrals(
+                stretch, (_angle_integrand, _angle_integrand), NEAR_A_TURN
+            )
         )
         turned += math.fsum(_turn_of_arc(pivot) for pivot in self.pivots if pivot.distance != 0.0)
         return round(turned / TURN) != 0
@@ -227,7 +229,7 @@ def radii(path: Path) -> Extremes:
     return extremes_of(places, np.array([extreme.value for extreme in both]))
 
 
-def _turning(point: ComplexArray, way: ComplexArray) -> FloatArray:
+def _angle_integrand(point: ComplexArray, way: ComplexArray) -> FloatArray:
     """Integrand of the angle about the origin: Im(dz / z)."""
     return np.asarray((way / point).imag)
 
@@ -433,28 +435,28 @@ Integrand = Callable[[ComplexArray, ComplexArray], FloatArray | ComplexArray]
 """An integrand, as a function of points (n,) and their derivatives over the parameter (n,)."""
 
 
-def _area(point: ComplexArray, way: ComplexArray) -> FloatArray:
+def _area_integrand(point: ComplexArray, way: ComplexArray) -> FloatArray:
     """Integrand of the area."""
     return np.asarray(0.5 * (np.conj(point) * way).imag)
 
 
-def _first(point: ComplexArray, way: ComplexArray) -> ComplexArray:
+def _first_integrand(point: ComplexArray, way: ComplexArray) -> ComplexArray:
     """Integrand of the first moment, the integral of z dA."""
     return -0.5j * (point * np.conj(point)).real * way
 
 
-def _polar(point: ComplexArray, way: ComplexArray) -> FloatArray:
+def _polar_integrand(point: ComplexArray, way: ComplexArray) -> FloatArray:
     """Integrand of the polar moment, the integral of |z|^2 dA."""
     return np.asarray(0.25 * (point * np.conj(point)).real * (np.conj(point) * way).imag)
 
 
-def _square(point: ComplexArray, way: ComplexArray) -> ComplexArray:
+def _square_integrand(point: ComplexArray, way: ComplexArray) -> ComplexArray:
     """Integrand of the integral of z^2 dA."""
-    return _first(point, way) * point
+    return _first_integrand(point, way) * point
 
 
-LOW_ORDER: Final[tuple[Integrand, Integrand]] = (_area, _first)
-SECOND_ORDER: Final[tuple[Integrand, Integrand]] = (_polar, _square)
+LOW_ORDER: Final[tuple[Integrand, Integrand]] = (_area_integrand, _first_integrand)
+SECOND_ORDER: Final[tuple[Integrand, Integrand]] = (_polar_integrand, _square_integrand)
 
 Sums = tuple[complex, complex, float, float]
 """Two integrals, and the estimates of their errors."""
@@ -570,7 +572,7 @@ class SecondMoments:
         arm = (start - centre)[index] * np.exp(1j * sweep[index] * share)
         point = np.where(arc, centre[index] + arm, start[index] + chord * share)
         way = np.where(arc, 1j * sweep[index] * arm, chord)
-        polar, square = _polar(point, way), _square(point, way)
+        polar, square = _polar_integrand(point, way), _square_integrand(point, way)
         return cls(
             math.fsum(half * (polar @ weights)),
             _sum(half * (square @ weights)),

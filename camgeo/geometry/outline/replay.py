@@ -104,7 +104,7 @@ class AccelerationJoints:
         )
         shifts = []
         for joint in joints.tolist():
-            shift = joint_shift(joint, errors[:, _away(phi, joint) < AROUND])
+            shift = joint_shift(joint, errors[:, _angle_distance(phi, joint) < AROUND])
             shifts.append(float(np.max(shift, initial=0.0)))
         return cls(frozen(joints, np.float64), frozen(SEAM + SHIFT * np.array(shifts), np.float64))
 
@@ -124,14 +124,14 @@ class AccelerationJoints:
             values = quantity(phi, side)
             errors = values - exact(phi, side)
             for joint, reach, low, high in joints:
-                near = _away(phi, joint) <= reach
+                near = _angle_distance(phi, joint) <= reach
                 errors[near] = values[near] - np.clip(values[near], low, high)
             return errors
 
         return error
 
 
-def _away(phi: FloatArray, joint: float) -> FloatArray:
+def _angle_distance(phi: FloatArray, joint: float) -> FloatArray:
     """(n,) distance [rad] of `phi` (n,) from a joint, round the turn."""
     return np.abs(np.remainder(phi - joint + 0.5 * TURN, TURN) - 0.5 * TURN)
 

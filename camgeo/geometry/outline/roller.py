@@ -135,7 +135,7 @@ class PlayedLift:
             # Where the path is tangent to the parallel, or beyond that, no step leads on.
             if np.any(rate * turning <= 0.0):
                 break
-            step = np.clip(_signed(phi - angles) * turning / rate, -LONGEST, LONGEST)
+            step = np.clip(_signed_angles(phi - angles) * turning / rate, -LONGEST, LONGEST)
             theta = theta + step
             if np.max(np.abs(step), initial=0.0) <= SMALL_STEP * TURN:
                 return theta
@@ -358,12 +358,12 @@ class ActualLift(DiscLift):
             into, or does not run once round the cam axis within the follower's reach.
         """
         path = path_of(pitch.follower, pitch.rotation)
-        chain, lows, highs = _chain(contour, -press * pitch.follower.roller_radius, path)
+        chain, lows, highs = _spline_branches(contour, -press * pitch.follower.roller_radius, path)
         order = np.argsort(lows, kind="stable")
         spans = np.remainder(highs - lows, TURN)
         # Branches of no width are rounding.
         order = order[spans[order] > GAP]
-        gaps = np.abs(_signed(np.roll(lows[order], -1) - highs[order]))
+        gaps = np.abs(_signed_angles(np.roll(lows[order], -1) - highs[order]))
         if not np.all(gaps <= GAP) or not abs(float(np.sum(spans[order])) - TURN) <= GAP * len(
             order
         ):
@@ -414,7 +414,7 @@ def holding_branches(
     """
     starts, ends = ranges
     nodes = ascending(np.concatenate((branches.lows, branches.highs, starts, ends % TURN)))
-    wanted = _wanted(nodes, starts, ends)
+    wanted = _wanted_cells(nodes, starts, ends)
     cells = AngleCells.from_nodes(nodes)
     first = np.searchsorted(nodes, branches.lows)
     count = np.remainder(np.searchsorted(nodes, branches.highs) - first, len(nodes))
@@ -438,7 +438,7 @@ def holding_branches(
     return changes(borders, held)
 
 
-def _wanted(nodes: FloatArray, starts: FloatArray, ends: FloatArray) -> BoolArray:
+def _wanted_cells(nodes: FloatArray, starts: FloatArray, ends: FloatArray) -> BoolArray:
     """(m,) whether the cell from each node on is in one of the ranges, whose ends are nodes."""
     cell = np.arange(len(nodes))
     wanted = np.zeros(len(nodes), dtype=np.bool_)
@@ -860,7 +860,7 @@ class SplineBranches:
             If Newton's method finds none.
         """
         spans = self.ends[index] - self.starts[index]
-        t = np.clip(_signed(phi - self.starts[index]) / spans, 0.0, 1.0)
+        t = np.clip(_signed_angles(phi - self.starts[index]) / spans, 0.0, 1.0)
         for _ in range(STEPS):
             point, normal, pace, _, _ = self.cubics.traced(index, t)
             angles, q = path.cam_angle_of(point)
@@ -868,7 +868,7 @@ class SplineBranches:
             across = np.conj(path.along(angles, q)[0])
             turning = (across * (-1j * path.rotation) * point).imag
             rate = (across * 1j * normal).imag * pace
-            step = _signed(phi - angles) * turning / rate
+            step = _signed_angles(phi - angles) * turning / rate
             moved = np.clip(t + step, -BEYOND, 1.0 + BEYOND)
             last = np.max(np.abs((moved - t) * spans), initial=0.0)
             t = moved
@@ -877,7 +877,7 @@ class SplineBranches:
         raise GeometryError("the roller does not touch the spline where it should")
 
 
-def _chain(
+def _spline_branches(
     contour: SplineContour, distance: float, path: FollowerPath
 ) -> tuple[SplineBranches, FloatArray, FloatArray]:
     """The chain, and where each of its branches begins and ends over the cam angle [rad]."""
@@ -893,7 +893,7 @@ def _chain(
     straight = branches(joined([plain, corners]), path)
     if np.any(straight.facing < 0.0):
         raise _folded_error()
-    starts, finishes = _ranges(cubics, path)
+    starts, finishes = _cubic_ranges(cubics, path)
     forward = path.rotation < 0
     lows, highs = (starts, finishes) if forward else (finishes, starts)
     whole = SplineBranches(
@@ -911,7 +911,7 @@ def _chain(
     )
 
 
-def _ranges(cubics: Cubics, path: FollowerPath) -> tuple[FloatArray, FloatArray]:
+def _cubic_ranges(cubics: Cubics, path: FollowerPath) -> tuple[FloatArray, FloatArray]:
     """Cam angles (n,) [rad] at both ends of each parallel; raises if it is folded."""
     count = len(cubics.pieces)
     index = np.repeat(np.arange(count), LOOKS)
@@ -923,7 +923,7 @@ def _ranges(cubics: Cubics, path: FollowerPath) -> tuple[FloatArray, FloatArray]
         raise _folded_error()
     rows = angles.reshape(count, LOOKS)
     # Unrolled step by step, as a cubic may cross cam angle 0.
-    return rows[:, 0], rows[:, 0] + np.sum(_signed(np.diff(rows, axis=1)), axis=1)
+    return rows[:, 0], rows[:, 0] + np.sum(_signed_angles(np.diff(rows, axis=1)), axis=1)
 
 
 def _arcs(arcs: list[Arc], numbers: IntArray, distance: float) -> Parallel:
@@ -990,7 +990,7 @@ def _folded_error() -> GeometryError:
     )
 
 
-def _signed(angles: FloatArray) -> FloatArray:
+def _signed_angles(angles: FloatArray) -> FloatArray:
     """(n,) the same angles [rad] in [-pi, pi)."""
     return np.asarray(np.remainder(angles + 0.5 * TURN, TURN) - 0.5 * TURN)
 
