@@ -47,7 +47,7 @@ class HasBreaks(Protocol):
 
 
 class HasBorders(HasBreaks, Protocol):
-    """One that also knows where its formula changes, the breaks among them."""
+    """A function that also knows its borders: where its formula changes, the breaks among them."""
 
     @property
     def borders(self) -> FloatArray: ...
@@ -68,12 +68,12 @@ class SmoothPiece:
 
     @property
     def is_arc(self) -> bool:
-        """Whether it is one arc."""
+        """Whether the piece is an arc, of a dwell or any other."""
         return self.centre is not None
 
     @property
     def dwell(self) -> bool:
-        """Whether it is an arc about the cam axis."""
+        """Whether the piece is an arc about the cam axis."""
         return self.centre == 0.0
 
 
@@ -91,7 +91,7 @@ def smooth_pieces(curve: HasBreaks) -> tuple[SmoothPiece, ...]:
 
 
 WIDEST = np.pi / 32.0
-"""Longest cell [rad]."""
+"""Longest cell of the first division [rad]."""
 
 MOST = 1_000_000
 """Most cells halved at once; a curve needs some hundred, plus one per segment of its motion."""
@@ -107,13 +107,16 @@ def turn_cells(pitch: PitchCurve) -> tuple[FloatArray, FloatArray]:
 
 @kept_with_each
 def turn_enclosed(pitches: Sequence[PitchCurve]) -> list[tuple[ComplexArray, FloatArray]]:
-    """`PitchCurve.jet_and_bounds` of the cells of the turn, of curves for `curves_together`."""
+    """`PitchCurve.jet_and_bounds` over the cells of the turn, for each of `pitches`, which must
+    suit `curves_together`.
+    """
     low, high = turn_cells(pitches[0])
     enclosures = []
     for curve, times in curves_together(pitches).blocks(len(low)):
         enclosed = curve.jet_and_bounds(np.tile(low, times), np.tile(high, times))
         for one in range(times):
             columns = slice(one * len(low), (one + 1) * len(low))
+            # Copies, so that a kept result does not hold the arrays of the whole block in memory.
             jet, bounds = enclosed[0][:, columns].copy(), enclosed[1][:, columns].copy()
             enclosures.append((read_only(jet), read_only(bounds)))
     return enclosures
@@ -128,8 +131,8 @@ def halves(low: FloatArray, high: FloatArray, which: BoolArray) -> tuple[FloatAr
     if len(low) > MOST:
         place = math.degrees(low[0] % TURN)
         raise GeometryError(
-            f"about cam angle {place:.6f} deg the pitch curve is too steep, or meets a limit too"
-            f" exactly along a stretch, for {MOST:,} cells to decide what is left of the disc"
+            f"near cam angle {place:.6f} deg the pitch curve is too steep, or stays too close to a"
+            f" limit along a stretch: {MOST:,} cells cannot decide what is left of the disc"
         )
     middle = 0.5 * (low + high)
     return np.concatenate((low, middle)), np.concatenate((middle, high))
@@ -174,6 +177,7 @@ def circles(pitch: PitchCurve) -> Circles:
     if moves:
         moving = slice(len(rests), None)
         jet = pitch.jet(starts[moving] + 0.5 * spans[moving])
+        # The equation Z' = -i sigma (Z - c) solved for c, in the middle of each stretch.
         centres[moving] = jet[0] - 1j * pitch.rotation * jet[1]
     order = np.argsort(starts)
     return Circles(starts[order], spans[order], centres[order])
@@ -181,7 +185,7 @@ def circles(pitch: PitchCurve) -> Circles:
 
 def rigid_centres(pitch: PitchCurve, phi: FloatArray) -> ComplexArray:
     """(n,) complex [mm] the point about which the curve turns rigidly with the cam at `phi` (n,)
-    [rad], places between borders; NaN where it is not known to.
+    [rad], places between borders; NaN where no such point is known.
     """
     known = circles(pitch)
     if not len(known.starts):
@@ -246,7 +250,7 @@ def extremes_of_members(
     starts, ends = turn.starts, turn.ends
     middle, which = np.empty(0), np.empty(0, dtype=np.intp)
     if len(turn.places):
-        middle, which = _turning(many, value, slopes, turn.places)
+        middle, which = _slope_roots(many, value, slopes, turn.places)
     at_starts = many.everywhere(value, starts, "right")
     at_ends = many.everywhere(value, ends, "left")
     inner_values = many.paired_values(value, middle, "right", which)
@@ -258,6 +262,7 @@ def extremes_of_members(
         selected = which == one
         phi = np.concatenate((starts, middle[selected], ends))
         values = np.concatenate((at_starts[one], inner_values[selected], at_ends[one]))
+        # Sorted by piece; within a piece its start, the places inside and its end, by cam angle.
         rank = np.repeat([0, 1, 2], [len(starts), int(np.count_nonzero(selected)), len(ends)])
         order = np.lexsort(
             (phi, rank, np.concatenate((piece_numbers, owner[selected], piece_numbers)))
@@ -299,15 +304,18 @@ def divide_turn(curve: HasBorders) -> Turn:
 
 @kept_with_owner
 def cached_turn(curve: PitchCurve) -> Turn:
-    """`divide_turn` of a curve of which several quantities are examined."""
+    """`divide_turn` of a pitch curve, kept with it because several quantities are examined."""
     return divide_turn(curve)
 
 
-def _turning(
+def _slope_roots(
     many: Many[AnyQuantity], value: AnyQuantity, slopes: AnyQuantity, places: FloatArray
 ) -> tuple[FloatArray, IntArray]:
-    """Where one of the `slopes` of one of `many` vanishes, ascending, and of which."""
+    """(n,) where one of the `slopes` of a member of `many` vanishes, ascending, and (n,) the number
+    of that member.
+    """
     known = many.everywhere(slopes, places.ravel(), "right")
+    # One row for each kind of slope and each member: number `kind * many.count + member`.
     known = known.reshape(-1, many.count, *places.shape)
 
     def slope_rows(phi: FloatArray, row: IntArray) -> FloatArray:
@@ -356,6 +364,8 @@ def surely_clear_of_axis(pitch: PitchCurve, radius: float) -> bool:
     """
     low, high = turn_cells(pitch)
     jet, bounds = turn_enclosed(pitch)
+    # From the middle of a cell to its ends |Z| falls by at most half the cell times the bound of
+    # |Z'|.
     return bool(np.all(np.abs(jet[0]) - 0.5 * (high - low) * bounds[0] > radius))
 
 
@@ -368,6 +378,7 @@ def stays_on_one_side(pitch: PitchCurve) -> bool:
     reach = np.array([np.min(middle[0] - bounds[0]), np.max(middle[0] + bounds[0])])
     if pitch.follower.on_one_side(reach):
         return True
+    # The bounds are too wide to decide: the exact range of the lift does.
     return pitch.follower.on_one_side(np.array(lift_range(pitch.motion)))
 
 
@@ -438,17 +449,17 @@ def touch(curve: PitchCurve, phi: FloatArray, side: Side = "right") -> Touch:
 
 @kept_with_owner
 def convexity(curve: PitchCurve) -> Convexity:
-    """The contact curve of a flat follower."""
+    """The quantities of the contact curve of a flat follower."""
     size = curve.follower.base_radius
     turn = smallest_turn(curve)
     clearance = _distances(curve).smallest()
     radius = (-np.inf, turn[1]) if turn[0] <= 0.0 else _proved_radius(curve)
-    jump, count = _jumps(curve, NO_JUMP * size)
+    jump, count = _contact_jumps(curve, NO_JUMP * size)
     return Convexity(turn, radius, clearance, jump, count, size)
 
 
 def smallest_turn(curve: PitchCurve) -> Extreme:
-    """The smallest tau."""
+    """The smallest tau and its cam angle."""
     return extremes(
         curve,
         lambda phi, side: touch(curve, phi, side).turn[0],
@@ -466,7 +477,9 @@ def contact_extremes(curve: PitchCurve) -> Extremes:
 
 
 def _distances(curve: PitchCurve) -> Extremes:
-    """Extremes of h: where the follower turns, and where a rocker's face stands square."""
+    """All local extremes of h [mm]: at reversals of the follower, and where a rocker's face is
+    square to the line of centres.
+    """
 
     def slopes(phi: FloatArray, side: Side) -> FloatArray:
         return np.stack((curve.motion.jet(phi, side)[1], touch(curve, phi, side).contact[0]))
@@ -519,7 +532,7 @@ def _proved_radius(curve: PitchCurve) -> Extreme:
     return smallest
 
 
-def _jumps(curve: PitchCurve, least: float) -> tuple[Extreme, int]:
+def _contact_jumps(curve: PitchCurve, least: float) -> tuple[Extreme, int]:
     """The worst jump of the contact along the outline: the largest one backwards, else forwards."""
     phi = ascending(np.append(curve.breaks, 0.0))
     left, right = (touch(curve, phi, side).contact[0] for side in ("left", "right"))

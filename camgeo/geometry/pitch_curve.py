@@ -48,6 +48,7 @@ def joints(curve: PitchCurve) -> Joints:
     """Compare the one-sided values at each break of `curve` and at cam angle 0."""
     phi = ascending(np.append(curve.breaks, 0.0))
     right, left = curve.jet(phi, "right"), curve.jet(phi, "left")
+    # The argument of the product is the angle from the left-hand to the right-hand tangent.
     turned = right[1] * np.conj(left[1])
     return Joints(
         phi=frozen(phi, np.float64),
@@ -80,6 +81,7 @@ def in_blocks(method: Method) -> Method:
             return method(owner, phi, side)
         count = math.ceil(len(phi) / BLOCK)
         sides = [side] * count if isinstance(side, str) else np.array_split(side, count)
+        # Split alike, so that each block has its own sides, or its own upper ends.
         blocks = zip(np.array_split(phi, count), sides, strict=True)
         return np.concatenate([method(owner, *block) for block in blocks], axis=-1)
 
@@ -141,6 +143,7 @@ class PitchCurve(Pickled):
         self, phi: FloatArray, side: Side = "right", order: int = FULL_ORDER
     ) -> RelativeJet:
         """R_0 to R_`order`, u, v at `phi` (n,) [rad], see `kinematics.mechanism.follower`."""
+        # Some followers need the motion to a higher order than their own jet.
         jet = self.motion.jet(phi, side, min(order + self.follower.ahead, FULL_ORDER))
         return self.follower.relative_jet(jet, self.rotation, order)
 
@@ -189,6 +192,7 @@ class PitchCurve(Pickled):
     def curvature_slope(self, phi: FloatArray, side: Side = "right") -> FloatArray:
         """(n,) dkappa/dphi [1/(mm rad)] at `phi` (n,) [rad], by the chain rule."""
         motion = self.motion.jet(phi, side)
+        # Called only for its error where the roller centre stands still.
         self.speed(self.follower.relative_jet(motion, self.rotation, 1))
         return curvature_slope(self.follower.tangent_jet(motion, self.rotation), self.rotation)
 
@@ -266,6 +270,7 @@ def curvature_slope(tangent: TangentJet, rotation: int) -> FloatArray:
     """
     (u, u1), (w, w1) = tangent.u, tangent.w
     square = u * u + w * w
+    # growth is |Z'| |Z'|', as |Z'|^2 = u^2 + w^2.
     growth = u * u1 + w * w1
     relative_turning = (u * w1 - w * u1) / square
     slope: FloatArray = (
@@ -368,6 +373,7 @@ class WorkingCurve(Pickled, CheckedFields):
         relative = pitch.relative_jet(phi, order=1)
         speed = pitch.speed(relative)
         along, across = self.offset_parts(relative, speed)
+        # Points and tangents are stacked, so that one call turns both into the axes of the cam.
         parts = np.stack((along, relative.along[1] / speed))
         others = np.stack((across, relative.across[1] / speed))
         points, tangents = pitch.in_cam(relative, phi, parts, others)
@@ -388,6 +394,7 @@ class WorkingCurve(Pickled, CheckedFields):
         tangents = jet[1] / speed
         points = jet[0]
         if self.distance != 0.0:
+            # The outward normal is n = i sigma t.
             points = points + (1j * pitch.rotation * self.distance) * tangents
         kappa = bend_of_path(relative, speed, pitch.rotation)
         return points, tangents, speed * (1.0 + self.distance * kappa)

@@ -42,13 +42,13 @@ def several(members: Sequence[Member], which: IntArray) -> Member:
 def alike(member: object) -> Hashable:
     """Equal for members that differ in numbers only, and so can be one of `several`."""
     values = (getattr(member, field.name) for field in fields(member))  # type: ignore[arg-type]  # followers and linkages are dataclasses
-    return type(member), *(_sort(value) for value in values)
+    return type(member), *(_formula_key(value) for value in values)
 
 
-def _sort(value: Any) -> Hashable:
-    """The type of a measure, and whatever else decides between formulas."""
+def _formula_key(value: Any) -> Hashable:
+    """What of a value decides between formulas: of a float or complex number only its type."""
     if type(value) is tuple:
-        return tuple(map(_sort, value))
+        return tuple(map(_formula_key, value))
     if is_dataclass(value):
         return alike(value)
     kind: Hashable = type(value).__name__ if type(value) in (float, complex) else value
@@ -62,11 +62,14 @@ class _Several(Generic[Member]):
         self._members, self._which = members, which
 
     def __getattr__(self, name: str) -> Any:
-        """Called where nothing is kept by that name.
+        """Called only while the instance has no attribute of that name.
 
         Properties are evaluated member by member, so those that decide between formulas must stay
-        properties, like `FourBar._far_shaft`: inlined, they would be asked of all members at once.
+        properties, like `FourBar._far_shaft`: inlined, they would be evaluated for all members at
+        once.
         """
+        # A method is bound to this object, so that it reads the columns; a property is not called
+        # here.
         of_class = inspect.getattr_static(type(self._members[0]), name, None)
         if inspect.isfunction(of_class):
             return MethodType(of_class, self)
@@ -75,6 +78,7 @@ class _Several(Generic[Member]):
         return column
 
     def _column(self, name: str, values: list[Any]) -> Any:
+        """The `values` of the members as one: the same for all, or an array with one a place."""
         first = values[0]
         if all(value is first for value in values):
             return first
@@ -82,8 +86,10 @@ class _Several(Generic[Member]):
             return tuple(self._column(name, [*column]) for column in zip(*values, strict=True))
         if is_dataclass(first):
             return several(values, self._which)
+        # Equal numbers stay a scalar, so that a formula gives the same bits as for one member.
         column = np.array(values)
         if column.dtype.kind in "fc":
+            # Compared by their bytes: 0.0 and -0.0 differ then, and a NaN equals itself.
             same = column.tobytes() == column[:1].tobytes() * len(values)
             return first if same else column[self._which]
         if all(value == first for value in values):
@@ -95,8 +101,8 @@ class _Several(Generic[Member]):
 
 
 Join = Callable[[tuple[Member, ...], IntArray, int], Member]
-"""Makes one of many: of which each place is, and how often the places are repeated, see `Together`.
-"""
+"""Joins members into one: (members, (n,) number of the member at each place, how often the places
+are repeated) -> the joined member, see `Together`."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -137,9 +143,11 @@ class Repeated(Pickled):
         return self._tiled(jet), self._tiled(bounds)
 
     def _once(self, phi: FloatArray) -> FloatArray:
+        """The first repetition of the cam angles `phi`."""
         return phi[: len(phi) // self.times]
 
     def _tiled(self, jet: Jet) -> Jet:
+        """`jet` for all repetitions."""
         return np.tile(jet, self.times)
 
 
@@ -183,7 +191,7 @@ class Together(Generic[Member]):
     Attributes
     ----------
     members : at least one.
-    join : makes one of them that has the values of each at its own places.
+    join : makes one member of them that has the values of each at its own places.
     """
 
     members: tuple[Member, ...]
@@ -206,6 +214,7 @@ class Together(Generic[Member]):
 
     def blocks(self, length: int) -> Iterator[tuple[Member, int]]:
         """As many members as fit into a block, `length` places of each, and how many these are."""
+        # At least one member a block, even if its places alone exceed `BLOCK`.
         most = max(1, BLOCK // max(length, 1))
         for start in range(0, self.count, most):
             some = self.members[start : start + most]

@@ -34,7 +34,7 @@ from camgeo.geometry.contour.exact import (
     circle_count,
     deviation_bound,
 )
-from camgeo.geometry.contour.legs import too_many
+from camgeo.geometry.contour.legs import too_many_error
 from camgeo.geometry.contour.parallel import corners, parallel
 from camgeo.geometry.contour.proof import ENOUGH, deviation
 from camgeo.geometry.contour.spline import (
@@ -434,7 +434,7 @@ def chord_fit(exact: Contour, tolerance: float) -> Fit:
     radii = exact.radii
     largest = float(np.max(radii, initial=0.0))
     if largest > 0.0 and math.pi * math.sqrt(largest / (2.0 * tolerance)) > MAX_CHORDS:
-        raise too_many(MAX_CHORDS, "straight pieces", tolerance)
+        raise too_many_error(MAX_CHORDS, "straight pieces", tolerance)
     with np.errstate(divide="ignore", invalid="ignore"):
         # Sagitta r (1 - cos(step/2)) = tolerance, without the cancellation of 1 - cos.
         steps = 4.0 * np.arcsin(np.sqrt(np.minimum(tolerance / (2.0 * radii), 0.5)))
@@ -539,7 +539,7 @@ def _fit(exact: Contour, vertices: ComplexArray, index: IntArray, tolerance: flo
 
 def _checked(count: int, tolerance: float) -> int:
     if count > MAX_CHORDS:
-        raise too_many(MAX_CHORDS, "straight pieces", tolerance)
+        raise too_many_error(MAX_CHORDS, "straight pieces", tolerance)
     return count
 
 
@@ -869,7 +869,7 @@ class LetterBoundary(Pickled):
         aim = min(tolerance, self.coarsest)
         counts = np.maximum(1.0, np.ceil(np.sqrt(bend / aim)))
         if np.sum(counts) > MAX_CHORDS:
-            raise too_many(MAX_CHORDS, "straight pieces", tolerance)
+            raise too_many_error(MAX_CHORDS, "straight pieces", tolerance)
         index, number = grouped(counts.astype(np.intp))
         t = number / counts[index]
         vertices = _curve_points(self.pieces[index], t)

@@ -86,12 +86,12 @@ def test_a_flat_face_lies_on_the_hull_of_any_drawing(
 def test_an_axis_elsewhere_is_proposed_by_the_bore(capsys: pytest.CaptureFixture[str]) -> None:
     words = ["replay", str(FOUND / "flat_dwell.toml"), str(FOUND / "c22_shift.dxf")]
     assert main(words) == 2
-    assert "its bore is about (100, 50) mm: --origin 100 50" in capsys.readouterr().err
+    assert "its bore is centred on (100, 50) mm: --origin 100 50" in capsys.readouterr().err
     assert main([*words, "--origin", "100", "50"]) == 0
     assert main([*words, "--origin", "99.5", "-50"]) == 2
     assert main([*words, "--origin", "99.5", "50"]) == 0
     told = capsys.readouterr().err.splitlines()[-1]
-    assert told.startswith("c22_shift.dxf: its bore is about (0.5, 0) mm: --origin")
+    assert told.startswith("c22_shift.dxf: its bore is centred on (0.5, 0) mm: --origin")
 
 
 @pytest.fixture(scope="module")

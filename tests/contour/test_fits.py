@@ -22,7 +22,7 @@ from hypothesis import strategies as st
 
 from camgeo.errors import GeometryError, ToleranceError, UndercutError
 from camgeo.geometry.contour import arcs as arcs_module
-from camgeo.geometry.contour.arcs import Biarcs, Ends, Strands, fewest_arcs, fit_arcs
+from camgeo.geometry.contour.arcs import Biarcs, PieceEnds, Strands, fewest_arcs, fit_arcs
 from camgeo.geometry.contour.chords import fit_polyline
 from camgeo.geometry.contour.contour import Contour, Fit, require_simple
 from camgeo.geometry.contour.cubics import fewest_cubics, fit_spline
@@ -445,7 +445,7 @@ def test_distances_of_biarcs(curve: WorkingCurve, start: float, span: float, cou
     breaks = np.concatenate([curve.breaks - TURN, curve.breaks, curve.breaks + TURN, [start + 9.0]])
     end = min(start + span, float(np.min(breaks[breaks > start + 1e-9])))
     joints = np.linspace(start, end, count + 1)
-    ends = Ends(*curve.traced(joints[-1:], "left"))
+    ends = PieceEnds(*curve.traced(joints[-1:], "left"))
     biarcs = Biarcs.along(curve, joints, np.array([count]), ends)
     chain = biarcs.chain()
     points = curve.point(np.linspace(start, end, 4000)[:-1])
@@ -611,7 +611,7 @@ def test_what_is_no_outline_is_refused(fitter: Fitter) -> None:
     """A curve torn apart by a shock, a lobe sharper at its tip than the roller, a swallow tail, and
     dwells shrunk to a point or beyond."""
     torn = cam(dwell(40), move(140, 15.0, "straight-line"), dwell(60), move(120, 0.0))
-    with pytest.raises(GeometryError, match="torn apart at cam angle 40 degrees"):
+    with pytest.raises(GeometryError, match="gap at cam angle 40 degrees"):
         fitter(whole(torn), 0.001)
     segments = dwell(180), move(100, 1.0), move(80, 0.0)
     for curve in (
@@ -669,7 +669,7 @@ def test_arc_turned_inside_out_is_refused() -> None:
 
 
 def test_path_without_a_stretch_is_refused() -> None:
-    with pytest.raises(GeometryError, match="needs a stretch"):
+    with pytest.raises(GeometryError, match="has no stretch"):
         fit_arcs(Path((Pivot(0j, 1.0, 1j, 1.0, 0.0, 0.0),)), 0.01)
 
 

@@ -17,9 +17,9 @@ from camgeo.errors import ToleranceError, UndercutError
 from camgeo.geometry.contour import fewest_chords as ladder_module
 from camgeo.geometry.contour.arcs import OUTERMOST, Strands, arc_splines, tangent_turns
 from camgeo.geometry.contour.fewest_chords import (
+    ChordStretch,
     EqualErrorPieces,
     Ladder,
-    Stretched,
     StretchTable,
     require_regular,
     stretch_table,
@@ -389,18 +389,18 @@ SHARE = 1.01
 MANY = 100_000
 
 
-def stretched(curve: WorkingCurve) -> Stretched:
+def stretched(curve: WorkingCurve) -> ChordStretch:
     """A whole curve without corners."""
 
     def place(phi: FloatArray) -> tuple[ComplexArray, ComplexArray]:
         return curve.point(phi), curve.tangent(phi)
 
-    return Stretched(
+    return ChordStretch(
         stretch_table(curve, 0.0, TURN), place, curve.point, curve.pitch.rotation, closed=True
     )
 
 
-def straight(length: float) -> Stretched:
+def straight(length: float) -> ChordStretch:
     """A straight line from 10 mm on, aslant; t is the share of its `length` [mm]."""
     along = (2.0 + 1.0j) / abs(2.0 + 1.0j)
     grid, none = np.linspace(0.0, 1.0, 101), np.zeros(100)
@@ -412,7 +412,7 @@ def straight(length: float) -> Stretched:
     def place(t: FloatArray) -> tuple[ComplexArray, ComplexArray]:
         return points(t), np.full(len(t), along)
 
-    return Stretched(table, place, points, 1, closed=False)
+    return ChordStretch(table, place, points, 1, closed=False)
 
 
 @pytest.mark.parametrize("most", [0.1, 1e-2])

@@ -381,7 +381,7 @@ def test_what_moves_too_fast_to_be_compared_is_named() -> None:
     with pytest.raises(GeometryError, match=r"cannot be compared .* from 289\.9998") as caught:
         fit_polyline(knife, 1e-3)
     assert caught.value.key == "motion"
-    assert "give it a longer span or a shorter way" in caught.value.message
+    assert "move a longer span or a shorter stroke" in caught.value.message
 
 
 def test_cells_that_cannot_be_halved_are_not(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -396,7 +396,7 @@ def test_the_centre_of_the_bore_is_found_among_others() -> None:
     found = read_drawn(together(*circles, keyed))
     outline = found.contours[0]
     assert not isinstance(outline, SplineContour)
-    assert found.misplaced_bore(outline) == "its bore is about (100, 50) mm: --origin 100 50"
+    assert found.misplaced_bore(outline) == "its bore is centred on (100, 50) mm: --origin 100 50"
     moved = found.with_origin(middle)
     assert moved.contours[1].area == pytest.approx(found.contours[1].area, rel=1e-12)
     outline = moved.contours[0]

@@ -332,9 +332,11 @@ def test_beyond_its_reach_a_rockers_face_is_nowhere() -> None:
     assert np.all(np.isfinite(path.lift(np.array([reach, max(nearest, 1.0)]))))
     with pytest.raises(GeometryError, match="cannot lie on the contour all round") as caught:
         path.lift(np.array([40.0, reach * (1.0 + 1e-9)]))
-    assert f"reaches from 40 to {reach:.6g} mm" in caught.value.message
-    assert f"the face from {nearest:.6g} to {reach:.6g} mm" in caught.value.message
+    assert f"needs it at 40 to {reach:.6g} mm" in caught.value.message
+    assert f"it can be at {nearest:.6g} to {reach:.6g} mm" in caught.value.message
     far = path.contact(np.zeros(1), np.array([200.0 + 0j]), np.array([400.0]))
     assert np.isnan(far[0])
-    with pytest.raises(GeometryError, match='needs a flat-faced follower, and this one is "tra'):
+    with pytest.raises(
+        GeometryError, match='flat-faced follower is needed here, and this one is of the kind "tra'
+    ):
         face_path_of(TranslatingRoller(40.0, 6.0), 1)

@@ -103,7 +103,7 @@ def test_as_many_cells_are_halved_as_may_be_and_no_more(monkeypatch: pytest.Monk
         assert np.array_equal(fine.high[1::2], cells.high)
         assert np.array_equal(fine.origin, np.repeat(cells.origin, 2))
         monkeypatch.setattr(cells_module, "MOST", most - 1)
-        with pytest.raises(GeometryError, match="bends more tightly than can be resolved"):
+        with pytest.raises(GeometryError, match="bends too tightly to be resolved"):
             halved(envelope, cells)
 
 
@@ -164,7 +164,7 @@ def test_an_unresolved_bend_is_reported_with_its_place(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr("camgeo.geometry.outline.envelope.NARROWEST", 1e-3)
-    place = r"at cam angle 1(19|20)\.\d* deg .* more tightly than can be resolved"
+    place = r"at cam angle 1(19|20)\.\d* deg .* too tightly to be resolved"
     with pytest.raises(GeometryError, match=place):
         divide(Envelope(flank_near_dead_centre(1e-8)), NO_CUSPS)
 

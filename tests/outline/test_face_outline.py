@@ -367,7 +367,7 @@ def test_what_leaves_no_disc_is_refused() -> None:
                     Move(Decimal(180), 0.0, make_law("straight-line")))),
         TranslatingFlat(40.0), 1,
     )  # fmt: skip
-    with pytest.raises(UndercutError, match="touches only a convex cam"):
+    with pytest.raises(UndercutError, match="can only touch a convex cam"):
         outline_of(jumping)
     with pytest.raises(GeometryError, match="inner flank"):
         replay_outline(jumping, real_outline(WorkingCurve(tappet(200.0), 0.0)).path)

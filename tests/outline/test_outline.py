@@ -20,7 +20,7 @@ from camgeo.geometry.outline import outline
 from camgeo.geometry.outline.envelope import KINK, Envelope, Node
 from camgeo.geometry.outline.outline import (
     Outline,
-    _unsettled,
+    _undecided_angle,
     backward_ranges,
     find_crossings,
     flank_envelope,
@@ -351,8 +351,8 @@ def test_what_is_not_decided_has_a_place() -> None:
     envelope = Envelope(inner_of(pitch_curve_of({"kappa": 1, **hard_case("HC21c")[0]})))
     backward = [(1.0, 1.2), (6.2, 6.4), (3.0, 3.2)]
     about = (Node(0.9, 1.3, 0j), Node(0.2, 6.1, 0j))
-    assert _unsettled(envelope, backward, about) == f"at cam angle {math.degrees(3.1):.6f} deg"
-    assert _unsettled(envelope, backward[:2], about) == f"at cam angle {math.degrees(0.9):.6f} deg"
+    assert _undecided_angle(envelope, backward, about) == pytest.approx(math.degrees(3.1))
+    assert _undecided_angle(envelope, backward[:2], about) == pytest.approx(math.degrees(0.9))
 
 
 ranges = st.lists(
@@ -368,7 +368,7 @@ def outermost(low: FloatArray, width: FloatArray) -> tuple[FloatArray, IntArray]
     cells = outline.AngleCells.from_nodes(nodes)
     first = np.searchsorted(nodes, low)
     count = np.remainder(np.searchsorted(nodes, high) - first, len(nodes))
-    cell, piece = outline.cover_cells(cells, first, count, "pieces lie")
+    cell, piece = outline.cover_cells(cells, first, count, "its pieces overlap")
     kept = outline.visible_pieces(cell, piece.astype(float), piece.astype(float))
     borders, parent, held = outline.outermost(
         cells, (cell[kept], piece[kept]), np.empty(0), lambda which, _: which.astype(float)
@@ -404,7 +404,7 @@ def test_too_many_layers(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(outline, "MOST_PAIRS", 9)
     assert outermost(low, width)[1].tolist() == [0, 1, 2, outline.NONE]
     monkeypatch.setattr(outline, "MOST_PAIRS", 8)
-    with pytest.raises(GeometryError, match="its pieces lie in 2 layers; smooth it first"):
+    with pytest.raises(GeometryError, match="its pieces overlap in 2 layers; smooth it first"):
         outermost(low, width)
 
 

@@ -33,7 +33,7 @@ from camgeo.geometry.outline.replay import (
     replay_outline,
     replay_spline,
 )
-from camgeo.geometry.outline.roller import ActualLift, Chain, PlayedLift
+from camgeo.geometry.outline.roller import ActualLift, PlayedLift, SplineBranches
 from camgeo.geometry.pitch_curve import PitchCurve, WorkingCurve
 from camgeo.kinematics.mechanism.follower_path import path_of
 from camgeo.kinematics.mechanism.rollers import TranslatingRoller
@@ -370,7 +370,7 @@ def test_a_small_play_is_what_the_check_reports(curve: PitchCurve, press: int) -
 def test_a_play_that_cannot_be_followed_is_refused() -> None:
     """Beyond the smallest radius of curvature, less than 20 mm, the parallel runs back."""
     curve = translating(move(40, 20.0), move(40, 0.0), dwell(280)).pitch
-    with pytest.raises(GeometryError, match="play is too large to be followed"):
+    with pytest.raises(GeometryError, match="side clearance is too large"):
         PlayedLift(path_of(curve.follower, curve.rotation), WorkingCurve(curve, -20.0)).jet(
             np.linspace(0.0, TURN, 91)
         )
@@ -415,7 +415,7 @@ def test_the_lift_is_that_of_a_roller_that_touches_the_cubic(scene: str, path: A
     lift = replay.lift
     assert isinstance(lift, ActualLift)
     chain = lift.branches
-    assert isinstance(chain, Chain)
+    assert isinstance(chain, SplineBranches)
     first = len(chain.arcs.elements)
     middles = 0.5 * (lift.borders + np.append(lift.borders[1:], lift.borders[0] + 2.0 * math.pi))
     curved = np.flatnonzero(lift.numbers >= first)
@@ -485,7 +485,7 @@ def test_the_acceleration_of_one_spline_is_continuous() -> None:
     lift = replay_of("plate_translating", 1e-3).lift
     assert isinstance(lift, ActualLift)
     chain = lift.branches
-    assert isinstance(chain, Chain)
+    assert isinstance(chain, SplineBranches)
     first = len(chain.arcs.elements)
     inside = (lift.numbers >= first) & (np.roll(lift.numbers, 1) >= first)
     contour = contour_of("plate_translating", 1e-3)

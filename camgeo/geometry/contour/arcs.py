@@ -1,9 +1,8 @@
 """Fits by lines and G1 arcs: the fast one by biarcs, and that of the fewest pieces.
 
-The fast one has biarcs between points of the curve.
-Their joints are placed by the law of their distance from it, corrected once by the distances found.
-A biarc with turned tangents, see below, over a span h of arc length is off
-the curve by
+The fast fit has biarcs between points of the curve. Their joints follow from the law of their
+distance from the curve, corrected once by the distances that result. A biarc with turned tangents,
+see below, over a span h of arc length is off the curve by
 
     C h^3 (|kappa'| + c |kappa''| h),   C = 0.1001^3,
 
@@ -70,7 +69,8 @@ POWER = 0.25
 because part of it comes from the tangents of its neighbours."""
 
 LEAST_SHARE = 0.01
-"""Least distance that counts, as a fraction of the largest."""
+"""Smallest distance of a span that counts, as a fraction of the largest: it limits the correction.
+"""
 
 WIDEST_SPAN = 2.0
 """Cam angle [rad] of the widest span: a whole turn without a break and with a tiny stroke has no
@@ -79,7 +79,7 @@ chord from its start to its end."""
 
 @dataclass(frozen=True, slots=True, eq=False)
 class DensityCorrection:
-    """The deviations found of spans between given joints.
+    """A correction of the density of spans, by the deviations that a first choice of joints leaves.
 
     Attributes
     ----------
@@ -92,7 +92,7 @@ class DensityCorrection:
 
     @classmethod
     def from_distances(cls, joints: FloatArray, distances: FloatArray) -> Self:
-        """From the `distances` (m,) [mm] of the spans between `joints` (m + 1,)."""
+        """The correction by the `distances` (m,) [mm] of spans between `joints` (m + 1,) [rad]."""
         largest = float(np.max(distances))
         shares = distances / largest if largest > 0.0 else np.ones(len(distances))
         excess = in_steps(np.log(np.maximum(shares, LEAST_SHARE)))
@@ -119,7 +119,9 @@ class ArcDensity:
         self._total = self._width * float(np.sum(np.cbrt(self._cubic)))
 
     def count(self, aim: float) -> float:
-        """About the least number of spans within `aim` [mm], a real number."""
+        """Estimate of the least number of spans within `aim` [mm]; not a whole number."""
+        # A span is two arcs, so that its constant is half of `ARC_CONSTANT`; the error takes its
+        # cube.
         inner = self._width * float(np.sum(self._density(aim / (0.5 * ARC_CONSTANT) ** 3)))
         known = inner * 1.03 + min(max(0.25 * (inner - 1.0), 0.0), ENDS)
         return max(known, (self._piece.end - self._piece.start) / WIDEST_SPAN)
@@ -133,6 +135,7 @@ class ArcDensity:
             if self._finer is None:
                 self._finer = ArcDensity(self._piece, self._bends.refined())
             return self._finer.joints(count, correction)
+        # As if the cubic term were alone: count = total / error^(1/3).
         error = (self._total / count) ** 3
         density = self._density(error)
         # These are too many spans: find the error that gives about the requested number.
@@ -145,7 +148,7 @@ class ArcDensity:
         if not density[0] > 0.0:  # a straight line has no difficulty anywhere
             density = np.ones(len(density))
         reached = np.concatenate(([0.0], np.cumsum(density)))
-        joints: FloatArray = np.interp(_parts(count) * reached[-1], reached, self._borders)
+        joints: FloatArray = np.interp(_part_ends(count) * reached[-1], reached, self._borders)
         joints[0], joints[-1] = self._piece.start, self._piece.end
         return joints
 
@@ -154,13 +157,14 @@ class ArcDensity:
             return np.cbrt(self._cubic)
         cubic, quartic = self._cubic / error, self._quartic / error
         density: FloatArray = np.maximum(np.cbrt(cubic), np.sqrt(np.sqrt(quartic)))
+        # The equation density^4 = cubic density + quartic, from the larger of the terms alone.
         for _ in range(STEPS):
             density = np.sqrt(np.sqrt(cubic * density + quartic))
         return density
 
 
-def _parts(count: int) -> FloatArray:
-    """(count + 1,) from 0 to 1, the outermost parts shorter."""
+def _part_ends(count: int) -> FloatArray:
+    """(count + 1,) ends of `count` parts of [0, 1], equal but for the outermost, see `OUTER`."""
     sizes = np.ones(count)
     for number, size in enumerate(OUTER[: (count + 1) // 2]):
         sizes[[number, -1 - number]] = size
@@ -175,10 +179,10 @@ TOGETHER = 16
 """Spans that are tried at once for one piece: for more, a second call costs no more."""
 
 HALVINGS = 8
-"""Rounds of halving at most."""
+"""Most rounds in which spans are halved."""
 
 MANY = 16
-"""Spans to be halved again, above which they must have become fewer."""
+"""Up to this many spans are halved again in any case; more of them only if they became fewer."""
 
 MAX_ARCS = 200_000
 """Most arcs of a smooth piece; a tolerance that needs more is beyond double precision."""
@@ -204,25 +208,25 @@ def fit_arcs(path: Path, tolerance: float) -> Fit:
 
 
 def turn_arc(leg: TurnLeg, _aim: float) -> Chain:
-    """The one arc that a turn is."""
+    """The chain of the single arc of a turn."""
     return Chain.arc(0.0, leg.first, leg.sweep, leg.centre)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Group:
+class _BiarcGroup:
     """Smooth pieces of one curve, which share its evaluations.
 
     Attributes
     ----------
-    curve, pieces : these.
-    densities, ends : of the pieces that are not rests.
-    rests : of the others.
+    curve, pieces : the curve, and its smooth pieces in order.
+    densities, ends : of the pieces that are no arcs.
+    rests : chains of the pieces that are single arcs, dwells among them.
     """
 
     curve: WorkingCurve
     pieces: tuple[SmoothPiece, ...]
     densities: tuple[ArcDensity, ...]
-    ends: Ends
+    ends: PieceEnds
     rests: tuple[Chain, ...]
 
     def fit(self, aim: float, tolerance: float) -> list[Chain]:
@@ -240,6 +244,8 @@ class _Group:
         joints = [self.densities[piece].joints(count) for piece, count in wanted]
         ends = taken(self.ends, [piece for piece, _ in wanted])
         fits = _sound_biarcs(self.curve, joints, ends)
+        # Each count is tried twice: with the joints of the law, and with joints corrected by what
+        # these leave.
         corrected = [
             self.densities[piece].joints(
                 count, DensityCorrection.from_distances(used, biarcs.distances)
@@ -250,6 +256,7 @@ class _Group:
         candidates = [
             (biarcs, float(np.max(biarcs.distances))) for pair in both for biarcs, _ in pair
         ]
+        # Both tries of a count follow each other; the closer one stands for it.
         pairs = zip(candidates[::2], candidates[1::2], strict=True)
         return [min(pair, key=lambda candidate: candidate[1]) for pair in pairs]
 
@@ -260,16 +267,17 @@ def _group(curve: WorkingCurve, pieces: list[SmoothPiece]) -> Group:
         if not piece.is_arc:
             densities.append(ArcDensity(piece, bends))
             stops.append(piece.end)
-    ends = Ends(*curve.traced(np.array(stops, dtype=np.float64), "left"))
-    return _Group(curve, tuple(pieces), tuple(densities), ends, rest_arcs(curve, pieces)).fit
+    ends = PieceEnds(*curve.traced(np.array(stops, dtype=np.float64), "left"))
+    return _BiarcGroup(curve, tuple(pieces), tuple(densities), ends, rest_arcs(curve, pieces)).fit
 
 
 def rest_arcs(curve: WorkingCurve, pieces: Sequence[SmoothPiece]) -> tuple[Chain, ...]:
-    """The one arc that each of `pieces` is that is one."""
+    """A chain of one arc for each of `pieces` that is an arc."""
     arcs = [(piece, piece.centre) for piece in pieces if piece.centre is not None]
     if not arcs:
         return ()
     points = curve.point(np.array([piece.start for piece, _ in arcs]))
+    # The curve is traversed against the sense in which the cam turns.
     turn = -curve.pitch.rotation
     return tuple(
         Chain.arc(piece.start, point, turn * (piece.end - piece.start), centre)
@@ -278,7 +286,7 @@ def rest_arcs(curve: WorkingCurve, pieces: Sequence[SmoothPiece]) -> tuple[Chain
 
 
 def _sound_biarcs(
-    curve: WorkingCurve, joints: list[FloatArray], ends: Ends
+    curve: WorkingCurve, joints: list[FloatArray], ends: PieceEnds
 ) -> list[tuple[Biarcs, FloatArray]]:
     """Biarcs whose arcs have a parallel on the pitch curve, see `camgeo.geometry.contour.proof`,
     with their joints.
@@ -297,10 +305,12 @@ def _sound_biarcs(
             if not np.any(bad) and not crowded:
                 continue
             spans = np.flatnonzero(bad)
+            # More bad spans than before: the curve itself bends too much, and no halving helps.
             if len(spans) > max(bad_counts[k], MANY):
                 continue
             bad_counts[k] = len(spans)
             halves = 0.5 * (joints[k][spans] + joints[k][spans + 1])
+            # Inserted before the joint at which the bad span ends.
             separated = separate_joints(curve, np.insert(joints[k], spans + 1, halves))
             if not np.array_equal(separated, joints[k]):
                 joints[k] = separated
@@ -313,9 +323,10 @@ def _sound_biarcs(
     return list(zip(fits, joints, strict=True))
 
 
-def _biarcs(curve: WorkingCurve, joints: list[FloatArray], ends: Ends) -> list[Biarcs]:
+def _biarcs(curve: WorkingCurve, joints: list[FloatArray], ends: PieceEnds) -> list[Biarcs]:
     stops = np.cumsum([len(chain_joints) for chain_joints in joints]) - 1
     biarcs = Biarcs.along(curve, np.concatenate(joints), stops, ends)
+    # The joints of all chains lie in one array, and a chain has one span less than joints.
     last = stops - np.arange(len(joints))
     first = np.concatenate(([0], last[:-1]))
     return [taken(biarcs, slice(int(a), int(b))) for a, b in zip(first, last, strict=True)]
@@ -370,6 +381,8 @@ def tangent_turns(offsets: FloatArray, lengths: FloatArray, last: IntArray) -> F
     square = pull * lengths
     joined = ~closes[:-1]
     both = joined[:-1] & joined[1:]
+    # Normal equations. The turn at a joint moves the span before it by its end and the span after
+    # it by its start.
     diagonal = float(ahead @ ahead) * (square[:-1] + square[1:])
     cross = np.where(both, float(ahead @ behind) * square[1:-1], 0.0)
     joint_turns = _tridiagonal(
@@ -404,7 +417,7 @@ its centre has no significant digits."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Ends:
+class PieceEnds:
     """Points, unit tangents and paces (k,) at the ends of smooth pieces, left-hand values there."""
 
     points: ComplexArray
@@ -436,7 +449,9 @@ class Biarcs:
     least_step: FloatArray
 
     @classmethod
-    def along(cls, curve: WorkingCurve, joints: FloatArray, stops: IntArray, ends: Ends) -> Self:
+    def along(
+        cls, curve: WorkingCurve, joints: FloatArray, stops: IntArray, ends: PieceEnds
+    ) -> Self:
         """Biarcs along several chains of spans, one after the other.
 
         Parameters
@@ -445,6 +460,7 @@ class Biarcs:
         stops : (k,) places of the last joints in `joints`.
         ends : of each chain.
         """
+        # Every joint but the last of each chain begins a span.
         inner = np.ones(len(joints), dtype=np.bool_)
         inner[stops] = False
         starts = np.flatnonzero(inner)
@@ -457,10 +473,14 @@ class Biarcs:
         traced, at_ends = curve.traced(phi.ravel()), (ends.points, ends.tangents, ends.paces)
         for whole, part, end in zip((points, tangents, slopes), traced, at_ends, strict=True):
             whole[:, :-1] = part.reshape(phi.shape)
+            # A span ends where the next one begins; the last of a chain ends in its left-hand
+            # value.
             whole[:-1, -1] = whole[1:, 0]
             whole[last, -1] = end
+        # Paces per radian become arc lengths per part of a span.
         slopes *= step[:, None]
         outer = tangents[:, (0, -1)].T
+        # First with the curve's own tangents; what these leave determines how far to turn them.
         plain = _Arcs.with_end_tangents(points, *outer)
         lengths = np.abs(points[:, -1] - points[:, 0])
         turns = tangent_turns(plain.approximate_offsets(points[:, 1:-1]), lengths, last)
@@ -473,9 +493,11 @@ class Biarcs:
 
     @classmethod
     def along_cubics(cls, pieces: ComplexArray) -> Self:
-        """Biarcs along Bezier `pieces` (S, 4) [mm], with its tangents; `angles` are parts."""
+        """Biarcs along Bezier `pieces` (S, 4) [mm], tangent at the ends; `angles` count parts."""
         t = np.linspace(0.0, 1.0, PARTS + 1)
         points, sides = bezier_points(pieces, t), 3.0 * np.diff(pieces, axis=1)
+        # Bernstein's polynomials of degree 2 give the derivative from the sides of the control
+        # polygon.
         rates = sides @ np.stack(((1.0 - t) ** 2, 2.0 * t * (1.0 - t), t * t))
         # Where the first side has no length the tangent is that of the next one, or of the chord.
         for place, side in ((0, points[:, 1] - points[:, 0]), (-1, points[:, -1] - points[:, -2])):
@@ -516,7 +538,9 @@ class _Arcs:
 
     @classmethod
     def with_end_tangents(cls, points: ComplexArray, t0: ComplexArray, t1: ComplexArray) -> Self:
-        """From the first to the last of `points` (S, PARTS + 1), with the unit tangents there."""
+        """Biarcs from the first to the last of `points` (S, PARTS + 1), with the unit tangents `t0`
+        and `t1` (S,) there.
+        """
         start, end = points[:, 0], points[:, -1]
         # Next to a cusp two joints may be one point; they are too near to each other to be kept.
         end = np.where(np.abs(end - start) <= 4.0 * np.spacing(np.abs(end)), start + t0, end)
@@ -528,17 +552,24 @@ class _Arcs:
         opening = 2.0 * (1.0 - (t0.real * t1.real + t0.imag * t1.imag))
         length = square / (along + np.sqrt(along * along + opening * square))
         middle = 0.5 * (start + end + length * (t0 - t1))
+        # The common tangent runs from the corner of the first arc's tangents to that of the second
+        # one's.
         across = (chord - length * both) / (2.0 * length)
         vertices, directions = np.stack((start, middle), 1), np.stack((t0, across), 1)
         chords = np.stack((middle - start, end - middle), 1)
         # Where the curve turns back at once, one of the arcs has no length.
         squares = np.abs(chords) ** 2
         squares = np.where(squares > 0.0, squares, 1.0)
+        # A circle that leaves along d and passes through the chord c has the curvature 2 Im(conj(d)
+        # c) / |c|^2.
         curvatures = 2.0 * (np.conj(directions) * chords).imag / squares
         return cls(vertices, directions, curvatures)
 
     def approximate_offsets(self, places: ComplexArray) -> FloatArray:
-        """How far (S, PARTS - 1) [mm] the `places` inside lie to the right of the arcs, nearly."""
+        """(S, PARTS - 1) [mm] how far the inner `places` lie to the right of the arcs, to first
+        order.
+        """
+        # Places in the second half of the span belong to the second arc.
         arc = (np.arange(1, PARTS) > 0.5 * PARTS).astype(np.intp)
         arm = places - self.vertices[:, arc]
         bend, ahead = self.curvatures[:, arc], self.tangents[:, arc]
@@ -558,6 +589,8 @@ class _Arcs:
         back = np.conj(across)[:, None]
         local, rates = back * (points - middle[:, None]), back * tangents * slopes
         rows = np.arange(len(points))
+        # The common normal of both arcs lies in the part whose number is that of the inner places
+        # before it.
         middle_part = np.sum(local[:, 1:-1].real < 0.0, axis=1)
         near, far = (rows, middle_part), (rows, middle_part + 1)
         t, middle_offset, middle_slope = _crossing(local[near], local[far], rates[near], rates[far])
@@ -568,10 +601,12 @@ class _Arcs:
         row = rows[:, None]
         arm = points - self.vertices[row, arc]
         bend, ahead = self.curvatures[row, arc], 1j * self.tangents[row, arc]
+        # The distance from a circle without its centre, which may be far away: bent / (1 + root).
         bent = bend * (arm.real**2 + arm.imag**2) - 2.0 * (np.conj(ahead) * arm).real
         root = np.sqrt(np.maximum(1.0 + bend * bent, 0.0))
         offsets = bent / (1.0 + root)
         outward = (bend * arm - ahead) / root
+        # The slope of the distance: what of the curve's direction points along the arc's normal.
         growth = (np.conj(outward) * tangents).real * slopes
         peaks = highest(offsets[:, :-1], offsets[:, 1:], growth[:, :-1], growth[:, 1:])
         # Within the part with the middle the second arc takes over from the first.
@@ -588,8 +623,9 @@ class _Arcs:
 def _crossing(
     here: ComplexArray, there: ComplexArray, rate: ComplexArray, rate_there: ComplexArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Where in [0, 1] Hermite's cubic between `here` and `there` has the real part 0, and minus its
-    imaginary part and the slope of that there.
+    """(n,) the place in [0, 1] where Hermite's cubic from `here` to `there` (n,) has the real part
+    0; (n,), (n,) minus its imaginary part there, and the slope of that. `rate`, `rate_there` (n,)
+    are its derivatives at both ends.
     """
     chord = there - here
     square, cube = 3.0 * chord - 2.0 * rate - rate_there, rate + rate_there - 2.0 * chord
@@ -700,8 +736,9 @@ class _FewestGroup:
         """
         if aim <= FINEST * float(np.max(np.abs(self._strands.points))):
             raise ToleranceError("arcs cannot be distinguished from the curve", aim, math.inf)
+        # The asymptotic number of arcs, from the law `ARC`.
         limits = self._strands.difficulty.totals * (ARC / aim) ** (1.0 / 3.0)
-        ladders = [_numbers(int(limit)) for limit in limits]
+        ladders = [_arc_counts(int(limit)) for limit in limits]
         splines: dict[int, ArcSpline] = {}
         laid = 0
         for attempt in range(ATTEMPTS):
@@ -734,7 +771,7 @@ class _FewestGroup:
             self.missed = self.missed or (pair[1] > 1 and spline.deviation == math.inf)
 
 
-def _numbers(limit: int) -> list[int]:
+def _arc_counts(limit: int) -> list[int]:
     """Numbers of arcs to be tried in turn where `limit` is a lower bound, see `ALL_NUMBERS`."""
     numbers: list[int] = []
     number = max(1, limit)
@@ -760,12 +797,12 @@ def _numbers(limit: int) -> list[int]:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Strands:
-    """Smooth pieces of one parallel, none a dwell, ready for arcs.
+    """Smooth pieces of one parallel, none of them an arc, prepared for fits by arcs.
 
     Attributes
     ----------
     curve : the parallel.
-    difficulty : of its pieces, p.
+    difficulty : that of its p pieces.
     points, tangents : (2, p) complex [mm], unit; one-sided, at starts and ends.
     """
 
@@ -797,7 +834,7 @@ class JointedCurve:
     valid : (k,) False for splines that have joints too close to each other.
     """
 
-    layout: Layout
+    layout: ArcLayout
     angles: FloatArray
     points: ComplexArray
     tangents: ComplexArray
@@ -807,7 +844,7 @@ class JointedCurve:
 
     @classmethod
     def sample(
-        cls, strands: Strands, layout: Layout, pieces: IntArray, places: FloatArray, probes: int
+        cls, strands: Strands, layout: ArcLayout, pieces: IntArray, places: FloatArray, probes: int
     ) -> JointedCurve:
         """The curve at the `places` (j,) of joints along `pieces` (k,), and at `probes` per arc."""
         angles = strands.difficulty.angles(layout, pieces, places)
@@ -840,6 +877,8 @@ class JointedCurve:
         rest = 1.0 - t
         errors += (0.5 * arcs.length * arcs.miss)[:, None] * t * rest * (rest - t)
         left_scale, right_scale = arcs.length / self.scale[left], arcs.length / self.scale[right]
+        # Its rows: offset and turn of the joint on the left, then of that on the right. A turn
+        # counts as a length, times `scale`.
         basis = np.stack(
             (
                 rest * rest * (1.0 + 2.0 * t),
@@ -852,6 +891,7 @@ class JointedCurve:
         cosine = (np.conj(arcs.along) * self.tangents[left]).real
         end_cosine = (np.conj(arcs.along) * self.tangents[right]).real
         valid = self.valid & np.isfinite(self.layout.largest(np.max(np.abs(errors), axis=1)))
+        # Both ends of a spline have the curve's point and tangent.
         free = self.layout.of_joints(valid)
         free[self.layout.first] = free[self.layout.last] = False
         unknowns = system.solve(
@@ -871,6 +911,7 @@ class JointedCurve:
         joints = np.abs(offsets[:, 0])
         end_offsets = np.maximum(joints[self.layout.left], joints[self.layout.left + 1])
         inside, previous, following = errors[:, 1:-1], errors[:, :-2], errors[:, 2:]
+        # The peak of the parabola through three neighbouring samples.
         bend = 2.0 * inside - previous - following
         top = (inside >= previous) & (inside >= following) & (bend > 0.0)
         rise = np.where(top, (following - previous) ** 2, 0.0) / np.where(top, 8.0 * bend, 1.0)
@@ -908,6 +949,7 @@ class Arcs:
         length = np.abs(chords)
         none = length == 0.0
         along = chords / np.where(none, 1.0, length)
+        # A chord without a length has no direction: NaN makes its spline invalid.
         length[none] = np.nan
         start_angle = np.angle(along * np.conj(tangents[left]))
         end_angle = np.angle(tangents[right] * np.conj(along))
@@ -936,7 +978,7 @@ class Arcs:
 
 
 ROUNDS = 14
-"""Rounds of evening out the arcs' deviations."""
+"""Rounds in which the deviations of the arcs are equalised."""
 
 FIRST_POWER, MOST_POWER, CALMER, BOLDER = 1.0 / 6.0, 0.25, 0.7, 1.2
 """Power of its deviation by which an arc is shortened in a round. Where arcs change alternately,
@@ -1000,13 +1042,14 @@ def arc_splines(strands: Strands, pieces: IntArray, counts: IntArray) -> list[Ar
 
     Their deviation is nearly the least possible. Each depends only on its piece and number of arcs.
     """
-    layout = Layout.from_counts(counts)
+    layout = ArcLayout.from_counts(counts)
     best, excess = _equal_error_places(
         strands, layout, pieces, strands.difficulty.joints(layout, pieces)
     )
+    # Splines that stay uneven get more rounds from their best places; the others are done.
     uneven = np.flatnonzero(excess > UNEVENNESS)
     if len(uneven):
-        part = Layout.from_counts(counts[uneven])
+        part = ArcLayout.from_counts(counts[uneven])
         chosen = layout.of_joints(excess > UNEVENNESS)
         for _ in range(REPEATS):
             best[chosen] = _equal_error_places(strands, part, pieces[uneven], best[chosen])[0]
@@ -1021,10 +1064,11 @@ def arc_splines(strands: Strands, pieces: IntArray, counts: IntArray) -> list[Ar
 
 
 def _equal_error_places(
-    strands: Strands, layout: Layout, pieces: IntArray, places: FloatArray
+    strands: Strands, layout: ArcLayout, pieces: IntArray, places: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Places (j,) of joints with the smallest deviation found from `places` (j,) on, and the excess
-    (k,) of the largest one of each spline, see `Layout.excess`.
+    """Places (j,) of joints for equal deviations, by iteration from `places` (j,): those of the
+    round with the smallest largest deviation; and (k,) the excess of that deviation in each spline,
+    see `ArcLayout.excess`.
     """
     system = ArcSystem.from_layout(layout)
     count = len(layout.first)
@@ -1038,6 +1082,8 @@ def _equal_error_places(
         best = np.where(layout.of_joints(better), places, best)
         uneven = np.where(better, layout.largest(excess), uneven)
         least = np.where(better, worst, least)
+        # An arc whose excess changes its sign oscillates: its power is reduced, that of others
+        # raised.
         swings = excess * last < 0.0
         power = np.where(swings, CALMER * power, np.minimum(BOLDER * power, MOST_POWER))
         places, last = move_joints(layout, places, power * excess), excess
@@ -1092,7 +1138,7 @@ LEAST = 1e-3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Layout:
+class ArcLayout:
     """Places of the joints and arcs of k splines in the arrays of a batch.
 
     Attributes
@@ -1108,7 +1154,7 @@ class Layout:
     spline: IntArray
 
     @classmethod
-    def from_counts(cls, counts: IntArray) -> Layout:
+    def from_counts(cls, counts: IntArray) -> ArcLayout:
         """Splines of `counts` (k,) arcs each."""
         last = np.cumsum(counts + 1) - 1
         left = np.delete(np.arange(last[-1] + 1), last)
@@ -1198,7 +1244,7 @@ class Difficulty:
             integral(speed).ravel(),
         )
 
-    def joints(self, layout: Layout, pieces: IntArray) -> FloatArray:
+    def joints(self, layout: ArcLayout, pieces: IntArray) -> FloatArray:
         """(j,) places of joints with equal deviations of the arcs according to the tables.
 
         Spline i of `layout` lies along piece `pieces[i]`.
@@ -1210,6 +1256,7 @@ class Difficulty:
             2.0 * layout.of_joints(pieces) + share, self.shares, self.places
         )
         places[layout.first], places[layout.last] = 2.0 * pieces, 2.0 * pieces + 1.0
+        # The outermost arcs, shorter by `END`, deviate as much as the others: they count as longer.
         stress = np.ones(len(layout.left))
         stress[layout.first_arcs] = (1.0 - END) ** -3.0
         stress[layout.first_arcs + layout.counts - 1] = (1.0 - END) ** -3.0
@@ -1222,14 +1269,14 @@ class Difficulty:
             places = move_joints(layout, places, ALONE * layout.excess(stress * deviations))
         return places
 
-    def angles(self, layout: Layout, pieces: IntArray, places: FloatArray) -> FloatArray:
+    def angles(self, layout: ArcLayout, pieces: IntArray, places: FloatArray) -> FloatArray:
         """(j,) cam angles [rad] of `places` (j,), see `joints`."""
         part = places - 2.0 * layout.of_joints(pieces)
         starts, spans = layout.of_joints(self.starts[pieces]), layout.of_joints(self.spans[pieces])
         return np.asarray(starts + spans * part)
 
 
-def move_joints(layout: Layout, places: FloatArray, shrink: FloatArray) -> FloatArray:
+def move_joints(layout: ArcLayout, places: FloatArray, shrink: FloatArray) -> FloatArray:
     """Places (j,) of joints, moved from `places` so that each arc's share of its spline shrinks by
     the factor exp(shrink), shrink (n,), as against the others.
     """
@@ -1261,13 +1308,14 @@ class ArcSystem:
     cells : places of all coefficients in the banded matrix, row by row.
     """
 
-    layout: Layout
+    layout: ArcLayout
     cells: IntArray
 
     @classmethod
-    def from_layout(cls, layout: Layout) -> ArcSystem:
-        """The form of the equations; numbers come with `solve`."""
+    def from_layout(cls, layout: ArcLayout) -> ArcSystem:
+        """The equations of `layout`: where coefficients stand. Their values come with `solve`."""
         size = 3 * (int(layout.last[-1]) + 1)
+        # Offset and turn of the joint on the left, then of that on the right.
         joint_unknowns = 3 * layout.left[:, None] + np.array([0, 1, 3, 4])
         bond = np.broadcast_to(3 * layout.left[:, None] + 2, joint_unknowns.shape)
         blocks = (len(joint_unknowns), 4, 4)
@@ -1276,6 +1324,7 @@ class ArcSystem:
         diagonal = np.arange(size)
 
         def cell(row: IntArray, column: IntArray) -> IntArray:
+            # Row BAND + i - j, column j of the banded storage, flattened.
             return ((BAND + row - column) * size + column).ravel()
 
         cells = (
@@ -1308,6 +1357,7 @@ class ArcSystem:
         mask = np.stack((free[left], free[left], free[right], free[right]), axis=1)
         square = np.where(mask[:, :, None] & mask[:, None, :], square, 0.0)
         pull, bond = np.where(mask, pull, 0.0), np.where(mask, bond, 0.0)
+        # An unknown that is not free gets the equation x = 0, and so does an unused multiplier.
         held = np.ones((len(free), 3))
         held[:, 0] = held[:, 1] = ~free
         bound = free[left] | free[right]

@@ -24,7 +24,7 @@ from camgeo.geometry.contour.legs import (
     least_counts,
     sample_bends,
     separate_joints,
-    too_many,
+    too_many_error,
 )
 from camgeo.geometry.contour.proof import (
     AIM,
@@ -57,7 +57,7 @@ CLOSE = 1.01
 """The search ends this close to the requested number of chords."""
 
 MOST_CELLS = 1 << 20
-"""Cells of a piece that are not refined further, for any count: chords share them evenly."""
+"""A piece with this many cells is not refined further: more chords share its cells evenly."""
 
 FLOOR = 0.005
 """Smallest density of chords, as a fraction of the piece's mean: every stretch gets chords."""
@@ -82,7 +82,7 @@ class ChordDensity:
         self._total = self._width * float(np.sum(np.sqrt(0.125 * self._bend)))
 
     def count(self, aim: float) -> float:
-        """Chords that are expected to come within `aim` [mm], a real number."""
+        """Estimate of the number of chords needed for `aim` [mm]; not a whole number."""
         expected = self._width * float(np.sum(self._density(aim)))
         least = 4.0 if self._piece.end - self._piece.start > HALF_ROUND else 1.0
         return max(least, expected)
@@ -93,13 +93,15 @@ class ChordDensity:
             if self._finer is None:
                 self._finer = ChordDensity(self._piece, self._bends.refined())
             return self._finer.joints(count)
-        # Until the error gives about the requested number of chords.
+        # From the error that a curve of constant curvature would have, adjusted until the number of
+        # chords is about the requested one.
         error = (self._total / count) ** 2
         for _ in range(STEPS):
             density = self._density(error)
             excess = self._width * float(np.sum(density)) / count
             if excess <= CLOSE:
                 break
+            # The number of chords falls with the square root of the error.
             error *= excess * excess
         return self._shared(density, count)
 
@@ -121,6 +123,7 @@ class ChordDensity:
         if error <= 0.0:
             return np.maximum(np.sqrt(self._bend), self._turn)
         bend, slope = self._bend / (8.0 * error), self._slope / (8.0 * error)
+        # Fixed-point steps of density^2 = bend + slope / density, from the larger term alone.
         density = np.maximum(np.sqrt(bend), np.cbrt(slope))
         floor = np.finfo(float).tiny
         for _ in range(2):
@@ -160,9 +163,9 @@ def fit_polyline(path: Path, tolerance: float) -> Fit:
 
 
 def sampled_polyline(path: Path, tolerance: float) -> Contour:
-    """The chords that `fit_polyline` begins with, for pictures: at `PARTS` places of each they are
-    within `tolerance` [mm] of `path`. Nothing is proved of them, which takes longer than to find
-    them.
+    """The chords from which `fit_polyline` starts, for pictures: at `PARTS` places of each chord
+    the path is within `tolerance` [mm] of it. Nothing is proved, as a proof takes longer than the
+    fit.
 
     Raises
     ------
@@ -177,12 +180,12 @@ def sampled_polyline(path: Path, tolerance: float) -> Contour:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Group:
+class _ChordGroup:
     """Smooth pieces of one curve, which share its evaluations.
 
     Attributes
     ----------
-    curve : theirs.
+    curve : the curve of the pieces.
     densities, ends, end_rates : of each piece, its last point [mm] and dP/dphi there [mm/rad].
     """
 
@@ -195,12 +198,13 @@ class _Group:
         """A chain for each of the pieces."""
         expected = np.array([density.count(aim) for density in self.densities])
         if np.sum(expected) > MAX_CHORDS:
-            raise too_many(MAX_CHORDS, "straight pieces", tolerance)
+            raise too_many_error(MAX_CHORDS, "straight pieces", tolerance)
         return least_counts(self._trials, expected, aim, tolerance, order=ORDER, most=MAX_CHORDS)
 
     def _trials(self, wanted: Sequence[tuple[int, int]]) -> list[tuple[Chain, float]]:
         joints = [self.densities[piece].joints(count) for piece, count in wanted]
         trials, steps = self._chords([piece for piece, _ in wanted], joints)
+        # Places crowd only next to a cusp; there joints that cannot be told apart are dropped.
         crowded = [
             k
             for k, (chain, _) in enumerate(trials)
@@ -227,11 +231,14 @@ class _Group:
             (points, places, self.ends), (rates, tangents * pace, self.end_rates)
         ):  # fmt: skip
             whole[:, :-1] = part.reshape(phi.shape)
+            # A chord ends where the next one starts; the last of a piece ends in its left-hand
+            # value.
             whole[:-1, -1] = whole[1:, 0]
             whole[stops - 1, -1] = ends[list(pieces)]
         chord = points[:, -1] - points[:, 0]
         # Next to a cusp two joints may be one point; they are too near to each other to be kept.
         chord[chord == 0.0] = 1.0
+        # In the axes of its chord a point's imaginary part is its distance from it.
         back = np.conj(chord / np.abs(chord))[:, None]
         offsets = (back * (points - points[:, :1])).imag
         growth = (back * rates).imag * steps[:, None]
@@ -251,13 +258,14 @@ def _group(curve: WorkingCurve, pieces: list[SmoothPiece]) -> Group:
     bends = sample_bends(curve, pieces)
     points, tangents, pace = curve.traced(np.array([piece.end for piece in pieces]), "left")
     densities = tuple(ChordDensity(*pair) for pair in zip(pieces, bends, strict=True))
-    return _Group(curve, densities, points, tangents * pace).fit
+    return _ChordGroup(curve, densities, points, tangents * pace).fit
 
 
 def _arc_chords(leg: TurnLeg, aim: float, tolerance: float) -> Chain:
+    # A chord that spans the angle s leaves the sagitta r s^2 / 8.
     longest = min(math.sqrt(8.0 * aim / leg.radius), MOST_TURN)
     count = max(1, math.ceil(leg.end / longest))
     if count > MAX_CHORDS:
-        raise too_many(MAX_CHORDS, "straight pieces", tolerance)
+        raise too_many_error(MAX_CHORDS, "straight pieces", tolerance)
     angles = np.linspace(0.0, leg.end, count + 1)[:-1]
     return Chain.straight(angles, leg.point(angles))

@@ -37,16 +37,18 @@ tolerance of a cam of that size. Files have arcs of any size."""
 def is_straight(
     start: ComplexArray | complex, end: ComplexArray | complex, sweep: FloatArray | float
 ) -> BoolArray:
-    """(n,) which pieces from `start` to `end` (n,) [mm] that turn by `sweep` (n,) [rad] are lines.
+    """(n,) whether pieces from `start` to `end` (n,) [mm] that turn by `sweep` (n,) [rad] are
+    lines.
 
-    Those that leave their chord by less than their ends are rounded: no centre could be stated.
+    They are if they leave their chord by less than the rounding of their ends: such an arc has no
+    centre that could be stated.
     """
     sagitta = 0.5 * np.abs(end - start) * np.tan(0.25 * np.abs(sweep))
     return np.asarray(sagitta <= EPS * np.maximum(np.abs(start), np.abs(end)))
 
 
 def piece_radii(starts: ComplexArray, sweeps: FloatArray, centres: ComplexArray) -> FloatArray:
-    """(n,) [mm] radius of each piece, an arc; 0 for lines."""
+    """(n,) [mm] radius of each piece that is an arc; 0 for lines."""
     return np.where(sweeps != 0.0, np.abs(starts - centres), 0.0)
 
 
@@ -150,6 +152,7 @@ class Contour(PieceChain):
 
     def split(self, max_sweep: float) -> Self:
         """The same outline with each arc cut into equal parts of at most `max_sweep` [rad]."""
+        # Rounding must not cut an arc of exactly `max_sweep` in two, hence the 1e-12.
         parts = np.maximum(1, np.ceil(np.abs(self.sweeps) / max_sweep - 1e-12)).astype(int)
         index, step = grouped(parts)
         sweeps = self.sweeps[index] / parts[index]
@@ -165,6 +168,7 @@ class Contour(PieceChain):
         `POINTS` of them a turn.
         """
         radii = np.maximum(self.radii, sagitta)
+        # A chord that spans the angle s leaves the sagitta r (1 - cos(s / 2)).
         step = 2.0 * np.arccos(np.clip(1.0 - sagitta / radii, 0.0, 1.0))
         step = np.maximum(step, 2.0 * np.pi / POINTS)
         counts = np.maximum(1, np.ceil(np.abs(self.sweeps) / step)).astype(int)
@@ -189,6 +193,7 @@ class Contour(PieceChain):
         ends = np.roll(vertices, -1)
         straight = is_straight(vertices, ends, sweeps)
         half = np.tan(0.5 * np.where(straight, 1.0, sweeps))
+        # From the middle of the chord to its left, by half the chord over tan(sweep / 2).
         middles = vertices + 0.5 * (ends - vertices) * (1.0 + 1j / half)
         return cls(vertices, np.where(straight, 0.0, sweeps), np.where(straight, 0.0, middles))
 
@@ -200,8 +205,8 @@ class Contour(PieceChain):
 
 
 def rectangle(half: complex, centre: complex, along: complex = 1.0 + 0j) -> Contour:
-    """Around a `centre` [mm], counter-clockwise, half as long and as wide as `half` [mm] says; its
-    length lies `along` a direction, of size 1.
+    """A rectangle about `centre` [mm], counter-clockwise. `half` holds half its length and half its
+    width [mm]; its length lies `along` a unit vector.
     """
     corners = np.array([-half, half.conjugate(), half, -half.conjugate()])
     return Contour.polygon(centre + corners * along)
@@ -236,7 +241,7 @@ class Fit:
 
 
 SAGITTA = 1e-5
-"""Sagitta of the chords for the test, as a fraction of the contour's length."""
+"""Sagitta of the chords that are tested for crossings, as a fraction of the contour's length."""
 
 
 def crossing(contour: Contour) -> str | None:
@@ -259,7 +264,7 @@ def require_simple(contour: Contour, name: str) -> None:
     if place is not None:
         raise UndercutError(
             f"the {name} crosses itself ({place}): two of its flanks are closer"
-            " than the roller allows (global undercut), no disc has this outline"
+            " than the roller allows (global undercut); no disc has this outline"
         )
 
 
@@ -289,7 +294,7 @@ HALF_TURN = 0.5 * TURN
 
 
 class PieceRun(Protocol):
-    """What consists of lines and arcs: their `Pieces`, a chain of them, a course."""
+    """Anything made of lines and arcs: `Pieces`, a chain of them, a course."""
 
     @property
     def starts(self) -> ComplexArray: ...
@@ -303,7 +308,7 @@ class PieceRun(Protocol):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Pieces(CheckedFields):
-    """Lines and arcs; each begins anywhere.
+    """Lines and arcs that need not join.
 
     Attributes
     ----------
@@ -322,12 +327,12 @@ class Pieces(CheckedFields):
 
     @classmethod
     def from_run(cls, run: PieceRun) -> Pieces:
-        """Those of `run`."""
+        """The lines and arcs of `run`."""
         return Pieces(run.starts, run.ends, run.sweeps, run.centres)
 
     @classmethod
     def around(cls, contours: Iterable[Contour]) -> Pieces:
-        """Those of closed contours, in parts of at most half a turn."""
+        """The lines and arcs of closed contours, arcs cut into parts of at most half a turn."""
         parts = [contour.split(HALF_TURN) for contour in contours]
         names = ("vertices", "ends", "sweeps", "centres")
         columns = ([getattr(contour, name) for contour in parts] for name in names)
@@ -335,16 +340,18 @@ class Pieces(CheckedFields):
 
     @property
     def radii(self) -> FloatArray:
-        """(n,) [mm] of arcs; 0 for lines."""
+        """(n,) [mm] radius of each arc; 0 for lines."""
         return piece_radii(self.starts, self.sweeps, self.centres)
 
     @property
     def lengths(self) -> FloatArray:
-        """(n,) [mm]."""
+        """(n,) [mm] length of each piece."""
         return piece_lengths(self.starts, self.ends, self.sweeps, self.radii)
 
     def points_by_share(self, shares: FloatArray) -> ComplexArray:
-        """(n,) complex [mm] the place at a share of the length of each; its own ends at 0 and 1."""
+        """(n,) complex [mm] the place on each piece at the share (n,) of its length; at 0 and 1
+        exactly its ends.
+        """
         straight = self.starts + (self.ends - self.starts) * shares
         turned = self.centres + (self.starts - self.centres) * np.exp(1j * self.sweeps * shares)
         inner = np.where(self.sweeps == 0.0, straight, turned)
@@ -359,21 +366,23 @@ class Pieces(CheckedFields):
         return np.asarray(np.divide(along, np.where(size > 0.0, size, 1.0)))
 
     def subpieces(self, first: FloatArray, last: FloatArray) -> Pieces:
-        """The part of each from the share `first` to the share `last` (n,) of its length."""
+        """The part of each piece from the share `first` (n,) to the share `last` (n,) of its
+        length.
+        """
         ends = (self.points_by_share(first), self.points_by_share(last))
         return Pieces(*ends, self.sweeps * (last - first), self.centres)
 
     def halves(self) -> tuple[IntArray, FloatArray, FloatArray]:
-        """Equal parts of at most half a turn: (m,) the piece of each, and the shares of its length
-        between which it lies.
+        """The pieces in equal parts of at most half a turn: (m,) number of the piece of each part,
+        and (m,), (m,) the shares of its length between which the part lies.
         """
         counts = np.maximum(1, np.ceil(np.abs(self.sweeps) / HALF_TURN - 1e-12)).astype(np.intp)
         index, step = grouped(counts)
         return index, step / counts[index], (step + 1) / counts[index]
 
     def chords(self, sagitta: float) -> tuple[IntArray, ComplexArray]:
-        """Chords within `sagitta` [mm] of the pieces: (m,) the piece of each, and (m,) complex [mm]
-        its end.
+        """Chords within `sagitta` [mm] of the pieces: (m,) number of the piece of each, and (m,)
+        complex [mm] where it ends.
         """
         flat = np.maximum(0.0, 1.0 - sagitta / np.where(self.sweeps == 0.0, np.inf, self.radii))
         steps = np.maximum(2.0 * np.arccos(flat), TURN / POINTS)
@@ -394,7 +403,7 @@ class Pieces(CheckedFields):
         return np.asarray(((places - self.starts) * np.conj(chords)).real / squares)
 
     def distances(self, places: ComplexArray) -> FloatArray:
-        """(n,) distance [mm] of `places` (n,) from its piece each; (k, n) of places (k, 1).
+        """(n,) distance [mm] of each of `places` (n,) from its piece; (k, n) for places (k, 1).
 
         The nearest point of a piece is the foot of the perpendicular, if that lies on it, or an
         end.
@@ -415,7 +424,7 @@ class Pieces(CheckedFields):
 
 
 BLOCK = 500_000
-"""Pairs that are computed at once."""
+"""Pairs of a point and a piece, or of two pieces, that are computed at a time."""
 
 
 def distances(points: ComplexArray, run: PieceRun) -> FloatArray:
@@ -427,9 +436,11 @@ def distances(points: ComplexArray, run: PieceRun) -> FloatArray:
     for k in range(0, len(points), step):
         some = points[k : k + step]
         middle_distances = np.abs(some[:, None] - middles)
+        # No nearest point lies farther off than this, so that most pieces are out of question.
         nearest = np.min(middle_distances + reaches, axis=1)
         row, column = np.nonzero(middle_distances - reaches <= nearest[:, None])
         piece_distances = taken(pieces, column).distances(some[row])
+        # Each point keeps at least one piece; the pairs ascend by point.
         first = np.flatnonzero(np.diff(row, prepend=-1))
         blocks.append(np.minimum.reduceat(piece_distances, first))
     return np.concatenate(blocks)
@@ -439,6 +450,7 @@ def least_distance(one: PieceRun, other: PieceRun) -> float:
     """The distance [mm] between two chains, each piece beginning where the one before it ends; 0 if
     they meet.
     """
+    # Ends against pieces first: pairs that could come nearer inside are then few.
     least = min(
         float(np.min(distances(_ends(one), other))), float(np.min(distances(_ends(other), one)))
     )
@@ -457,13 +469,15 @@ def least_distance(one: PieceRun, other: PieceRun) -> float:
 
 
 def proved_gap(one: Fit, other: Fit) -> float:
-    """Least distance [mm] of the exact curves of two fits; not positive where they may meet."""
+    """Lower bound [mm] of the distance between the exact curves of two fits; not positive where
+    they may meet.
+    """
     contours = (Pieces.around([fit.contour]) for fit in (one, other))
     return least_distance(*contours) - one.deviation - other.deviation
 
 
 def _ends(chain: PieceRun) -> ComplexArray:
-    """(n + 1,) complex [mm], the ends of its n pieces."""
+    """(n + 1,) complex [mm] the ends of the n pieces of a chain."""
     return np.append(chain.starts, chain.ends[-1:])
 
 
@@ -476,13 +490,14 @@ def _bounds(pieces: Pieces) -> tuple[ComplexArray, FloatArray]:
     return middles, reaches
 
 
-def _least(values: FloatArray, valid: BoolArray) -> float:
+def _least_valid(values: FloatArray, valid: BoolArray) -> float:
+    """The least of the `valid` values; infinite if there are none."""
     return float(np.min(values[valid], initial=np.inf))
 
 
 def _arc_gap(a: Pieces, b: Pieces) -> float:
-    """The least distance [mm] of inner points of pairs of arcs on a common normal; 0 where they
-    cross, infinite if there is neither. So do the next two of others.
+    """Least distance [mm] between inner points of pairs of arcs, along their common normals; 0
+    where arcs cross, infinite if no pair has such points.
     """
     centre_line = b.centres - a.centres
     centre_distance = np.abs(centre_line)
@@ -492,10 +507,14 @@ def _arc_gap(a: Pieces, b: Pieces) -> float:
     )
     ra, rb = a.radii, b.radii
     least = np.inf
+    # The common normal is the line of centres; it leaves each circle on one side or the other.
     for one in (1.0, -1.0):
         for other in (1.0, -1.0):
             gap = np.abs(centre_distance + other * rb - one * ra)
-            least = min(least, _least(gap, bent & a.faces(one * along) & b.faces(other * along)))
+            least = min(
+                least, _least_valid(gap, bent & a.faces(one * along) & b.faces(other * along))
+            )
+    # From the centre of the first circle along the line of centres to the common chord.
     lever = (centre_distance**2 + ra**2 - rb**2) / (2.0 * np.where(bent, centre_distance, 1.0))
     meet = bent & (np.abs(lever) <= ra)
     height = np.sqrt(np.maximum(ra**2 - lever**2, 0.0))
@@ -507,14 +526,16 @@ def _arc_gap(a: Pieces, b: Pieces) -> float:
 
 
 def _arc_line_gap(arc: Pieces, line: Pieces) -> float:
+    """As `_arc_gap`, for pairs of an arc and a line."""
     mixed = (arc.sweeps != 0.0) & (line.sweeps == 0.0) & (line.starts != line.ends)
     share = line.feet(arc.centres)
     chord = line.ends - line.starts
     foot = line.starts + share * chord - arc.centres
     inside = mixed & (share >= 0.0) & (share <= 1.0)
     gap = np.abs(np.abs(foot) - arc.radii)
-    least = _least(gap, inside & arc.faces(foot))
+    least = _least_valid(gap, inside & arc.faces(foot))
     length = np.where(mixed, np.abs(chord), 1.0)
+    # Half the chord that the circle cuts from the line, as a share of the line.
     half = np.sqrt(np.maximum(arc.radii**2 - np.abs(foot) ** 2, 0.0)) / length
     meet = mixed & (np.abs(foot) <= arc.radii)
     for side in (1.0, -1.0):
@@ -526,6 +547,7 @@ def _arc_line_gap(arc: Pieces, line: Pieces) -> float:
 
 
 def _line_gap(a: Pieces, b: Pieces) -> float:
+    """0 where two lines of a pair cross, else infinite: an end of one of them is nearest then."""
     along, across = a.ends - a.starts, b.ends - b.starts
     sine = (np.conj(along) * across).imag
     straight = (a.sweeps == 0.0) & (b.sweeps == 0.0) & (sine != 0.0)

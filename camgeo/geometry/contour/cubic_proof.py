@@ -73,6 +73,8 @@ def bound_by_arcs(measure: Measure, contour: SplineContour) -> float:
             break
         if failed is not None:
             break
+        # Closer arcs for the next round: a hundredth of what was measured, at most a quarter of
+        # before.
         share = max(min(0.25 * share, SHARE * reached), finest)
     if bound == math.inf and failed is not None:
         raise failed
@@ -113,6 +115,8 @@ def _quarter_coefficients() -> FloatArray:
         for quarter in range(QUARTERS):
             low, high = quarter / QUARTERS, (quarter + 1) / QUARTERS
             for upper in range(ORDER + 1):
+                # Blossoms by de Casteljau's scheme: `upper` arguments at the end of the quarter,
+                # the others at its start.
                 values = [float(j == k) for j in range(ORDER + 1)]
                 for level in range(ORDER):
                     place = high if level < upper else low
@@ -145,8 +149,9 @@ ELEVATION = np.array(
 def bounds_beside_arcs(
     parts: ComplexArray, aim: float, flattest: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Sagitta of the arc of each part, 0 for a line, positive where it turns counter-clockwise;
-    bound of the distance, infinite where the part does not certainly follow its arc.
+    """(n,) sagitta [mm] of the arc of each of `parts` (n, 4) [mm], 0 for a line, positive where it
+    turns counter-clockwise; (n,) bound [mm] of the distance of the part from it, infinite where the
+    part does not certainly follow it.
 
     Where an arc would have more than the radius `flattest` the bound is such that the part is
     halved, until it is a line.
@@ -159,6 +164,7 @@ def bounds_beside_arcs(
     x, y = local.real, local.imag
     sides = np.diff(local, axis=1)
     forward = lengths > 0.0
+    # Every side of the control polygon keeps near the chord's direction, so that the part does too.
     forward &= np.all(np.abs(sides.imag) <= math.tan(WIDEST) * sides.real, axis=1)
 
     from_line = np.max(np.abs((y @ ELEVATION) @ _quarter_coefficients()), axis=1)
@@ -169,7 +175,8 @@ def bounds_beside_arcs(
     square = middle.real * (middle.real - lengths) + middle.imag * middle.imag
     centre = square / (2.0 * height)
     radius = np.where(forward, np.hypot(0.5 * lengths, centre), 1.0)
-    from_arc, narrow = _from_arcs(x, y, lengths, centre, radius)
+    from_arc, narrow = _circle_bounds(x, y, lengths, centre, radius)
+    # The sagitta r - |c| without its cancellation, from (r - |c|) (r + |c|) = L^2 / 4.
     deep = 0.25 * lengths * lengths / (radius + np.abs(centre))
     sagitta = np.where(line, 0.0, np.sign(centre) * deep)
     from_arc = np.where(radius > flattest, np.maximum(from_arc, 8.0 * aim), from_arc)
@@ -177,11 +184,11 @@ def bounds_beside_arcs(
     return sagitta, np.where(forward, bound, np.inf)
 
 
-def _from_arcs(
+def _circle_bounds(
     x: FloatArray, y: FloatArray, lengths: FloatArray, centre: FloatArray, radius: FloatArray
 ) -> tuple[FloatArray, BoolArray]:
-    """Bound of the distance of parts, in the frame of their chords, from their circles; whether
-    all rays from the centre to the part are near the middle one.
+    """(n,) bound [mm] of the distance of parts, in the axes of their chords, from their circles;
+    (n,) whether all rays from the centre to the part are near the middle one.
     """
     half = 0.5 / radius
     q = np.zeros((len(x), ORDER + 1))
@@ -236,7 +243,7 @@ class ApproximatingArcs:
 
     Attributes
     ----------
-    contour : these.
+    contour : the lines and arcs.
     distance : upper bound of the distance between the two, in both directions [mm].
     counts : (strands,) pieces of `contour` for each strand.
     cubics, shares : (n,) where the vertices of `contour` lie on the splines: the number of the
@@ -316,15 +323,18 @@ class _Parts:
         lengths = np.abs(chords)
         turned = 4.0 * np.arctan2(2.0 * self.sagittas, lengths)
         safe = np.where(straight, 1.0, self.sagittas)
+        # From the middle of the chord to the centre: r - h with r = L^2 / (8 h) + h / 2, h the
+        # sagitta.
         inwards = 1j * chords / lengths * (lengths * lengths / (8.0 * safe) - 0.5 * safe)
         centres = np.where(straight, 0.0, 0.5 * (starts + ends) + inwards)
         return starts, np.where(straight, 0.0, turned), centres
 
 
 def _parts(pieces: list[ComplexArray], owners: list[int], tolerance: float, reach: float) -> _Parts:
-    """Parts of all splines; `owners` are the numbers of the strands that these are."""
+    """Parts of all splines; `owners` are the numbers of their strands."""
     none = np.zeros((0, CUBIC + 1), dtype=np.complex128)
     whole = np.concatenate([none, *pieces])
+    # Cubics whose control points coincide have no length and no arcs.
     moving = np.flatnonzero(np.max(np.abs(np.diff(whole, axis=1)), axis=1) > 0.0)
     owner = np.repeat(np.array(owners, dtype=np.intp), [len(beziers) for beziers in pieces])[moving]
     whole = whole[moving]
@@ -351,12 +361,14 @@ def _parts(pieces: list[ComplexArray], owners: list[int], tolerance: float, reac
         turning = np.isinf(worst) & (counts > MOST_TURNING)
         if int(np.sum(counts)) > MAX_PARTS or np.any(turning):
             break
-    raise GeometryError("a spline turns back, or its points lie too unevenly for arcs to follow it")
+    raise GeometryError(
+        "a spline turns back, or its points are spaced too unevenly for arcs to follow it"
+    )
 
 
 def _first_counts(whole: ComplexArray, aim: float) -> IntArray:
-    """(n,) about the number of arcs that each cubic needs: one through both ends and the middle is
-    off by sqrt(3)/36 of the third difference across the chord.
+    """(n,) estimate of the number of arcs that each cubic needs: an arc through both ends and the
+    middle is off by sqrt(3)/36 of the third difference across the chord.
     """
     chord = whole[:, 3] - whole[:, 0]
     length = np.abs(chord)

@@ -25,7 +25,7 @@ from camgeo.geometry.contour.legs import (
     join_runs,
     path_legs,
     still_closer,
-    too_many,
+    too_many_error,
 )
 from camgeo.geometry.contour.proof import SHARPNESS, fit_until_proved, group_by_curve, proved_bound
 from camgeo.geometry.contour.spline import Arc, CubicSpline, SplineContour, SplineFit
@@ -61,8 +61,8 @@ class Part:
     leg : number of the leg that it lies on.
     begin : its parameter [rad] where the strand begins.
     start : its point there [mm].
-    course, piece : for a spline, the arc length that its knots measure, from the start of the piece
-        of that number; None for an arc.
+    arc_length, piece : for a spline, the arc length that its knots measure, from the start of the
+        piece of that number; None for an arc.
     sweep, centre : of an arc, [rad] and [mm].
     first, last : unit tangents at the ends of a smooth piece.
     """
@@ -70,7 +70,7 @@ class Part:
     leg: int
     begin: float
     start: complex
-    course: ArcLength | None = None
+    arc_length: ArcLength | None = None
     piece: int = 0
     sweep: float = 0.0
     centre: complex = 0j
@@ -79,7 +79,7 @@ class Part:
 
     def arc(self, end: complex) -> Arc | None:
         """The single arc of a dwell or a turn; None for a piece that needs a spline."""
-        if self.course is not None:
+        if self.arc_length is not None:
             return None
         return Arc(self.start, end, self.sweep, self.centre)
 
@@ -127,7 +127,7 @@ def path_parts(legs: Sequence[Leg], tolerance: float) -> list[Part]:
 def _require_joined(
     leg: StretchLeg, right: ComplexArray, left: ComplexArray, tolerance: float
 ) -> None:
-    """A parallel is torn apart where the follower's velocity jumps: there it is no single leg.
+    """Raise GeometryError where a parallel has a gap: a jump of the follower's velocity tears it.
 
     `right`, `left` (pieces,) are the starts and the ends of its pieces.
     """
@@ -153,10 +153,11 @@ def _curve_parts(
     count = len(moving)
     rest_starts = np.array([pieces[k].start for k in rests])
     middle = np.array([0.5 * (pieces[k].start + pieces[k].end) for k in rests])
-    here = Traced.evaluate(
+    # From the right: the starts of the cells, their nodes, then starts and middles of the arcs.
+    here = CurveSamples.evaluate(
         curve, np.concatenate((phi[:, :-1].ravel(), nodes.ravel(), rest_starts, middle))
     )
-    back = Traced.evaluate(curve, np.array([piece.end for piece in pieces]), "left")
+    back = CurveSamples.evaluate(curve, np.array([piece.end for piece in pieces]), "left")
 
     stop, last = phi[:, :-1].size, phi[:, :-1].size + nodes.size
     cells = here.shaped(slice(0, stop), (count, CELLS))
@@ -172,20 +173,21 @@ def _curve_parts(
     starts[moving], middles[moving] = cells.points[:, 0], cells.points[:, CELLS // 2]
     starts[rests], middles[rests] = resting.points
     ends = back.points
+    # By way of the middle, as a closed piece ends where it starts.
     long = np.abs(middles - starts) + np.abs(ends - middles) > JOINT_DISTANCE * np.abs(starts)
 
     rows = [place for place, k in enumerate(moving) if long[k]]
     long_pieces = [moving[place] for place in rows]
-    course = None
+    arc_length = None
     if long_pieces:
         points = np.column_stack((cells.points[rows], ends[long_pieces]))
         tangents = np.column_stack((cells.tangents[rows], back.tangents[long_pieces]))
-        course = ArcLength.from_samples(curve, phi[rows], points, tangents, taken(inside, rows))
+        arc_length = ArcLength.from_samples(curve, phi[rows], points, tangents, taken(inside, rows))
     parts: list[Part | None] = [None] * len(pieces)
     for row, (place, k) in enumerate(zip(rows, long_pieces, strict=True)):
         first, arriving = complex(cells.tangents[place, 0]), complex(back.tangents[k])
         begin, start = pieces[k].start, complex(starts[k])
-        parts[k] = Part(legs[k], begin, start, course, row, first=first, last=arriving)
+        parts[k] = Part(legs[k], begin, start, arc_length, row, first=first, last=arriving)
     for k in rests:
         if long[k]:
             centre = pieces[k].centre or 0j
@@ -226,7 +228,7 @@ NEWTON = 4
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Traced:
+class CurveSamples:
     """One evaluation of a parallel at n cam angles, in arrays of one shape.
 
     Attributes
@@ -246,7 +248,7 @@ class Traced:
     slope: FloatArray
 
     @classmethod
-    def evaluate(cls, curve: WorkingCurve, phi: FloatArray, side: Side = "right") -> Traced:
+    def evaluate(cls, curve: WorkingCurve, phi: FloatArray, side: Side = "right") -> CurveSamples:
         """The evaluation at `phi` (n,) [rad], in one call."""
         pitch = curve.pitch
         relative = pitch.relative_jet(phi, side)
@@ -264,10 +266,10 @@ class Traced:
             slope = pitch.rotation * (b1 * a3 - a1 * b3) / cube - 3.0 * bend * growth
         return cls(points, tangents, speed, 1.0 + curve.distance * bend, bend, slope)
 
-    def shaped(self, which: slice, shape: tuple[int, ...]) -> Traced:
+    def shaped(self, which: slice, shape: tuple[int, ...]) -> CurveSamples:
         """The part `which` of all arrays, reshaped."""
         part = taken(self, which)
-        return Traced(*(getattr(part, column.name).reshape(shape) for column in fields(part)))
+        return CurveSamples(*(getattr(part, column.name).reshape(shape) for column in fields(part)))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -301,9 +303,10 @@ class ArcLength:
         phi: FloatArray,
         points: ComplexArray,
         tangents: ComplexArray,
-        inside: Traced,
+        inside: CurveSamples,
     ) -> ArcLength:
-        """From the curve at the cells' ends and, `inside`, at the nodes: see `cell_angles`.
+        """Arc length and difficulty, from the curve at the cells' ends and, `inside`, at the nodes;
+        see `cell_angles`.
 
         The pieces must be regular, except for cusps at single points.
         """
@@ -335,9 +338,11 @@ class ArcLength:
     def require_finite(self) -> None:
         """Raise GeometryError if the curve stands still or its difficulty is not finite."""
         if not np.all(np.isfinite(self.s)) or np.any(np.diff(self.s, axis=1) <= 0.0):
-            raise GeometryError("the curve stands still: no spline over its arc length can be made")
+            raise GeometryError(
+                "the curve stands still, so that it has no spline over its arc length"
+            )
         if not np.all(np.isfinite(self.totals)):
-            raise GeometryError("the curvature of the curve is infinite on a stretch of it")
+            raise GeometryError("the curvature is infinite along a stretch of the curve")
 
     @property
     def shares(self) -> FloatArray:
@@ -371,6 +376,7 @@ class ArcLength:
         x = np.clip(wanted / a - 1.0, -1.0, 1.0)
         for _ in range(NEWTON):
             reached = a * (x + 1.0) + b * (x * x - 1.0) / 2.0 + c * (x * x * x + 1.0) / 3.0
+            # Kept positive: next to a cusp the parabola may dip below zero.
             slope = np.maximum(a + x * (b + x * c), 1e-3 * a)
             x = np.clip(x + (wanted - reached) / slope, -1.0, 1.0)
         return low + half * (x + 1.0)
@@ -388,6 +394,7 @@ class ArcLength:
         step = flat[place + 1] - low
         t = (s - low) / step
         leave, arrive = step * tangents[place], step * tangents[place + 1]
+        # Hermite's cubic: the chord, plus terms by which both end slopes differ from it.
         chord = last - first
         bow, lean = leave - chord, arrive - chord
         w = 1.0 - t
@@ -480,12 +487,12 @@ class Trial:
     worst : (splines,) [mm] largest distance found of each.
     """
 
-    layout: Layout
+    layout: SplineLayout
     solution: Solution
     worst: FloatArray
 
     def fitted_spline(self, number: int) -> FittedSpline:
-        """The spline of that number, over its own arc length from 0 on."""
+        """The spline `number`, over its own arc length, which begins at 0."""
         layout, solution = self.layout, self.solution
         count = int(layout.counts[number])
         first = int(layout.span_starts[number])
@@ -499,12 +506,14 @@ class Trial:
         return FittedSpline(spline, float(self.worst[number]))
 
 
-def limits(course: ArcLength, aim: float) -> FloatArray:
+def limits(arc_length: ArcLength, aim: float) -> FloatArray:
     """(pieces,) cubics that each piece needs for `aim` [mm], asymptotically; not whole numbers."""
-    return np.asarray(CUBIC_CONSTANT * course.totals * aim**-0.25)
+    return np.asarray(CUBIC_CONSTANT * arc_length.totals * aim**-0.25)
 
 
-def fewest(course: ArcLength, ends: Ends, aim: float, tolerance: float) -> list[FittedSpline]:
+def fewest(
+    arc_length: ArcLength, ends: SplineEnds, aim: float, tolerance: float
+) -> list[FittedSpline]:
     """A spline for each piece, of the fewest cubics whose distance found is at most `aim` [mm].
 
     For a number of cubics the distance depends only on the piece, and the numbers tried only on the
@@ -515,17 +524,19 @@ def fewest(course: ArcLength, ends: Ends, aim: float, tolerance: float) -> list[
     ToleranceError
         If more than `MAX_CUBICS` would be needed, or no number comes closer.
     """
-    starts = (bisect.bisect_left(LADDER, LEAST * limit - LESS) for limit in limits(course, aim))
+    starts = (bisect.bisect_left(LADDER, LEAST * limit - LESS) for limit in limits(arc_length, aim))
     counts = [LADDER[start : start + CANDIDATES] for start in starts]
 
     def next_counts(count: int, _excess: float) -> Sequence[int]:
         start = bisect.bisect_right(LADDER, count)
         return LADDER[start : start + CANDIDATES]
 
-    return _search(course, ends, counts, next_counts, DAMPING, aim, tolerance)
+    return _search(arc_length, ends, counts, next_counts, DAMPING, aim, tolerance)
 
 
-def fast(course: ArcLength, ends: Ends, aim: float, tolerance: float) -> list[FittedSpline]:
+def fast(
+    arc_length: ArcLength, ends: SplineEnds, aim: float, tolerance: float
+) -> list[FittedSpline]:
     """A spline for each piece whose distance found is at most `aim` [mm], nearly always in one
     pass: a few numbers of cubics are tried at once, because calls cost more than numbers.
 
@@ -535,23 +546,23 @@ def fast(course: ArcLength, ends: Ends, aim: float, tolerance: float) -> list[Fi
         If more than `MAX_CUBICS` would be needed, or no number comes closer.
     """
     counts = [
-        _possible(sorted({math.ceil(factor * limit) + more for factor, more in SPARE}))
-        for limit in limits(course, aim)
+        _allowed_counts(sorted({math.ceil(factor * limit) + more for factor, more in SPARE}))
+        for limit in limits(arc_length, aim)
     ]
 
     def next_counts(count: int, excess: float) -> Sequence[int]:
-        return _possible([max(count + 1, math.ceil(count * min(2.0, 1.02 * excess**0.25)))])
+        return _allowed_counts([max(count + 1, math.ceil(count * min(2.0, 1.02 * excess**0.25)))])
 
-    return _search(course, ends, counts, next_counts, DAMPING[:FAST_ROUNDS], aim, tolerance)
+    return _search(arc_length, ends, counts, next_counts, DAMPING[:FAST_ROUNDS], aim, tolerance)
 
 
-def _possible(counts: list[int]) -> list[int]:
+def _allowed_counts(counts: list[int]) -> list[int]:
     return counts if counts[-1] <= MAX_CUBICS else []
 
 
 def _search(
-    course: ArcLength,
-    ends: Ends,
+    arc_length: ArcLength,
+    ends: SplineEnds,
     counts: Sequence[Sequence[int]],
     next_counts: Callable[[int, float], Sequence[int]],
     damping: tuple[float, ...],
@@ -567,9 +578,9 @@ def _search(
     splines: dict[int, FittedSpline] = {}
     while open_counts:
         if not all(open_counts.values()):
-            raise too_many(MAX_CUBICS, "cubics", tolerance)
+            raise too_many_error(MAX_CUBICS, "cubics", tolerance)
         tried = [(k, count) for k, piece_counts in open_counts.items() for count in piece_counts]
-        trial = _equalised(course, ends, tried, damping)
+        trial = _equalise_spans(arc_length, ends, tried, damping)
         for number, (k, count) in enumerate(tried):
             worst = float(trial.worst[number])
             if k in splines:
@@ -583,36 +594,39 @@ def _search(
     return [splines[k] for k in range(len(counts))]
 
 
-def _equalised(
-    course: ArcLength, ends: Ends, tried: list[tuple[int, int]], damping: tuple[float, ...]
+def _equalise_spans(
+    arc_length: ArcLength,
+    ends: SplineEnds,
+    tried: list[tuple[int, int]],
+    damping: tuple[float, ...],
 ) -> Trial:
     """Splines for pairs (piece, cubics), their spans shifted until all errors are about equal."""
     piece = np.array([k for k, _ in tried], dtype=np.intp)
     counts = np.array([count for _, count in tried], dtype=np.intp)
-    layout = Layout(piece, counts, taken(ends, piece))
+    layout = SplineLayout(piece, counts, taken(ends, piece))
     owner, local = grouped(counts)
     # All pieces lie on one line of S, and their shares from 0 to 1 on one from 0 to their number.
-    shares = (np.arange(len(course.s))[:, None] + course.shares).ravel()
-    line = course.s.ravel()
+    shares = (np.arange(len(arc_length.s))[:, None] + arc_length.shares).ravel()
+    line = arc_length.s.ravel()
     low = np.interp(piece[owner] + local / counts[owner], shares, line)
     high = np.interp(piece[owner] + (local + 1) / counts[owner], shares, line)
-    solution = solve(course, layout, low, high)
+    solution = solve(arc_length, layout, low, high)
     best_low, best_high = low, high
     worst = np.maximum.reduceat(solution.errors, layout.span_starts)
     for power in damping:
-        low, high = _shifted(course, layout, owner, solution, power)
-        solution = solve(course, layout, low, high)
+        low, high = _shift_spans(arc_length, layout, owner, solution, power)
+        solution = solve(arc_length, layout, low, high)
         now = np.maximum.reduceat(solution.errors, layout.span_starts)
         better = clearly_less(now, worst)
         moved = better[owner]
         best_low, best_high = np.where(moved, low, best_low), np.where(moved, high, best_high)
         worst = np.where(better, now, worst)
-    best = solve(course, layout, best_low, best_high, final=True)
+    best = solve(arc_length, layout, best_low, best_high, final=True)
     return Trial(layout, best, np.maximum.reduceat(best.errors, layout.span_starts))
 
 
-def _shifted(
-    course: ArcLength, layout: Layout, owner: IntArray, solution: Solution, power: float
+def _shift_spans(
+    arc_length: ArcLength, layout: SplineLayout, owner: IntArray, solution: Solution, power: float
 ) -> tuple[FloatArray, FloatArray]:
     """New spans: the density of knots grows with the fourth root of the error, to a power."""
     first = layout.span_starts
@@ -625,13 +639,15 @@ def _shifted(
     total = np.add.reduceat(work, first)[owner]
     # Work up to the end of each span, such that a spline's work is its number of spans.
     progress = first[owner] + (sums - prior_work) / total * layout.counts[owner]
+    # Exactly, whatever the sums round to.
     progress[last] = last + 1.0
     lengths = solution.high - solution.low
     far = np.cumsum(lengths)
     line = np.interp(np.arange(len(owner) + 1.0), np.append(0.0, progress), np.append(0.0, far))
-    offset = (course.ends[layout.piece] - (far[first] - lengths[first]))[owner]
+    # The line of all spans is moved, spline by spline, onto the pieces of the curve.
+    offset = (arc_length.ends[layout.piece] - (far[first] - lengths[first]))[owner]
     low, high = line[:-1] + offset, line[1:] + offset
-    low[first], high[last] = course.ends[layout.piece], course.ends[layout.piece + 1]
+    low[first], high[last] = arc_length.ends[layout.piece], arc_length.ends[layout.piece + 1]
     return low, high
 
 
@@ -659,7 +675,7 @@ ORDER = 4
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Ends:
+class SplineEnds:
     """Where splines begin and end [mm], and their unit tangents there: complex, one each."""
 
     starts: ComplexArray
@@ -669,7 +685,7 @@ class Ends:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Layout:
+class SplineLayout:
     """Splines to be fitted, one after the other, with the indices of their spans and control
     points.
 
@@ -682,7 +698,7 @@ class Layout:
 
     piece: IntArray
     counts: IntArray
-    ends: Ends
+    ends: SplineEnds
 
     @property
     def span_starts(self) -> IntArray:
@@ -714,12 +730,17 @@ class Solution:
 
 
 def solve(
-    course: ArcLength, layout: Layout, low: FloatArray, high: FloatArray, *, final: bool = False
+    arc_length: ArcLength,
+    layout: SplineLayout,
+    low: FloatArray,
+    high: FloatArray,
+    *,
+    final: bool = False,
 ) -> Solution:
     """The splines with spans from `low` to `high` (spans,) [mm] in S.
 
     If `final`, the curve itself is evaluated and the error found at `FINE_PARTS`; before, points
-    interpolated between the cells of `course` suffice, at `PARTS`.
+    interpolated between the cells of `arc_length` suffice, at `PARTS`.
 
     Ends and end tangents are those of the curve: the outermost legs are a third of a span long, as
     they are where the parameter is the arc length.
@@ -731,26 +752,30 @@ def solve(
     first_span = layout.span_starts[owner]
     local = np.arange(spans) - first_span
     parts = FINE_PARTS if final else PARTS
+    # Over each span only the four B-splines `columns` differ from zero.
     basis = _basis(low, high, first_span, first_span + layout.counts[owner] - 1, parts)
     columns = (layout.control_starts[owner] + local)[:, None] + np.arange(ORDER)
 
-    arc_lengths = low[:, None] + (high - low)[:, None] * parts
+    sample_s = low[:, None] + (high - low)[:, None] * parts
     exact = np.full(spans, final) | (layout.counts * CELLS_A_SPAN > CELLS)[owner]
-    points, tangents = _curve(course, layout.piece[owner], arc_lengths, exact)
+    points, tangents = _curve_points(arc_length, layout.piece[owner], sample_s, exact)
 
-    fixed, held = _fixed(layout, low, high)
+    fixed, held = _fixed_controls(layout, low, high)
     middle = len(parts) // 2
     chosen = basis[:, ::middle]  # ends and middles of the spans
     free = chosen * ~held[columns][:, None, :]
+    # In the sums s is the span, q the place in it, and c, i, j one of its four control points.
     rest = points[:, ::middle] - np.einsum("sqc,sc->sq", chosen, fixed[columns])
     products = np.einsum("sqi,sqj->sij", free, free)
     size = len(fixed)
+    # The lower half of the banded normal matrix, row k its k-th diagonal below the main one.
     bands = np.zeros((ORDER, size))
     for offset in range(ORDER):
         for i in range(ORDER - offset):
             bands[offset] += np.bincount(
                 columns[:, i], weights=products[:, i, i + offset], minlength=size
             )
+    # Held control points have no other entries: 1 on the diagonal keeps the matrix regular.
     bands[0] += held
     sides = np.einsum("sqi,sq->si", free, rest)
     right = np.empty((size, 2))
@@ -769,7 +794,7 @@ def solve(
 
 
 def _peaks(offsets: FloatArray, first: IntArray, last: IntArray) -> FloatArray:
-    """(spans,) largest magnitude of the parabolas through any three neighbours of `off` (spans,
+    """(spans,) largest magnitude of the parabolas through any three neighbours of `offsets` (spans,
     parts).
 
     At their vertices; those of the spans before and after count too. Before the spans `first` and
@@ -787,29 +812,36 @@ def _peaks(offsets: FloatArray, first: IntArray, last: IntArray) -> FloatArray:
     return np.asarray(np.max(peaks, axis=1))
 
 
-def _curve(
-    course: ArcLength, piece: IntArray, s: FloatArray, exact: BoolArray
+def _curve_points(
+    arc_length: ArcLength, piece: IntArray, s: FloatArray, exact: BoolArray
 ) -> tuple[ComplexArray, ComplexArray]:
     """(spans, parts) points and tangents of the curve at S `s`, the curve itself where `exact`
     (spans,), else between its cells.
     """
     sample_piece = np.repeat(piece, s.shape[1]).reshape(s.shape)
     if np.all(exact):
-        points, tangents = _exact(course, sample_piece.ravel(), s.ravel())
+        points, tangents = _exact_points(arc_length, sample_piece.ravel(), s.ravel())
         return points.reshape(s.shape), tangents.reshape(s.shape)
-    points, tangents = course.near(sample_piece, s)
+    points, tangents = arc_length.near(sample_piece, s)
     if np.any(exact):
-        exact_values = _exact(course, sample_piece[exact].ravel(), s[exact].ravel())
+        exact_values = _exact_points(arc_length, sample_piece[exact].ravel(), s[exact].ravel())
         points[exact], tangents[exact] = (part.reshape(-1, s.shape[1]) for part in exact_values)
     return points, tangents
 
 
-def _exact(course: ArcLength, piece: IntArray, s: FloatArray) -> tuple[ComplexArray, ComplexArray]:
-    return course.curve.points_and_tangents(course.angles(piece, s))
+def _exact_points(
+    arc_length: ArcLength, piece: IntArray, s: FloatArray
+) -> tuple[ComplexArray, ComplexArray]:
+    """Points and unit tangents (n,) of the curve itself at S `s` (n,) [mm] of `piece` (n,)."""
+    return arc_length.curve.points_and_tangents(arc_length.angles(piece, s))
 
 
-def _fixed(layout: Layout, low: FloatArray, high: FloatArray) -> tuple[ComplexArray, BoolArray]:
-    """(control points,) the four outer ones of each spline, 0 for free ones; a mask of them."""
+def _fixed_controls(
+    layout: SplineLayout, low: FloatArray, high: FloatArray
+) -> tuple[ComplexArray, BoolArray]:
+    """(control points,) complex [mm] the four outermost control points of each spline, 0 for all
+    others; and a mask of those four.
+    """
     fixed = np.zeros(int(np.sum(layout.counts + ORDER - 1)), dtype=np.complex128)
     begin = layout.control_starts
     end = begin + layout.counts + ORDER - 2
@@ -831,6 +863,7 @@ def _basis(
 ) -> FloatArray:
     """(spans, parts, 4) the four B-splines over each span, clamped at the spans `first`, `last`."""
     index = np.arange(len(low))
+    # The recursion of Cox and de Boor; beyond the ends of a spline its knots repeat.
     left_knots = [low[np.maximum(index - k, first)] for k in (2, 1, 0)]
     right_knots = [high[np.minimum(index + k, last)] for k in (0, 1, 2)]
     knots = np.stack((*left_knots, *right_knots), axis=1)[:, None, :]
@@ -858,7 +891,7 @@ between samples miss, so that the first proof holds."""
 STRAIGHT = 2.0**-52 * 64.0
 """A piece whose sagitta is a smaller fraction of its distance from the cam axis is a line."""
 
-Search = Callable[[ArcLength, Ends, float, float], list[FittedSpline]]
+Search = Callable[[ArcLength, SplineEnds, float, float], list[FittedSpline]]
 
 
 def fit_spline(path: Path, tolerance: float) -> SplineFit:
@@ -877,19 +910,18 @@ def fit_spline(path: Path, tolerance: float) -> SplineFit:
     GeometryError
         If the contour cannot be compared with the path, or the path has a gap.
     """
-    return _proved(path, tolerance, fast)
+    return _fit_proved(path, tolerance, fast)
 
 
 def fewest_cubics(path: Path, tolerance: float) -> SplineFit:
     """As `fit_spline`, with the fewest cubics along each smooth piece, then the least deviation.
 
-    Only splines over the arc length are searched; for their number see
-    `camgeo.geometry.contour.cubics.CUBIC_CONSTANT`.
+    Only splines over the arc length are searched; for their number see `CUBIC_CONSTANT`.
     """
-    return _proved(path, tolerance, fewest)
+    return _fit_proved(path, tolerance, fewest)
 
 
-def _proved(path: Path, tolerance: float, search: Search) -> SplineFit:
+def _fit_proved(path: Path, tolerance: float, search: Search) -> SplineFit:
     legs = path_legs(path)
     parts = path_parts(legs, tolerance)
     size = max(abs(part.start) for part in parts)
@@ -904,8 +936,10 @@ def _proved(path: Path, tolerance: float, search: Search) -> SplineFit:
     def fit(aim: float) -> tuple[SplineContour, float]:
         whole: list[CubicSpline | Arc | None] = list(arcs)
         error = 0.0
-        for chosen, course, spline_ends in groups:
-            for k, fitted in zip(chosen, search(course, spline_ends, aim, tolerance), strict=True):
+        for chosen, arc_length, spline_ends in groups:
+            for k, fitted in zip(
+                chosen, search(arc_length, spline_ends, aim, tolerance), strict=True
+            ):
                 whole[k] = _strand(fitted.spline, size)
                 error = max(error, fitted.error)
         return SplineContour(tuple(strand for strand in whole if strand is not None)), error
@@ -919,23 +953,23 @@ def _proved(path: Path, tolerance: float, search: Search) -> SplineFit:
 
 def _groups(
     parts: Sequence[Part], ends: Sequence[complex], open_parts: Sequence[int]
-) -> list[tuple[list[int], ArcLength, Ends]]:
-    """The parts that need splines, by their curve; nearly always there is only one."""
+) -> list[tuple[list[int], ArcLength, SplineEnds]]:
+    """The parts that need splines, by their curve; nearly always there is only one curve."""
     chosen: dict[int, tuple[ArcLength, list[int]]] = {}
     for k in open_parts:
-        course = parts[k].course
-        if course is not None:
-            chosen.setdefault(id(course), (course, []))[1].append(k)
+        arc_length = parts[k].arc_length
+        if arc_length is not None:
+            chosen.setdefault(id(arc_length), (arc_length, []))[1].append(k)
     groups = []
-    for course, members in chosen.values():
-        course.require_finite()
-        spline_ends = Ends(
+    for arc_length, members in chosen.values():
+        arc_length.require_finite()
+        spline_ends = SplineEnds(
             np.array([parts[k].start for k in members]),
             np.array([ends[k] for k in members]),
             np.array([parts[k].first for k in members]),
             np.array([parts[k].last for k in members]),
         )
-        groups.append((members, course, spline_ends))
+        groups.append((members, arc_length, spline_ends))
     return groups
 
 
@@ -957,7 +991,8 @@ the same width are a fifth as many an arc as where the arcs themselves make the 
 def fitted_deviation(
     legs: Sequence[Leg], parts: Sequence[Part], contour: SplineContour, scale: float, enough: float
 ) -> float:
-    """As `spline_deviation`, for a contour whose place along the path is known.
+    """Upper bound [mm] of the distance between a spline contour and its path, where the place of
+    each strand along the path is known.
 
     Parameters
     ----------
@@ -998,27 +1033,27 @@ def _angles(parts: Sequence[Part], contour: SplineContour, fine: ApproximatingAr
     """
     angles = np.repeat([part.begin for part in parts], fine.counts)
     low, width = [], []
-    courses: dict[int, ArcLength] = {}
+    arc_lengths: dict[int, ArcLength] = {}
     for part, strand in zip(parts, contour.strands, strict=True):
-        if part.course is not None:
-            courses[id(part.course)] = part.course
+        if part.arc_length is not None:
+            arc_lengths[id(part.arc_length)] = part.arc_length
         if isinstance(strand, CubicSpline):
-            begin = 0.0 if part.course is None else part.course.s[part.piece, 0]
+            begin = 0.0 if part.arc_length is None else part.arc_length.s[part.piece, 0]
             low.append(begin + strand.knots[3:-4])
             width.append(np.diff(strand.knots[3:-3]))
     of_strand = np.repeat(np.arange(len(parts)), fine.counts)
     inner = fine.cubics >= 0
     inner[np.cumsum(fine.counts) - fine.counts] = False  # a strand's own start is known
-    owner = np.array([id(part.course) for part in parts])[of_strand]
+    owner = np.array([id(part.arc_length) for part in parts])[of_strand]
     piece = np.array([part.piece for part in parts])[of_strand]
-    for key, course in courses.items():
+    for key, arc_length in arc_lengths.items():
         which = np.flatnonzero(inner & (owner == key))
         if not len(which):
             continue
         cubic = fine.cubics[which]
         s = np.concatenate(low)[cubic] + fine.shares[which] * np.concatenate(width)[cubic]
-        phi = course.angles(piece[which], s)
-        points, tangents, pace = course.curve.traced(phi)
+        phi = arc_length.angles(piece[which], s)
+        points, tangents, pace = arc_length.curve.traced(phi)
         ahead = (np.conj(tangents) * (fine.contour.vertices[which] - points)).real
         forward = pace > 0.0
         angles[which] = phi + np.where(forward, ahead, 0.0) / np.where(forward, pace, 1.0)

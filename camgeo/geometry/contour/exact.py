@@ -105,7 +105,7 @@ SHARPNESS = 1e-9
 """Largest fraction by which the bound exceeds the distance, apart from rounding."""
 
 HALF = 0.5 * SHARPNESS
-"""The fraction in each direction: the second starts from the bound of the first."""
+"""The share of each direction: the second one starts from the bound of the first."""
 
 ROUNDING = 2.0**-52 * 4.0
 """Rounding of a distance, as a fraction of the contours' size."""
@@ -121,10 +121,10 @@ ROUNDS = 60
 """Most rounds of halving; then, or before `MOST` cells, the bound is not sharp, but still one."""
 
 MOST = 100_000
-"""Cells that are halved at most [some 50 MB]."""
+"""Most cells that are halved [some 50 MB]."""
 
 PAIRS = 250_000
-"""Pairs of a cell and a piece that are looked at in one go [some 60 MB]."""
+"""Pairs of a cell and a piece that are examined at a time [some 60 MB]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -153,13 +153,14 @@ class _Pieces:
 
     @property
     def middle(self) -> ComplexArray:
-        """(n,) complex [mm]."""
+        """(n,) complex [mm] the point half way along each piece."""
         return 0.5 * (self.start + self.end) + self.rise
 
     def points_by_share(self, share: FloatArray) -> ComplexArray:
         """(n,) complex [mm] the point of each piece at the `share` (n,) of its length."""
         half = 0.5 * self.sweep
         safe = np.where(half == 0.0, 1.0, half)
+        # From the chord alone: the centre of a flat arc is far away and has no digits left.
         bent = np.exp(1j * half * (share - 1.0)) * np.sin(safe * share) / np.sin(safe)
         return self.start + self.chord * np.where(half == 0.0, share, bent)
 
@@ -189,7 +190,7 @@ def distance(one: Contour, other: Contour) -> float:
         reached, some = bound, max(1, PAIRS // len(pieces.sweep))
         for first in range(0, len(cells.sweep), some):
             block = taken(cells, slice(first, first + some))
-            reached, block_bound = _largest(block, pieces, rounding, reached)
+            reached, block_bound = _largest_distance(block, pieces, rounding, reached)
             bound = max(bound, block_bound)
     return bound + 2.0 * rounding
 
@@ -200,27 +201,31 @@ def _pieces(contour: Contour) -> _Pieces:
     return _Pieces(parts.vertices[moving], parts.ends[moving], parts.sweeps[moving])
 
 
-def _largest(cells: _Pieces, pieces: _Pieces, rounding: float, known: float) -> tuple[float, float]:
+def _largest_distance(
+    cells: _Pieces, pieces: _Pieces, rounding: float, known: float
+) -> tuple[float, float]:
     """Largest distance [mm] found of a point of `cells` from `pieces`, and a bound of it; both at
     least `known`.
     """
     count, others = len(cells.sweep), len(pieces.sweep)
     pairs = np.repeat(np.arange(count), others), np.tile(np.arange(others), count)
-    starts = _least(_distances(cells.start[pairs[0]], taken(pieces, pairs[1])), pairs[0])
+    starts = _group_least(_distances(cells.start[pairs[0]], taken(pieces, pairs[1])), pairs[0])
     reached, bound = max(known, float(np.max(starts))), known
     for _ in range(ROUNDS):
         # In the order of the cells, each of which has at least one piece.
-        pairs, reached, most = _bounded(cells, pieces, pairs, reached, rounding)
+        pairs, reached, most = _bound_cells(cells, pieces, pairs, reached, rounding)
         loose = most > reached * (1.0 + HALF) + rounding
         bound = max(bound, float(np.max(most[~loose], initial=0.0)))
         if not np.any(loose):
             return reached, bound
         if np.count_nonzero(loose) > MOST:
             break
+        # The numbers that the loose cells have once the others are dropped.
         place = np.cumsum(loose) - 1
         undecided = loose[pairs[0]]
         cell, piece = place[pairs[0][undecided]], pairs[1][undecided]
         number = int(place[-1]) + 1
+        # `halves` lists all first halves, then all second ones; both keep the pieces of their cell.
         pairs = np.concatenate((cell, cell + number)), np.concatenate((piece, piece))
         cells = taken(cells, loose).halves()
     return reached, max(bound, float(np.max(most[loose])))
@@ -230,7 +235,7 @@ Pairs = tuple[IntArray, IntArray]
 """(m,), (m,) numbers of cells, ascending, and of pieces."""
 
 
-def _bounded(
+def _bound_cells(
     cells: _Pieces, pieces: _Pieces, pairs: Pairs, reached: float, rounding: float
 ) -> tuple[Pairs, float, FloatArray]:
     """The pairs in which the piece may be nearest to a point of the cell, the largest distance
@@ -239,10 +244,13 @@ def _bounded(
     middle = cells.middle
     reach = np.maximum(np.abs(cells.start - middle), np.abs(cells.end - middle))
     distances = _distances(middle[pairs[0]], taken(pieces, pairs[1]))
-    nearest = _least(distances, pairs[0])
+    nearest = _group_least(distances, pairs[0])
     reached = max(reached, float(np.max(nearest)))
+    # A piece that is farther from the middle than the nearest one, by twice the reach, is never
+    # the nearest to a point of the cell.
     near = distances <= (nearest + 2.0 * reach)[pairs[0]] + rounding
     pairs = pairs[0][near], pairs[1][near]
+    # No point of a cell lies farther from its middle than `reach`, and distances change no faster.
     most = nearest + reach
     few = (np.bincount(pairs[0], minlength=len(most)) <= FEW) & (most > reached)
     chosen = few[pairs[0]]
@@ -250,7 +258,7 @@ def _bounded(
         cell, piece = pairs[0][chosen], pairs[1][chosen]
         chosen_cells, chosen_pieces = taken(cells, cell), taken(pieces, piece)
         share, largest = _extremes(chosen_cells, chosen_pieces, rounding)
-        least = _least(largest, cell)
+        least = _group_least(largest, cell)
         most[few] = np.minimum(most[few], least)
         # Where the piece that decides is farthest off, the distance is found, not only bounded.
         place = np.cumsum(few) - 1
@@ -258,12 +266,12 @@ def _bounded(
         shares = np.zeros(len(least))
         shares[place[cell[deciding]]] = share[deciding]
         points = taken(cells, few).points_by_share(shares)
-        there = _least(_distances(points[place[cell]], chosen_pieces), cell)
+        there = _group_least(_distances(points[place[cell]], chosen_pieces), cell)
         reached = max(reached, float(np.max(there)))
     return pairs, reached, most
 
 
-def _least(values: FloatArray, group: IntArray) -> FloatArray:
+def _group_least(values: FloatArray, group: IntArray) -> FloatArray:
     """The least of `values` (m,) in each run of equal numbers in the ascending `group` (m,)."""
     first = np.flatnonzero(np.diff(group, prepend=-1))
     return np.asarray(np.minimum.reduceat(values, first))
@@ -335,7 +343,7 @@ def _extremes(cells: _Pieces, pieces: _Pieces, rounding: float) -> tuple[FloatAr
     """
     frame = _frame(pieces)
     shares = np.stack(
-        (np.zeros(len(cells.sweep)), np.ones(len(cells.sweep)), _share(cells, pieces))
+        (np.zeros(len(cells.sweep)), np.ones(len(cells.sweep)), _parallel_share(cells, pieces))
     )
     offsets = np.stack(
         [
@@ -358,7 +366,7 @@ def _extremes(cells: _Pieces, pieces: _Pieces, rounding: float) -> tuple[FloatAr
     return share, bound
 
 
-def _share(cells: _Pieces, pieces: _Pieces) -> FloatArray:
+def _parallel_share(cells: _Pieces, pieces: _Pieces) -> FloatArray:
     """(n,) where a cell runs parallel to the line or circle of its piece, as a share of its length;
     if it does so nowhere, any share.
 
@@ -374,6 +382,7 @@ def _share(cells: _Pieces, pieces: _Pieces) -> FloatArray:
     on_arc = np.mod(turned, math.pi) / np.where(bent, np.abs(cells.sweep), 1.0)
     round_piece = frame.sine > 0.0
     square = np.where(round_piece, frame.sine, 1.0) * cell_frame.chord * cell_frame.chord
+    # Of a line cell: where the way from the piece's centre is square to it.
     foot = -(gradient * np.conj(cells.chord)).real / square
     share = np.where(bent, on_arc, np.where(round_piece, foot, 0.0))
     return np.asarray(np.clip(share, 0.0, 1.0))
@@ -390,5 +399,5 @@ def deviation_bound(exact: Contour, contour: Contour) -> float:
         If `contour` does not follow `exact` once round.
     """
     if abs(abs(exact.area) - abs(contour.area)) > 0.5 * abs(exact.area):
-        raise GeometryError("the contour does not go once round the exact outline")
+        raise GeometryError("the contour does not run once round the exact outline")
     return distance(exact, contour)

@@ -14,7 +14,7 @@ from camgeo.errors import GeometryError, ToleranceError
 from camgeo.geometry.contour.chords import MAX_CHORDS, fit_polyline
 from camgeo.geometry.contour.contour import Fit
 from camgeo.geometry.contour.exact import arc_angles, arc_count, arc_offset
-from camgeo.geometry.contour.legs import Chain, StretchLeg, TurnLeg, check_regular, too_many
+from camgeo.geometry.contour.legs import Chain, StretchLeg, TurnLeg, check_regular, too_many_error
 from camgeo.geometry.contour.proof import SHARPNESS, PieceOfLeg, proved_fit
 from camgeo.geometry.outline.path import Path
 from camgeo.geometry.pieces import SmoothPiece
@@ -110,9 +110,9 @@ def _ladders(leg: StretchLeg) -> list[Ladder]:
     """The ladders along a whole leg, from corner to corner."""
     cuts = _kinks(leg)
     if leg.closed and not len(cuts):
-        return [Ladder.from_stretch(_stretched(leg, leg.start, leg.end, closed=True))]
+        return [Ladder.from_stretch(_chord_stretch(leg, leg.start, leg.end, closed=True))]
     ends = [*cuts, cuts[0] + leg.end - leg.start] if leg.closed else [leg.start, *cuts, leg.end]
-    parts = [_stretched(leg, low, high, closed=False) for low, high in pairwise(ends)]
+    parts = [_chord_stretch(leg, low, high, closed=False) for low, high in pairwise(ends)]
     return [Ladder.from_stretch(part) for part in parts]
 
 
@@ -125,7 +125,8 @@ def _kinks(leg: StretchLeg) -> list[float]:
     return [float(angle) for angle in joints[gapped | (turned > KINK)]]
 
 
-def _stretched(leg: StretchLeg, start: float, end: float, *, closed: bool) -> Stretched:
+def _chord_stretch(leg: StretchLeg, start: float, end: float, *, closed: bool) -> ChordStretch:
+    """The stretch of `leg` from cam angle `start` to `end` [rad], without a corner inside."""
     curve = leg.curve
 
     def place(phi: FloatArray) -> tuple[ComplexArray, ComplexArray]:
@@ -135,20 +136,21 @@ def _stretched(leg: StretchLeg, start: float, end: float, *, closed: bool) -> St
             tangents[-1] = curve.tangent(phi[-1:], "left")[0]
         return points, tangents
 
-    return Stretched(stretch_table(curve, start, end), place, curve.point, leg.rotation, closed)
+    return ChordStretch(stretch_table(curve, start, end), place, curve.point, leg.rotation, closed)
 
 
 def _chain(laid: Sequence[Chords]) -> Chain:
-    """Stretches one after the other; the last vertex of each is the first of the next."""
+    """The chain of consecutive stretches: the last vertex of each is the first of the next."""
     angles = np.concatenate([chords.angles[: len(chords.worst)] for chords in laid])
     vertices = np.concatenate([chords.vertices[: len(chords.worst)] for chords in laid])
     return Chain.straight(angles, vertices)
 
 
 def _arc_chords(leg: TurnLeg, aim: float) -> Chain:
+    """The fewest chords within `aim` [mm] of an arc, which lies on both sides of them."""
     count = arc_count(aim, leg.radius, leg.end, MOST_TURN)
     if count > MAX_CHORDS:
-        raise too_many(MAX_CHORDS, "straight pieces", aim)
+        raise too_many_error(MAX_CHORDS, "straight pieces", aim)
     offset = arc_offset(count, leg.radius, leg.end)
     angles = arc_angles(count, leg.radius, leg.end, offset)[:-1]
     vertices = leg.centre + (1.0 + offset / leg.radius) * (leg.point(angles) - leg.centre)
@@ -192,11 +194,11 @@ class Ladder:
     unit : [mm] deviation on rung 0, where the table counts one piece.
     """
 
-    stretch: Stretched
+    stretch: ChordStretch
     unit: float
 
     @classmethod
-    def from_stretch(cls, stretch: Stretched) -> Ladder:
+    def from_stretch(cls, stretch: ChordStretch) -> Ladder:
         """The ladder of a stretch; the unit of a straight one is its own length."""
         table = stretch.table
         whole = 0.25 * float(np.sum(table.bends))
@@ -215,6 +217,7 @@ class Ladder:
         ToleranceError
             If no such number of pieces can meet the deviation in double precision.
         """
+        # The rung on which the formula expects this deviation.
         rung = max(math.ceil(0.5 * RUNGS * math.log2(share * self.unit / most)), -FINEST)
         reached = math.inf
         seen: set[bytes] = set()
@@ -224,6 +227,8 @@ class Ladder:
             key = counts.tobytes()
             if key not in seen:
                 seen.add(key)
+                # Fewest pieces first, and among equals the layout of a rung before one with an
+                # added piece.
                 heapq.heappush(waiting, (int(np.sum(counts)), -plain, key, rung, plain))
 
         wait(self._counts(rung), rung, plain=True)
@@ -234,13 +239,14 @@ class Ladder:
             number, _, key, rung, plain = heapq.heappop(waiting)
             pieces += number
             if number > most_pieces:
-                raise too_many(most_pieces, "straight pieces", most)
+                raise too_many_error(most_pieces, "straight pieces", most)
             counts = np.frombuffer(key, dtype=np.intp)
             rung = self._last_rung(counts, rung)
             bends = self._bends(rung)
             aim = self._aim(rung) * bends.least(counts)
             laid = place_equal_error(self.stretch, aim, counts, MOST_TURN)
             chords = laid.chords
+            # As in the proof: distances across the pieces, and of the ends along them.
             deviation = math.hypot(share * float(np.max(chords.worst)), chords.gap)
             if np.max(chords.turns) <= MOST_TURN * EVENNESS:
                 reached = min(reached, deviation)
@@ -255,9 +261,11 @@ class Ladder:
         raise ToleranceError("straight pieces cannot follow the curve", most, reached)
 
     def _aim(self, rung: int) -> float:
+        """Deviation [mm] on a `rung`: half of that `RUNGS / 2` rungs before."""
         return self.unit * math.exp2(-2.0 * rung / RUNGS)
 
-    def _bends(self, rung: int) -> Bends:
+    def _bends(self, rung: int) -> StretchBends:
+        """The bends of the stretch for the deviation on a `rung`."""
         table = self.stretch.table
         shares = table.shares(self._aim(rung), MOST_TURN)
         return stretch_bends(self.stretch, shares, np.ones(len(table.inflections)))
@@ -270,6 +278,7 @@ class Ladder:
     def _last_rung(self, counts: IntArray, rung: int) -> int:
         """The last rung on which no bend needs more than its `counts` (b,); `rung` is one such."""
         low, step = rung, 1
+        # Doubled steps bracket the last rung, then halving finds it.
         while low + step <= FINEST and np.all(self._counts(low + step) <= counts):
             low, step = low + step, 2 * step
         high = min(low + step, FINEST + 1)
@@ -306,7 +315,7 @@ b - eps)^2 = 16 b eps, and its length is sqrt(b/(2 eps)) of the others'."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Bends:
+class StretchBends:
     """Starts and ends of the bends between inflections, in chords, see `StretchTable.shares`.
 
     Attributes
@@ -340,11 +349,11 @@ class Bends:
 
 
 def stretch_bends(
-    stretch: Stretched,
+    stretch: ChordStretch,
     shares: FloatArray,
     reaches: FloatArray,
     counts: IntArray | None = None,
-) -> Bends:
+) -> StretchBends:
     """The bends of a stretch if the chords through its inflections reach `reaches` (k,) `THROUGH`
     to both sides.
 
@@ -356,8 +365,9 @@ def stretch_bends(
     left, right = inflections - THROUGH * reaches, inflections + THROUGH * reaches
     if stretch.closed and not len(inflections):
         none = np.zeros(1)
-        return Bends(none, np.array([total]), none, none, none > 0.0)
+        return StretchBends(none, np.array([total]), none, none, none > 0.0)
     if stretch.closed:
+        # Bend k lies between the inflections k and k + 1, the last one across the start.
         low, high = right, np.append(left[1:], left[0] + total)
         first, last = inflections, np.append(inflections[1:], inflections[0] + total)
         extra = np.zeros(len(low))
@@ -376,7 +386,7 @@ def stretch_bends(
         start[0], end[0] = 0.0, room[0]
         start[-1], end[-1] = total - room[-1], total
     low, high = np.where(narrow, start, low), np.where(narrow, end, high)
-    return Bends(low, high, extra, last - first - (high - low), narrow)
+    return StretchBends(low, high, extra, last - first - (high - low), narrow)
 
 
 ROUNDS = 8
@@ -411,7 +421,7 @@ class EqualErrorPieces:
 
 
 def place_equal_error(
-    stretch: Stretched, tolerance: float, counts: IntArray, most_turn: float
+    stretch: ChordStretch, tolerance: float, counts: IntArray, most_turn: float
 ) -> EqualErrorPieces:
     """Pieces that deviate by `tolerance` [mm] if they can: `counts` (b,) of them in the bends.
 
@@ -432,7 +442,7 @@ def place_equal_error(
         held, offsets, loose = _offsets(stretch, bends, bend, through, full)
         single = single if len(single) else np.zeros(len(places), dtype=np.bool_)
         loose |= single & ~held
-        chords = lay(stretch, stretch.angles(shares, places), held, offsets, loose)
+        chords = lay_chords(stretch, stretch.angles(shares, places), held, offsets, loose)
         size = len(chords.worst)
         through = through[:size]
         turned = float(np.max(chords.turns)) / most_turn
@@ -441,22 +451,29 @@ def place_equal_error(
         if gain > 1.0:
             best, least = EqualErrorPieces(chords, bend[:size], through), score
         excess = np.maximum(chords.worst[through] / tolerance, 1.0)
-        settled = number > 2 and gain < EVENNESS and np.max(excess, initial=0.0) <= EVENNESS
-        if score <= EVENNESS or settled:
+        converged = number > 2 and gain < EVENNESS and np.max(excess, initial=0.0) <= EVENNESS
+        if score <= EVENNESS or converged:
             break
         single = _with_ends(single, np.flatnonzero(chords.worst > UNEVEN * tolerance))
         piece_deviation = 0.5 * (chords.span + chords.worst)
+        # The number of ideal chords that a piece is worth: a deviation grows with the square of the
+        # length.
         cost = np.maximum(np.sqrt(piece_deviation / tolerance), chords.turns / most_turn)
         marks, costs = _cumulative_costs(
             places, np.maximum(cost, LEAST_COST), total, stretch.closed
         )
+        # Through an inflection the deviation grows with the cube of the length.
         reaches = reaches / np.cbrt(np.roll(excess, 1) if stretch.closed else excess)
     assert best is not None
     return best
 
 
 def _places(
-    stretch: Stretched, bends: Bends, counts: IntArray, marks: FloatArray, costs: FloatArray
+    stretch: ChordStretch,
+    bends: StretchBends,
+    counts: IntArray,
+    marks: FloatArray,
+    costs: FloatArray,
 ) -> tuple[FloatArray, IntArray, BoolArray]:
     """Places (m,) of the vertices, the bend of each, and whether it is the last before an
     inflection; `costs` over the places `marks` define equal parts.
@@ -476,7 +493,7 @@ def _places(
 
 
 def _offsets(
-    stretch: Stretched, bends: Bends, bend: IntArray, through: BoolArray, full: FloatArray
+    stretch: ChordStretch, bends: StretchBends, bend: IntArray, through: BoolArray, full: FloatArray
 ) -> tuple[BoolArray, FloatArray, BoolArray]:
     """The vertices that are held, their offsets [mm] from the curve, and those that are loose.
 
@@ -487,6 +504,7 @@ def _offsets(
     sides = stretch.table.sides
     if stretch.closed and len(sides) > 1:
         sides = sides[1:]
+    # Both ends of each chord through an inflection.
     ends = through | np.roll(through, 1)
     loose = ends & bends.narrow[bend]
     held = ends & ~loose
@@ -511,7 +529,9 @@ def _with_ends(single: BoolArray, pieces: IntArray) -> BoolArray:
 def _cumulative_costs(
     places: FloatArray, cost: FloatArray, total: float, closed: bool
 ) -> tuple[FloatArray, FloatArray]:
-    """Places and the sum of the costs up to them; of a closed stretch a chord more at both ends."""
+    """Places of the vertices and the sum of the costs up to each; of a closed stretch with one more
+    chord at both ends, so that the table covers a whole turn.
+    """
     if closed:
         places = np.concatenate((places[-1:] - total, places, places[:2] + total))
         cost = np.concatenate((cost[-1:], cost, cost[:1]))
@@ -598,6 +618,7 @@ def stretch_table(curve: WorkingCurve, start: float, end: float) -> StretchTable
     parts = np.arange(CELLS) / CELLS
     grid = (cuts[:-1, None] + np.diff(cuts)[:, None] * parts).ravel()
     grid = np.append(grid, end)
+    # A chord through an inflection may be short, so that the table is finer there.
     crossings = _sign_changes(curve, grid)
     if len(crossings):
         width = 2.0 * (end - start) / len(grid)
@@ -639,6 +660,7 @@ def _sign_changes(curve: WorkingCurve, grid: FloatArray) -> FloatArray:
     middle = 0.5 * (grid[:-1] + grid[1:])
     low, high = middle[bent[change]], middle[bent[change + 1]]
     sign = np.sign(kappa[bent[change]])
+    # Bisection until the cam angle is exact to rounding.
     for _ in range(40):
         half = 0.5 * (low + high)
         same = np.sign(curve.pitch.curvature(half)) == sign
@@ -667,7 +689,7 @@ Place = Callable[[FloatArray], tuple[ComplexArray, ComplexArray]]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Stretched:
+class ChordStretch:
     """A stretch for straight pieces, from corner to corner or all round.
 
     Attributes
@@ -718,8 +740,8 @@ class Chords:
     gap: float
 
 
-def lay(
-    stretch: Stretched,
+def lay_chords(
+    stretch: ChordStretch,
     angles: FloatArray,
     held: BoolArray,
     offsets: FloatArray,
@@ -736,12 +758,14 @@ def lay(
     points, tangents = stretch.place(angles)
     normals = 1j * stretch.rotation * tangents
     ends = np.append(angles[1:], last)[:count]
+    # The | 1 makes the number odd, so that one sample lies in the middle.
     samples = min(max(POINTS // count | 1, FINE), FINEST_SPLIT) if count < MANY else COARSE
     parts = (np.arange(samples) + 1.0) / (samples + 1.0)
     inner = angles[:count, None] + (ends - angles[:count])[:, None] * parts
     inner_points = stretch.points(inner.ravel()).reshape(inner.shape)
 
     height, share = _heights(points, inner_points, count, stretch.rotation)
+    # Of each chord only the farthest sample enters the least squares.
     highest = np.argmax(np.abs(height), axis=1)[:, None]
     vertex_offsets = _least_squares(
         np.take_along_axis(height, highest, axis=1)[:, 0],
@@ -753,6 +777,7 @@ def lay(
         vertex_offsets[number] = _least_worst(int(number), vertex_offsets, height, share)
     vertices = points + vertex_offsets * normals
     height, _ = _heights(vertices, inner_points, count, stretch.rotation)
+    # Seen from the chord, the curve at a vertex lies opposite to the vertex's offset.
     heights = np.column_stack(
         (-vertex_offsets[:count], height, -np.roll(vertex_offsets, -1)[:count])
     )
@@ -799,6 +824,7 @@ def _least_squares(
     part, rise = np.zeros(size), np.zeros(size)
     weight[:count], part[:count], rise[:count] = 1.0, share, height
     rest = 1.0 - part
+    # Normal equations; each vertex is coupled with its neighbours by their common chords.
     diagonal = 1.0 + weight * rest * rest + np.roll(weight * part * part, 1)
     coupling = weight * rest * part
     right = weight * rest * rise + np.roll(weight * part * rise, 1)
@@ -868,6 +894,7 @@ def monotone(x: FloatArray, y: FloatArray, places: FloatArray) -> FloatArray:
         left_weight / slope[:-1] + right_weight / slope[1:]
     )
     slopes[0], slopes[-1] = slope[0], slope[-1]
+    # Beyond the ends the outermost cubics go on.
     k = np.clip(np.searchsorted(x, places, side="right") - 1, 0, len(width) - 1)
     s = (places - x[k]) / width[k]
     m0, m1, d = slopes[k], slopes[k + 1], slope[k]

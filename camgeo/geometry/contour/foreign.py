@@ -1,7 +1,7 @@
 """Contours from files of others: what was read, where its axis may be, and splines as arcs.
 
-A drawing is seldom of a cam alone and seldom in its axes. What was found besides closed contours is
-told in sentences; the bore says where the axis is.
+A drawing seldom shows a cam alone, and seldom in the cam's axes. Whatever is not a closed contour
+is reported in sentences; the bore shows where the cam axis is.
 """
 
 from __future__ import annotations
@@ -37,9 +37,10 @@ class Outlines:
     ----------
     contours : [mm], counter-clockwise, the largest first.
     gap : largest distance of ends that were joined [mm].
-    notes : what of the file was left, or is not exact; a sentence each.
-    followed : distance [mm] within which cubics follow curves that are none, 0 if there are none.
-    loose : what is wrong with a piece that has a loose end; empty if there is none.
+    notes : what in the file was ignored or is not exact, one sentence each.
+    followed : distance [mm] within which cubics approximate curves of other kinds; 0 if there are
+        no such curves.
+    loose : a sentence on a piece that has a loose end; empty if there is none.
     """
 
     contours: tuple[Contour | SplineContour, ...]
@@ -49,12 +50,16 @@ class Outlines:
     loose: str = ""
 
     def with_origin(self, origin: complex) -> Outlines:
-        """The same in axes whose origin is at `origin` [mm]."""
-        return replace(self, contours=tuple(_moved(contour, -origin) for contour in self.contours))
+        """The same contours in axes whose origin is at `origin` [mm]."""
+        return replace(
+            self, contours=tuple(_shift_contour(contour, -origin) for contour in self.contours)
+        )
 
     def misplaced_bore(self, outline: Contour) -> str:
-        """Where the bore of `outline` is, in words, if it has one that is not about the origin: its
-        largest contour inside with arcs that go more than half round one centre.
+        """A sentence on the bore of `outline` if its centre is not the origin; else empty.
+
+        The bore is the largest contour inside it with arcs that turn more than half round one
+        centre.
         """
         inner = (
             contour
@@ -68,15 +73,19 @@ class Outlines:
             ):
                 continue
             bore = complex(contour.centres[np.argmax(np.abs(contour.sweeps))])
+            # The centre of the arc with the largest sweep stands for the others on the same circle.
             concentric = np.abs(contour.centres - bore) <= ROUND * contour.length
             if abs(np.sum(contour.sweeps[concentric])) > MORE_THAN_HALF:
+                # Adding 0.0 turns -0.0 into 0.0, which the sentence would print.
                 x, y = (round(part, 6) + 0.0 for part in (bore.real, bore.imag))
-                message = f"its bore is about ({x:.10g}, {y:.10g}) mm: --origin {x:.10g} {y:.10g}"
+                message = (
+                    f"its bore is centred on ({x:.10g}, {y:.10g}) mm: --origin {x:.10g} {y:.10g}"
+                )
                 return message if abs(bore) > CENTRED else ""
         return ""
 
 
-def _moved(contour: Contour | SplineContour, shift: complex) -> Contour | SplineContour:
+def _shift_contour(contour: Contour | SplineContour, shift: complex) -> Contour | SplineContour:
     if isinstance(contour, Contour):
         centres = np.where(contour.sweeps != 0.0, contour.centres + shift, 0.0)
         return Contour(contour.vertices + shift, contour.sweeps, centres)
@@ -96,7 +105,7 @@ def _moved(contour: Contour | SplineContour, shift: complex) -> Contour | Spline
 
 
 def contour_centre(contour: Contour | SplineContour) -> complex:
-    """The centre of the area inside [mm]; with splines, of the ends of its strands."""
+    """Centroid of the area inside [mm]; of a spline contour the mean of its strands' starts."""
     if isinstance(contour, SplineContour):
         return complex(np.mean([strand.start for strand in contour.strands]))
     moments = contour.moments
@@ -119,9 +128,12 @@ def by_arcs(contour: SplineContour, tolerance: float) -> Contour:
             far = ~(biarcs.distances <= tolerance)
             if not np.any(far):
                 break
+            # Only the cubics that their arcs miss are halved.
             pieces = cut(pieces, np.where(far, 2, 1))
         else:
-            raise GeometryError(f"a spline turns too sharply for arcs within {tolerance:g} mm")
+            raise GeometryError(
+                f"a spline turns too sharply for arcs to follow it within {tolerance:g} mm"
+            )
         chain = biarcs.chain()
         columns += zip(chain.vertices, chain.sweeps, chain.centres, strict=True)
     vertices, sweeps, centres = (np.array(column) for column in zip(*columns, strict=True))

@@ -32,13 +32,14 @@ ROUNDING = 2.0**-52 * 32.0
 
 @kept_with_owner
 def arc_pieces(curve: WorkingCurve) -> tuple[SmoothPiece, ...]:
-    """As `smooth_pieces`, with the centres of those that are arcs; neighbours on one circle are one
-    piece.
+    """The smooth pieces of `curve`, with the centres of those that are arcs; neighbouring arcs on
+    one circle are one piece.
     """
     pitch, smooth = curve.pitch, smooth_pieces(curve)
     farthest = float(np.max(np.abs(circles(pitch).centres), initial=0.0))
     if farthest == 0.0:  # rests alone
         return smooth
+    # Centres are compared to their rounding, that of the lengths they are computed from.
     near = ROUNDING * (farthest + pitch.follower.base_radius)
     borders = np.concatenate((pitch.borders, pitch.borders + TURN))
     pieces: list[SmoothPiece] = []
@@ -50,6 +51,7 @@ def arc_pieces(curve: WorkingCurve) -> tuple[SmoothPiece, ...]:
         pieces.append(replace(piece, centre=centre))
         if _share_circle(pieces[-2:], near):
             pieces[-2:] = [replace(pieces[-2], end=piece.end)]
+    # The last piece may go on in the first one, across cam angle 0.
     if _share_circle([pieces[-1], pieces[0]], near):
         pieces[-1:] = [replace(pieces[-1], end=pieces.pop(0).end + TURN)]
     return tuple(pieces)
@@ -103,10 +105,11 @@ class StretchLeg:
 
     @property
     def pieces(self) -> tuple[SmoothPiece, ...]:
-        """Its smooth pieces, in order; neighbours on one circle are one."""
+        """The smooth pieces of the leg, in order; neighbours on one circle are one piece."""
         if self.closed:
             return arc_pieces(self.curve)
         leg_pieces = []
+        # Pieces are counted in one turn, but a stretch may begin before it or end after it.
         for turn in (-TURN, 0.0, TURN):
             for piece in arc_pieces(self.curve):
                 start, end = piece.start + turn, piece.end + turn
@@ -138,14 +141,15 @@ class StretchLeg:
         (3, n) upper bounds of |Z'|, |Z''|, |Z'''| over them; no border lies inside a cell, so that
         none reaches across cam angle 0.
         """
+        # The jet is that of one turn: cells are reduced by their middle, their ends clipped to it.
         turns = TURN * np.floor(0.5 * (low + high) / TURN)
         return self.curve.pitch.jet_and_bounds(
             np.maximum(low - turns, 0.0), np.minimum(high - turns, TURN)
         )
 
     def poles(self, t: FloatArray) -> ComplexArray:
-        """(n,) complex [mm] the point about which Z turns, with t as the angle, all along the
-        stretch without a border that `t` (n,) lies in; NaN where it is not known to.
+        """(n,) complex [mm] the point about which Z turns by the angle t, all along the range
+        between borders in which `t` (n,) lies; NaN where no such point is known.
         """
         return rigid_centres(self.curve.pitch, t)
 
@@ -235,7 +239,7 @@ def path_legs(path: Path) -> tuple[Leg, ...]:
         allows.
     """
     if not path.stretches:
-        raise GeometryError("a path needs a stretch of the curve")
+        raise GeometryError("the path has no stretch of a curve")
     legs: list[Leg] = []
     previous = path.elements[-1]
     for element in path.elements:
@@ -245,12 +249,12 @@ def path_legs(path: Path) -> tuple[Leg, ...]:
             start = previous.end if isinstance(previous, Pivot) else None
             legs.append(StretchLeg(element.curve, element.start, element.end, path.is_whole, start))
         else:
-            legs += _turn(element, path.stretches[0].curve.pitch.rotation)
+            legs += _pivot_leg(element, path.stretches[0].curve.pitch.rotation)
         previous = element
     return tuple(legs)
 
 
-def _turn(pivot: Pivot, rotation: int) -> list[TurnLeg]:
+def _pivot_leg(pivot: Pivot, rotation: int) -> list[TurnLeg]:
     """The arc of a pivot, or none if it is a corner."""
     size = abs(pivot.centre) + abs(pivot.distance)
     if abs(pivot.distance * pivot.sweep) <= ROUNDING * size:
@@ -260,7 +264,7 @@ def _turn(pivot: Pivot, rotation: int) -> list[TurnLeg]:
     if pivot.distance * pivot.sweep * rotation > 0.0:
         raise UndercutError(
             f"the arc about a corner at cam angle {math.degrees(pivot.phi_start):.6g} degrees has"
-            " turned inside out: the parallel is too far on the concave side"
+            " turned inside out: the parallel lies too far on the concave side"
         )
     return [TurnLeg(pivot.centre, pivot.start, pivot.end, pivot.sweep)]
 
@@ -296,7 +300,7 @@ class Chain:
 
     @classmethod
     def arc(cls, angle: float, start: complex, sweep: float, centre: complex) -> Self:
-        """One arc."""
+        """A single arc."""
         return cls(np.array([angle]), np.array([start]), np.array([sweep]), np.array([centre]))
 
 
@@ -343,6 +347,7 @@ def join_runs(parts: list[tuple[Leg, list[Chain]]]) -> tuple[LegRun, ...]:
     whole = [_joined_chain(leg, chains) for leg, chains in parts]
     runs: list[LegRun] = []
     following: complex = next(complex(chain.vertices[0]) for chain in whole if len(chain.vertices))
+    # Backwards, as a run ends in the first vertex of the run after it.
     for (leg, _), chain in reversed(list(zip(parts, whole, strict=True))):
         closing = chain.angles[0] + (leg.end - leg.start) if leg.closed else leg.end
         vertices = np.append(chain.vertices, following)
@@ -387,7 +392,7 @@ passed to `separate_joints`; a pace that changes thousandfold between two joints
 
 
 def check_regular(curve: WorkingCurve, piece: SmoothPiece, regularity: FloatArray) -> None:
-    """`require_regular` where `regularity` (n,), 1 + d kappa at samples, is known already."""
+    """Raise UndercutError unless `regularity` (n,), 1 + d kappa at samples, allows an outline."""
     smallest = float(np.min(regularity))
     if smallest < -CUSP or (piece.is_arc and smallest <= CUSP):
         raise UndercutError(
@@ -398,10 +403,10 @@ def check_regular(curve: WorkingCurve, piece: SmoothPiece, regularity: FloatArra
 
 
 def gap_error(angle: float) -> GeometryError:
-    """The error of a parallel that is no single leg, torn apart at the cam angle `angle` [rad]."""
+    """The error for a parallel with a gap at the cam angle `angle` [rad]: it is no single leg."""
     return GeometryError(
-        f"the curve is torn apart at cam angle {math.degrees(angle):.6g} degrees: the velocity of"
-        " the follower jumps there"
+        f"the curve has a gap at cam angle {math.degrees(angle):.6g} degrees, where the velocity of"
+        " the follower jumps"
     )
 
 
@@ -455,6 +460,7 @@ class Bends:
         fine = (np.arange(FINER * len(self.speed)) + 0.5) / FINER - 0.5
 
         def refine(values: FloatArray, least: float = -math.inf) -> FloatArray:
+            # One cell is extrapolated at each end, as the fine cells reach beyond the first middle.
             left, right = 2.0 * values[0] - values[1], 2.0 * values[-1] - values[-2]
             ends = max(left, least), max(right, least)
             return np.interp(fine, places, np.concatenate((ends[:1], values, ends[1:])))
@@ -487,6 +493,7 @@ def sample_bends(curve: WorkingCurve, pieces: Sequence[SmoothPiece]) -> list[Ben
     tangent = pitch.follower.tangent_jet(jet, pitch.rotation)
     slope = curvature_slope(tangent, pitch.rotation)
     (u, u1), (w, w1) = tangent.u, tangent.w
+    # kappa = (1 - sigma (turning + q)) / |Z'| as for `curvature_slope`, q the relative turning.
     relative_turning = (u * w1 - w * u1) / (speed * speed)
     kappa = (1.0 - pitch.rotation * (tangent.turning + relative_turning)) / speed
     whole = (speed, kappa, slope, 1.0 + curve.distance * kappa)
@@ -575,6 +582,7 @@ def least_counts(
                 fits[piece] = fit
                 continue
             counts[piece] = next_count(count)
+            # Far off, the law of the order tells how many counts may be skipped.
             if not distance <= 2.0 * aim:
                 share = (distance / aim) ** (1.0 / order) if aim > 0.0 else np.inf
                 counts[piece] = max(counts[piece], ladder(FAR * min(share, 4.0) * count))
@@ -603,13 +611,13 @@ def still_closer(mark: Mark, count: int, distance: float, tolerance: float) -> M
 
 
 def stuck_error(distance: float, tolerance: float) -> ToleranceError:
-    """The error that no number of parts comes within `tolerance` [mm], but to `distance` [mm]."""
+    """The error for pieces that come no closer than `distance` [mm], whatever their number."""
     reached = distance if math.isfinite(distance) else math.inf
     return ToleranceError("the pieces of the contour cannot follow the curve", tolerance, reached)
 
 
-def too_many(most: int, what: str, tolerance: float) -> ToleranceError:
-    """The error that `tolerance` [mm] needs more than `most` pieces, which are called `what`."""
+def too_many_error(most: int, what: str, tolerance: float) -> ToleranceError:
+    """The error for a `tolerance` [mm] that needs more than `most` pieces, called `what`."""
     return ToleranceError(f"more than {most:,} {what} would be needed", tolerance, math.inf)
 
 

@@ -31,10 +31,11 @@ def parallel(contour: Contour, distance: float) -> Contour:
         If a piece turns inside out, or neighbours do not meet.
     """
     starts, round_ = contour.vertices, contour.sweeps != 0.0
-    ahead, sharp = _ahead(contour), corners(contour)
+    ahead, sharp = _start_directions(contour), corners(contour)
     radii = contour.radii + np.sign(contour.sweeps) * distance
     if np.any(round_ & (radii <= 0.0)):
-        raise _gone(distance)
+        raise _parallel_error(distance)
+    # The contour runs counter-clockwise, so that outside is on the right of its direction.
     shifted = starts - 1j * distance * ahead
     vertices = shifted.copy()
     for k in np.flatnonzero(sharp).tolist():
@@ -44,7 +45,7 @@ def parallel(contour: Contour, distance: float) -> Contour:
             else (complex(shifted[j]), complex(ahead[j]))
             for j in (k - 1, k)
         ]
-        vertices[k] = _meeting(carriers[0], carriers[1], complex(starts[k]), distance)
+        vertices[k] = _meeting_point(carriers[0], carriers[1], complex(starts[k]), distance)
     sweeps = _sweeps(contour, vertices, ahead, distance)
     return Contour(vertices, sweeps, contour.centres)
 
@@ -53,11 +54,12 @@ Carrier = tuple[complex, complex | float]
 """A line by a point and its unit direction, complex; a circle by centre and radius, a float."""
 
 
-def _meeting(one: Carrier, other: Carrier, near: complex, distance: float) -> complex:
+def _meeting_point(one: Carrier, other: Carrier, near: complex, distance: float) -> complex:
     """Where two lines or circles meet, next to `near`."""
     if isinstance(one[1], float) and isinstance(other[1], float):
         centre_line = other[0] - one[0]
         centre_distance = abs(centre_line)
+        # Along the line of centres to the common chord of the circles; concentric ones have none.
         along = (
             (centre_distance**2 + one[1] ** 2 - other[1] ** 2) / (2.0 * centre_distance)
             if centre_distance
@@ -79,7 +81,7 @@ def _meeting(one: Carrier, other: Carrier, near: complex, distance: float) -> co
         share = (np.conj(other[0] - one[0]) * other[1]).imag / cross
         return complex(one[0] + share * one[1])
     if not points:
-        raise _gone(distance)
+        raise _parallel_error(distance)
     return min(points, key=lambda point: abs(point - near))
 
 
@@ -102,20 +104,21 @@ def _sweeps(
     for k, sweep in enumerate(contour.sweeps):
         if sweep == 0.0:
             if ((ends[k] - vertices[k]) * np.conj(ahead[k])).real <= 0.0:
-                raise _gone(distance)
+                raise _parallel_error(distance)
             continue
         start, end = vertices[k] - contour.centres[k], ends[k] - contour.centres[k]
+        # Counted in the sense of the sweep, in [0, 2 pi).
         turned = float(np.angle(end / start)) * np.sign(sweep) % TURN
         near = abs(sweep)
         # Ends of whole turns may be rounded to either side.
         turned = min((turned, turned + TURN), key=lambda angle: abs(angle - near))
         if abs(turned - near) > 0.25 * TURN or not turned > 0.0:
-            raise _gone(distance)
+            raise _parallel_error(distance)
         sweeps[k] = math.copysign(turned, sweep)
     return sweeps
 
 
-def _ahead(contour: Contour) -> ComplexArray:
+def _start_directions(contour: Contour) -> ComplexArray:
     """(n,) unit direction at the start of each piece."""
     turned = 1j * np.sign(contour.sweeps) * (contour.vertices - contour.centres)
     ahead = np.where(contour.sweeps != 0.0, turned, contour.ends - contour.vertices)
@@ -124,7 +127,7 @@ def _ahead(contour: Contour) -> ComplexArray:
 
 def corners(contour: Contour) -> BoolArray:
     """(n,) whether the piece before each vertex comes to it in another direction."""
-    ahead = _ahead(contour)
+    ahead = _start_directions(contour)
     # Turned by the sweep, the direction at the start of a piece is that at its end.
     leaving = np.roll(ahead * np.exp(1j * contour.sweeps), 1)
     return np.asarray(np.abs((np.conj(leaving) * ahead).imag) > SMOOTH)
@@ -136,14 +139,14 @@ def count_steps(contour: Contour, distance: float, limit: float) -> int:
     """
 
     def corner_error(step: float) -> float:
-        # The root of a linear function is bent most where it is least, in its first step.
+        # The root of a linear function bends most where it is smallest: in its first step.
         middle, end = (parallel(contour, shift).vertices for shift in (0.5 * step, step))
         return SAG * float(np.max(np.abs(middle - 0.5 * (contour.vertices + end))))
 
     return next(steps for steps in count(1) if corner_error(distance / steps) <= limit)
 
 
-def _gone(distance: float) -> GeometryError:
+def _parallel_error(distance: float) -> GeometryError:
     return GeometryError(
-        f"a contour {abs(distance):g} mm beside it has other pieces, or none", key="part"
+        f"the contour has no parallel with the same pieces at {abs(distance):g} mm", key="part"
     )

@@ -1,10 +1,9 @@
 """Proof of a contour: an upper bound of its distance from the exact curve, for every point.
 
 Each leg of the path is compared with its own run of pieces, and each piece with the part of the leg
-between the two places given for its ends. Over cells of the leg's parameter
-`camgeo.geometry.contour.proof` encloses the distance of the leg from the line or circle of the
-piece, and the angle alpha between both; cells that decide the largest distance b are halved until
-the bound is sharp.
+between the two places given for its ends. Over cells of the leg's parameter, `enclose` bounds the
+distance of the leg from the line or circle of the piece, and the angle alpha between both; cells
+that decide the largest distance b are halved until the bound is sharp.
 
 Why b and the distances of the ends bound the distance in both directions: as long as alpha stays
 far from a right angle, the place square across on the line or circle moves steadily forward along
@@ -64,8 +63,8 @@ from camgeo.numeric.arrays import (
 from camgeo.units import TURN
 
 SHARPNESS = 0.01
-"""The bound exceeds the largest distance found by at most this fraction, plus rounding; that of a
-fit, or by this fraction of its tolerance."""
+"""The bound exceeds the largest distance found by at most this fraction, plus rounding; for a fit
+by this fraction of its tolerance, if that is more."""
 
 ENOUGH = 1e-9
 """A bound [mm] that is never made sharper: a hundredth of the finest tolerance of a file. What lies
@@ -83,10 +82,10 @@ FEWEST, MOST = 4, 256
 """Fewest and most initial cells of one arc."""
 
 HALVINGS = 40
-"""Rounds of halving at most; then, or after `MAX_CELLS`, the bound is not sharp, but still one."""
+"""Most rounds of halving; then, or after `MAX_CELLS`, the bound is not sharp, but still one."""
 
 MAX_CELLS = 400_000
-"""Cells at most [some 80 MB], unless there are as many pieces; a contour within its tolerance needs
+"""Most cells [some 80 MB], unless there are as many pieces; a contour within its tolerance needs
 a few for each."""
 
 BLOCK = 16_384
@@ -99,7 +98,7 @@ HUGE = 1e3
 """Radius of an arc that may count as a line, as a multiple of the contour's reach."""
 
 SHORT = 1e-3
-"""Range of a formula [rad] that a message suspects."""
+"""Range of a formula [rad] up to which an error names the motion as its cause."""
 
 LEFT_DISTANCE = 2.0 * SNAP
 """Distance before a border at which its left-hand value is taken [rad]: a few ulps, so that the
@@ -122,6 +121,7 @@ class _Cells:
         return np.asarray((self.low < middle) & (middle < self.high))
 
     def halved(self, which: BoolArray) -> _Cells:
+        """The halves of the cells of `which` (n,): all lower ones, then all upper ones."""
         cells = taken(self, which)
         middle = 0.5 * (cells.low + cells.high)
         return joined([replace(cells, high=middle), replace(cells, low=middle)])
@@ -169,7 +169,7 @@ def proved_bound(
 
 
 def _empty_run_bound(run: LegRun) -> float:
-    """Bound of the distance of a leg without pieces from its only vertex."""
+    """Bound [mm] of the distance of a leg without pieces from the only vertex of its run."""
     if not isinstance(run.leg, TurnLeg):
         raise GeometryError("the contour leaves out a stretch of the exact outline")
     return float(abs(run.vertices[0] - run.leg.last)) + run.leg.length
@@ -183,6 +183,7 @@ def _run_bound(run: LegRun, reached: float, arc_cells: int, enough: float) -> tu
     """
     run, rounding = _without_flat_arcs(run)
     cells = _first_cells(run, arc_cells)
+    # Halving doubles the number of cells.
     most = max(MAX_CELLS, len(cells.low)) // 2
     enclosure, places = _first_enclosure(run, cells)
     largest = 0.0
@@ -193,16 +194,18 @@ def _run_bound(run: LegRun, reached: float, arc_cells: int, enough: float) -> tu
         reached = max(reached, float(np.max(enclosure.reached)))
         cell_rounding = rounding[cells.piece]
         bound = enclosure.bound + cell_rounding
+        # A cell is done if it is not steep and its bound is sharp, or small enough.
         steep = enclosure.steepness > STEEPEST
         loose = steep | (
             bound > np.maximum((1.0 + SHARPNESS) * reached + 2.0 * cell_rounding, enough)
         )
         if np.count_nonzero(loose) > most or halving + 1 == HALVINGS:
             loose = steep
-        settled = ~loose
-        largest = max(largest, float(np.max(bound[settled], initial=0.0)))
+        decided = ~loose
+        largest = max(largest, float(np.max(bound[decided], initial=0.0)))
+        # The turns of a piece add up over its cells, however often these were halved.
         for total, part in zip(turned, (enclosure.least_turn, enclosure.most_turn), strict=True):
-            total += np.bincount(cells.piece[settled], part[settled], len(total))
+            total += np.bincount(cells.piece[decided], part[decided], len(total))
         if not np.any(loose):
             _check_turns(run, turned[0], turned[1])
             return reached, _with_ends(run, places, largest)
@@ -210,29 +213,31 @@ def _run_bound(run: LegRun, reached: float, arc_cells: int, enough: float) -> tu
             break
         cells = cells.halved(loose)
         blocks = range(0, len(cells.low), BLOCK)
-        enclosure = joined([_enclosed(run, taken(cells, slice(k, k + BLOCK))) for k in blocks])
-    raise _uncompared(run, float(cells.low[np.argmax(enclosure.steepness)]))
+        enclosure = joined([_enclose_cells(run, taken(cells, slice(k, k + BLOCK))) for k in blocks])
+    raise _uncompared_error(run, float(cells.low[np.argmax(enclosure.steepness)]))
 
 
-def _uncompared(run: LegRun, place: float) -> GeometryError:
+def _uncompared_error(run: LegRun, place: float) -> GeometryError:
     """The error for a contour that does not follow the leg at `place` [rad]; it is the motion's if
     a formula of it holds there for no longer than `SHORT`.
     """
-    message = "the contour cannot be compared with the exact curve"
     if run.leg.closed:  # its pieces may begin anywhere, and end a turn later
         place %= TURN
     ends = np.concatenate(([run.leg.start], run.leg.borders, [run.leg.end]))
+    # The range of the formula in which the place lies.
     start, end = np.max(ends[ends <= place]), np.min(ends[ends > place], initial=run.leg.end)
     if isinstance(run.leg, TurnLeg) or end - start > SHORT:
         here = complex(run.leg.point(np.array([place]))[0])
         return GeometryError(
-            f"{message} near X {here.real:.6g}, Y {here.imag:.6g} mm, where it may run across it"
+            f"the contour cannot be compared with the exact curve near X {here.real:.6g}, Y"
+            f" {here.imag:.6g} mm, where it may cross that curve steeply"
         )
     first, span = math.degrees(start % TURN), math.degrees(end - start)
     return GeometryError(
-        f"{message} from {first:.12g} to {first + span:.12g} deg of the cam angle: what moves there"
-        f" within {span:.3g} deg takes few of the cam angles that can be told apart, or turns too"
-        " sharply; give it a longer span or a shorter way",
+        f"the contour cannot be compared with the exact curve from {first:.12g} to"
+        f" {first + span:.12g} deg of the cam angle: within these {span:.3g} deg double precision"
+        " distinguishes too few cam angles for the move, or the curve turns too sharply; give the"
+        " move a longer span or a shorter stroke",
         "motion",
     )
 
@@ -262,6 +267,7 @@ def _first_cells(run: LegRun, arc_cells: int) -> _Cells:
     borders = borders[(borders > angles[0]) & (borders < ends[-1])]
     poles = run.leg.poles(0.5 * (angles + ends))
     spans = np.where((run.sweeps != 0.0) & np.isnan(poles), ends - angles, 0.0)
+    # One width for all arcs of the run; about a known pole a single cell is enough.
     width = float(np.sum(spans)) / max(1, arc_cells * int(np.count_nonzero(spans)))
     parts = np.where(
         spans > 0.0, np.clip(np.ceil(spans / (width or 1.0)), min(FEWEST, arc_cells), MOST), 1
@@ -271,6 +277,7 @@ def _first_cells(run: LegRun, arc_cells: int) -> _Cells:
     low = angles[piece] + (ends - angles)[piece] * (part / parts[piece])
     if len(borders):
         place = np.searchsorted(low, borders)
+        # Borders at which no cell begins divide the cells that they lie in.
         new = borders[low[np.minimum(place, len(low) - 1)] != borders]
         place = np.searchsorted(low, new)
         low = np.insert(low, place, new)
@@ -282,12 +289,15 @@ def _first_cells(run: LegRun, arc_cells: int) -> _Cells:
 
 
 def _first_enclosure(run: LegRun, cells: _Cells) -> tuple[Enclosure, ComplexArray]:
-    """The first cells, and (2, n) [mm] the places of the pieces' starts and ends on the leg.
+    """The enclosure of the first cells, and (2, n) complex [mm] the places of the pieces' starts
+    and ends on the leg.
 
-    All from one evaluation, because calls cost more than numbers: a place is a cell of zero width.
+    Both come from one evaluation, because calls cost more than numbers: a place is a cell of zero
+    width.
     """
     starts, ends = run.angles[:-1], run.angles[1:]
-    at_border = _near(ends, run.leg.borders)
+    # A piece that ends at a border ends in the left-hand value, which is taken just before it.
+    at_border = _near_borders(ends, run.leg.borders)
     at_border[-1] = True
     left_angles = ends[at_border] - LEFT_DISTANCE
     low = np.concatenate((cells.low, starts, ends[-1:], left_angles))
@@ -299,10 +309,10 @@ def _first_enclosure(run: LegRun, cells: _Cells) -> tuple[Enclosure, ComplexArra
     reached = places[1 : pieces + 1].copy()
     reached[at_border] = places[pieces + 1 :]
     both = np.stack((places[:pieces], reached))
-    return _enclosed(run, cells, (jet[:, :count], speeds[:, :count])), both
+    return _enclose_cells(run, cells, (jet[:, :count], speeds[:, :count])), both
 
 
-def _near(angles: FloatArray, borders: FloatArray) -> BoolArray:
+def _near_borders(angles: FloatArray, borders: FloatArray) -> BoolArray:
     """(n,) which of `angles` (n,) count as one of the ascending `borders`."""
     if not len(borders):
         return np.zeros(len(angles), dtype=np.bool_)
@@ -311,7 +321,7 @@ def _near(angles: FloatArray, borders: FloatArray) -> BoolArray:
     return np.minimum(next_distance, np.abs(borders[place - 1] - angles)) <= SNAP
 
 
-def _enclosed(
+def _enclose_cells(
     run: LegRun, cells: _Cells, known: tuple[ComplexArray, FloatArray] | None = None
 ) -> Enclosure:
     """The cells compared with their pieces; `known` are their jets and speeds, if there are any."""
@@ -334,6 +344,7 @@ def _with_ends(run: LegRun, places: ComplexArray, bound: float) -> float:
     chord = run.ends - run.starts
     largest = 0.0
     for vertices, on_leg in zip((run.starts, run.ends), places, strict=True):
+        # Of a line the normal on its right, so that both axes serve lines and arcs alike.
         outward = np.where(is_arc, vertices - run.centres, -1j * chord)
         local = (on_leg - vertices) * np.conj(outward / np.abs(outward))
         square = local.imag * local.imag
@@ -452,7 +463,7 @@ class Enclosure:
     reached : (n,) [mm] a distance that is certainly reached.
     bound : (n,) [mm] bound of the distance.
     steepness : (n,) bound of sin alpha, 1 where the piece runs backwards.
-    steep : (n,) sin alpha found in its middle, 1 where the piece runs backwards.
+    steep : (n,) sin alpha in the middle of the cell, 1 where the piece runs backwards.
     least_turn, most_turn : (n,) [rad] bounds of the angle by which the curve turns about the centre
         of an arc; 0 along lines.
     """
@@ -490,6 +501,7 @@ def _sines(
     """Range of |slope| / pace, kept inside [0, 1]."""
     low = np.maximum(np.abs(slope) - change, 0.0) / largest
     with np.errstate(divide="ignore", invalid="ignore"):
+        # A pace that may be 0 leaves the angle unknown: 1.
         high = (np.abs(slope) + change) / smallest
     return np.minimum(low, 1.0), np.where(smallest > 0.0, np.minimum(high, 1.0), 1.0)
 
@@ -510,6 +522,7 @@ def _arc_cells(taylor: Taylor, run: LegRun, piece: IntArray) -> tuple[FloatArray
     square = 0.5 * (r - pitch_radius) * (r + pitch_radius)
     slope = arm.real * z1.real + arm.imag * z1.imag
     bend = pace * pace + arm.real * z2.real + arm.imag * z2.imag
+    # The third derivative of |Z - c|^2 / 2: 3 Re(conj(Z') Z'') + Re(conj(Z - c) Z''').
     third = 3.0 * taylor.v1 * taylor.v2 + (r + taylor.half * taylor.v1) * taylor.v3
     rigid = ~np.isnan(taylor.poles)
     third[rigid] = np.abs(centre[rigid] - taylor.poles[rigid]) * taylor.v3[rigid]
@@ -532,6 +545,7 @@ def _arc_cells(taylor: Taylor, run: LegRun, piece: IntArray) -> tuple[FloatArray
         square = total * total - 2.0 * reach * shift * versine
         return np.asarray(np.sqrt(np.maximum(square, 0.0)) - radius)
 
+    # The distance falls with 1 - cos alpha where s d > 0 and grows with it where s d < 0.
     inward = shift > 0.0
     outer, inner = np.where(inward, small, large), np.where(inward, large, small)
     upper, lower = distance(farthest, outer), distance(nearest, inner)
@@ -573,6 +587,7 @@ def _line_cells(taylor: Taylor, run: LegRun, piece: IntArray) -> tuple[FloatArra
     with np.errstate(divide="ignore"):
         most_k = 1.0 / (slowest * slowest * (1.0 + np.sqrt(1.0 - high * high)))
     blur = 0.5 * taylor.half * taylor.half * taylor.v3
+    # How far slope^2 may be off if the slope is off by `blur`.
     blur *= 2.0 * (np.abs(slope) + taylor.half * np.abs(bend)) + blur
 
     def signed(k: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -629,6 +644,7 @@ def _places(leg: Leg, points: ComplexArray, ahead: ComplexArray, guess: FloatArr
     t = guess
     for _ in range(STEPS):
         feet, tangent, pace = leg.traced(t)
+        # Both directions have the length 1.
         cosine = ahead.real * tangent.real + ahead.imag * tangent.imag
         along = np.where(cosine >= ASKEW, ahead, tangent)
         offsets = points - feet
@@ -650,6 +666,7 @@ def _directions(vertices: ComplexArray, contour: Contour) -> ComplexArray:
     chord = vertices[1:] - vertices[:-1]
     chord = np.where(chord == 0.0, 1.0, chord)
     turned = np.exp(0.5j * contour.sweeps)
+    # Each chord turned by half its sweep gives the tangents at both of its ends.
     arriving, leaving = (chord * turned)[:-1], (chord * np.conj(turned))[1:]
     both = arriving / np.abs(arriving) + leaving / np.abs(leaving)
     size = np.abs(both)
@@ -669,6 +686,7 @@ def locate(path: Path, contour: Contour) -> tuple[LegRun, ...]:
     legs = path_legs(path)
     samples = [_samples(leg) for leg in legs]
     points = np.concatenate([sampled.points[:-1] for sampled in samples])
+    # The sense of the path, by the area of its samples.
     area = 0.5 * float(np.sum((np.conj(points) * np.roll(points, -1)).imag))
     if area * contour.area < 0.0:
         contour = contour.reversed()
@@ -698,9 +716,11 @@ class _Samples:
 
 
 def _samples(leg: Leg) -> _Samples:
+    """Samples of a leg, at least `A_FORMULA` between two borders."""
     inner = leg.borders[(leg.borders > leg.start) & (leg.borders < leg.end)]
     ends = np.concatenate(([leg.start], inner, [leg.end]))
     spans = np.diff(ends)
+    # Every range has its share of the samples, by its length, but not too few.
     parts = np.maximum(A_FORMULA, np.ceil(SAMPLES * spans / (leg.end - leg.start))).astype(int)
     span, part = grouped(parts)
     inside = ends[:-1][span] + (spans / parts)[span] * part
@@ -728,6 +748,7 @@ def _open_run(leg: Leg, sampled: _Samples, contour: Contour, start: int, stop: i
     along_contour = np.concatenate(([0.0], np.cumsum(contour.lengths[start:stop])))
     angles = np.full(len(vertices), leg.end)
     if stop > start:
+        # First guess: the same share of both lengths.
         place = along_contour * (sampled.along[-1] / along_contour[-1])
         angles[0] = leg.start
         guess = np.interp(place[1:-1], sampled.along, sampled.grid)
@@ -749,6 +770,7 @@ def _closed_run(leg: Leg, sampled: _Samples, contour: Contour) -> LegRun:
     place = sampled.along[first] + share * sampled.along[-1]
     turns, rest = np.divmod(place, sampled.along[-1])
     guess = np.interp(rest, sampled.along, sampled.grid) + TURN * turns
+    # With the last piece in front, so that the first vertex has a piece on both sides.
     around = Contour(
         np.append(contour.vertices[-1], contour.vertices),
         np.append(contour.sweeps[-1], contour.sweeps),
@@ -758,6 +780,7 @@ def _closed_run(leg: Leg, sampled: _Samples, contour: Contour) -> LegRun:
     phi = _places(leg, contour.vertices, ahead, guess)
     if np.any(np.diff(phi) <= 0.0) or phi[-1] - phi[0] >= TURN:
         raise GeometryError("the contour does not follow the exact curve once round")
+    # Counted from the turn in which the first place lies in [0, 2 pi).
     phi = phi - TURN * np.floor(phi[0] / TURN)
     phi = phi - TURN if phi[0] >= TURN else phi  # a tiny negative angle rounds to a full turn
     vertices = np.append(contour.vertices, contour.vertices[0])
@@ -783,7 +806,7 @@ the aim; the tolerance is for messages."""
 def fit_by_groups(
     make: Callable[[WorkingCurve, list[SmoothPiece]], Group], tolerance: float
 ) -> FitPieces:
-    """The fit of `camgeo.geometry.contour.proof.proved_fit`, group by group.
+    """The fit of the smooth pieces for `proved_fit`, group by group.
 
     `make` makes a group from a curve and its pieces, only once however often the aim is lowered.
     """
@@ -802,9 +825,10 @@ def fit_by_groups(
 
 
 def group_by_curve(pieces: Sequence[PieceOfLeg]) -> list[tuple[WorkingCurve, list[int]]]:
-    """The curves that the pieces belong to, each with the numbers of its pieces."""
+    """The curves to which `pieces` belong, each with the numbers of its pieces."""
     shared: dict[tuple[int, float], list[int]] = {}
     for number, (leg, _) in enumerate(pieces):
+        # Equal parallels of one pitch curve are one curve, whether or not they are one object.
         shared.setdefault((id(leg.curve.pitch), leg.curve.distance), []).append(number)
     return [(pieces[numbers[0]][0].curve, numbers) for numbers in shared.values()]
 
@@ -861,7 +885,7 @@ def proved_fit(
 def path_fit(
     path: Path, tolerance: float, fit_pieces: FitPieces, fit_turn: FitTurn
 ) -> Callable[[float], tuple[LegRun, ...]]:
-    """What `proved_fit` proves: the fit of `path` for an aim [mm], whose distance has been sampled.
+    """The fit that `proved_fit` proves: aim [mm] -> runs along `path`, their distance only sampled.
 
     Raises GeometryError if the path has a gap.
     """
@@ -891,8 +915,8 @@ def fit_until_proved(
     aim: float,
     tolerance: float,
 ) -> tuple[Candidate, float]:
-    """The result of `fit` for an aim [mm], `aim` or the first lower one whose deviation according
-    to `prove` is at most `tolerance`; and that deviation [mm].
+    """Fit with ever lower aims, from `aim` [mm] on, until the deviation that `prove` gives is at
+    most `tolerance` [mm]: the result of `fit`, and that deviation [mm].
 
     Raises what `prove` raised last, ToleranceError if the deviation stays too large, and whatever
     `fit` raises.
@@ -916,6 +940,7 @@ def fit_until_proved(
         if reached > HELPS * previous and previous > 2.0 * tolerance:
             break
         previous = reached
+        # A deviation is proportional to the aim, nearly.
         aim *= EASE * tolerance / reached
     if failed is not None:
         raise failed
@@ -923,7 +948,7 @@ def fit_until_proved(
 
 
 def _require_joined(legs: Sequence[StretchLeg], tolerance: float) -> None:
-    """A parallel is torn apart where the follower's velocity jumps: there it is no single leg.
+    """Raise GeometryError where a parallel has a gap: a jump of the follower's velocity tears it.
 
     No contour could be proved across such a gap.
     """

@@ -52,19 +52,20 @@ def beziers_of_spline(degree: int, knots: FloatArray, controls: ComplexArray) ->
         If the degree is another, the numbers do not match or no span is left.
     """
     if not 1 <= degree <= CUBIC:
-        raise GeometryError(f"a spline of degree {degree}; degrees 1 to 3 can be taken")
+        raise GeometryError(f"the spline has degree {degree}; degrees 1 to 3 are supported")
     count = len(controls)
     if count <= degree or len(knots) != count + degree + 1:
         raise GeometryError(
-            f"a spline of degree {degree} with {counted(count, 'control point')} and"
-            f" {counted(len(knots), 'knot')}"
+            f"the spline of degree {degree} has {counted(count, 'control point')} and"
+            f" {counted(len(knots), 'knot')}; it needs at least {degree + 1} control points, and"
+            f" {degree + 1} knots more than control points"
         )
     if np.any(np.diff(knots) < 0.0):
         raise GeometryError("the knots of a spline do not ascend")
     inside = np.arange(degree, count)
     spans = inside[knots[inside + 1] > knots[inside]]
     if not len(spans):
-        raise GeometryError("a spline without a span: its knots are all the same")
+        raise GeometryError("the spline has no span: all its knots are equal")
     low, high = knots[spans], knots[spans + 1]
     points = np.empty((len(spans), degree + 1), dtype=np.complex128)
     for upper in range(degree + 1):  # this many arguments are the upper end of the span
@@ -75,6 +76,7 @@ def beziers_of_spline(degree: int, knots: FloatArray, controls: ComplexArray) ->
                 _blend(rows[k - 1], rows[k], place, knots, spans - degree + k, degree + 1 - level)
                 for k in range(level, degree + 1)
             ]
+            # Padded, so that index k remains that of the control point.
             rows = [*([rows[0]] * level), *rows]
         points[:, upper] = rows[-1]
     return elevated(points)
@@ -88,6 +90,7 @@ def _blend(
     index: IntArray,
     width: int,
 ) -> ComplexArray:
+    """One step of de Boor's scheme: two neighbouring blossom values combined at `place` (n,)."""
     share = (place - knots[index]) / (knots[index + width] - knots[index])
     return left + share * (right - left)
 
@@ -188,6 +191,7 @@ class CubicSpline(CheckedFields):
         ends = (knots[0] == knots[DEGREE], knots[-1] == knots[-1 - DEGREE])
         if degree == DEGREE and all(ends):
             return cls(knots, controls)
+        # Triple knots: the control points are the Bezier points, neighbouring pieces sharing one.
         inner = np.concatenate((pieces[:, :3].ravel(), pieces[-1:, 3]))
         places = np.arange(len(pieces) + 1.0)
         return cls(np.concatenate(([0.0], np.repeat(places, 3), places[-1:])), inner)
@@ -198,12 +202,12 @@ class CubicSpline(CheckedFields):
 
     @property
     def start(self) -> complex:
-        """[mm] where it begins."""
+        """Its first point [mm]."""
         return complex(self.controls[0])
 
     @property
     def end(self) -> complex:
-        """[mm] where it ends."""
+        """Its last point [mm]."""
         return complex(self.controls[-1])
 
     @property
@@ -228,6 +232,7 @@ class CubicSpline(CheckedFields):
     def divided(self, knot: float) -> tuple[Self, Self]:
         """The same curve in two parts that meet at a knot between its ends, inserted by Boehm."""
         knots, controls = self.knots, self.controls
+        # A knot as often as the degree makes the curve pass through a control point there.
         while (count := int(np.count_nonzero(knots == knot))) < DEGREE:
             last = int(np.searchsorted(knots, knot, "right")) - 1
             moved = np.arange(last - DEGREE + 1, last - count + 1)
@@ -283,6 +288,7 @@ class Arc:
         chord = 0.5 * (self.start.conjugate() * self.end).imag
         if not self.sweep:
             return chord
+        # The segment between arc and chord, from the function for many of them.
         of_one = np.array([[abs(self.end - self.start)], [self.radius], [self.sweep]])
         return chord + float(segment_areas(*of_one)[0])
 

@@ -59,8 +59,8 @@ class EnvelopeSamples:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Pivots:
-    """The turns among m elements, in their places: `Pivot.centre`, `normal` at the start, and +1 or
-    -1 for the sense of the sweep; 0 for stretches.
+    """The turns about a point among m elements: `Pivot.centre`, `normal` at the start, and +1 or -1
+    for the sense of the sweep. All are 0 at the numbers of stretches.
     """
 
     centre: ComplexArray
@@ -95,6 +95,7 @@ class Envelope:
         chain: list[Element] = []
         ends = np.append(angles[1:], angles[0] + TURN)
         for k, (start, end) in enumerate(zip(map(float, angles), map(float, ends), strict=True)):
+            # The outward normal is n = i sigma t.
             normal = 1j * curve.pitch.rotation * complex(arriving[k])
             chain.append(
                 Pivot(
@@ -102,6 +103,7 @@ class Envelope:
                     curve.distance,
                     normal,
                     float(sweeps[k]),
+                    # A corner at cam angle 0 ends the stretch before it at a full turn.
                     phi_start=start if start > 0.0 else TURN,
                     phi_end=start,
                 )
@@ -181,6 +183,7 @@ class Envelope:
 
     def wrapped(self, places: FloatArray) -> FloatArray:
         """(n,) `places` reduced to [0, total)."""
+        # The subtraction may round up to the total itself, which is the start again.
         reduced = places - self.total * np.floor(places / self.total)
         return np.asarray(np.where(reduced >= self.total, 0.0, reduced))
 
@@ -252,6 +255,7 @@ class Envelope:
         z1, z2 = jet[1], jet[2]
         speed = np.abs(z1)
         tangents = z1 / speed
+        # The rate at which the direction of Z' turns: Im(conj(Z') Z'') / |Z'|^2.
         turning = (z1.real * z2.imag - z1.imag * z2.real) / (speed * speed)
         normal = 1j * pitch.rotation * tangents
         return EnvelopeSamples(
@@ -287,7 +291,7 @@ PLACE = 2.0**-52 * 32.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FlankCells:
-    """n cells.
+    """n cells of an envelope, each with a box that encloses that stretch of it.
 
     Attributes
     ----------
@@ -345,11 +349,14 @@ Boxes = tuple[Any, ...]
 
 
 def _stretch_boxes(envelope: Envelope, low: FloatArray, high: FloatArray, index: IntArray) -> Boxes:
+    """The boxes of cells on stretches of the parallel, see above."""
     curve, pitch = envelope.curve, envelope.curve.pitch
     offset = abs(curve.distance)
     half = 0.5 * (high - low)
     shift = envelope.angle_offsets[index]
     middle = 0.5 * (low + high) + shift
+    # Bounds are those of one turn: cells are reduced to it, and their ends clipped against
+    # rounding.
     turns = np.where(middle >= TURN, TURN, 0.0)
     ends = np.maximum(low + shift - turns, 0.0), np.minimum(high + shift - turns, TURN)
     jet, (_, _, third) = pitch.jet_and_bounds(*ends)
@@ -358,6 +365,7 @@ def _stretch_boxes(envelope: Envelope, low: FloatArray, high: FloatArray, index:
     tangent = z1 / speed
     turning = (z1.real * z2.imag - z1.imag * z2.real) / (speed * speed)
     pace = speed - pitch.rotation * curve.distance * turning
+    # Bounds of |Z'| from below and of |Z''| from above over the cell.
     slowest = speed - half * (size + 0.5 * half * third)
     second = size + half * third
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
@@ -386,6 +394,7 @@ def _stretch_boxes(envelope: Envelope, low: FloatArray, high: FloatArray, index:
 
 
 def _pivot_boxes(envelope: Envelope, low: FloatArray, high: FloatArray, index: IntArray) -> Boxes:
+    """The boxes of cells on arcs about corners of the pitch curve."""
     half = 0.5 * (high - low)
     samples = envelope.pivot_samples(index, 0.5 * (low + high) - envelope.starts[index])
     pace, sign = np.abs(samples.pace), np.sign(samples.pace)
@@ -402,19 +411,20 @@ def halved(envelope: Envelope, cells: FlankCells) -> FlankCells:
     if not len(cells):
         return cells
     if len(cells) > MOST + MORE * len(envelope.borders):
-        raise unresolved(envelope, cells.low[np.argsort(cells.high - cells.low)])
+        raise unresolved_error(envelope, cells.low[np.argsort(cells.high - cells.low)])
     middle = 0.5 * (cells.low + cells.high)
+    # Interleaved: the halves of cell k are the cells 2 k and 2 k + 1.
     low = np.column_stack((cells.low, middle)).ravel()
     high = np.column_stack((middle, cells.high)).ravel()
     return enclose(envelope, low, high, np.repeat(cells.origin, 2))
 
 
-def unresolved(envelope: Envelope, places: FloatArray) -> GeometryError:
-    """The error of a division that does not end, at the first of `places` (n,)."""
+def unresolved_error(envelope: Envelope, places: FloatArray) -> GeometryError:
+    """The error for a division that does not end, with the cam angle of the first of `places`."""
     angle = np.degrees(envelope.cam_angles(envelope.wrapped(places[:1])))[0]
     return GeometryError(
-        f"at cam angle {angle:.6f} deg the flank bends more tightly than can be resolved, or keeps"
-        " too near to a cusp: it cannot be decided what is left of it"
+        f"at cam angle {angle:.6f} deg the flank bends too tightly to be resolved, or stays too"
+        " close to a cusp: it cannot be decided what is left of it"
     )
 
 
@@ -428,6 +438,7 @@ def overlapping(envelope: Envelope, cells: FlankCells) -> tuple[IntArray, IntArr
     GeometryError if there are more than `MOST_PAIRS`.
     """
     tangent = cells.tangent
+    # Half sides of the upright rectangle about a turned box.
     wide = np.abs(tangent.real) * cells.along + np.abs(tangent.imag) * cells.across
     high = np.abs(tangent.imag) * cells.along + np.abs(tangent.real) * cells.across
     left, right = cells.middle.real - wide, cells.middle.real + wide
@@ -439,7 +450,7 @@ def overlapping(envelope: Envelope, cells: FlankCells) -> tuple[IntArray, IntArr
         worst = order[[int(np.argmax(counts))]]
         angle = np.degrees(envelope.cam_angles(cells.low[worst]))[0]
         raise GeometryError(
-            f"about cam angle {angle:.6f} deg too many stretches of the flank lie too close to be"
+            f"near cam angle {angle:.6f} deg too many stretches of the flank lie too close to be"
             " separated: it cannot be decided what is left of it"
         )
     one, step = grouped(counts)
@@ -468,6 +479,7 @@ def cross_once(one: FlankCells, other: FlankCells) -> BoolArray:
     """(k,) True where the tangents of both cells provably differ: they cross at most once."""
     turned = np.conj(one.tangent) * other.tangent
     angle = np.abs(np.angle(turned))
+    # Between the lines: it does not matter which way either is traversed.
     angle = np.minimum(angle, np.pi - angle)
     return np.asarray(angle > one.turn + other.turn)
 
@@ -482,12 +494,10 @@ def cross_once(one: FlankCells, other: FlankCells) -> BoolArray:
 # - nor where a changes sign once, at theta_c, and theta goes on growing or falling: then
 #   a sin(theta - theta_c) keeps its sign;
 # - nor where a changes sign once and theta stays within a right angle: the way between two points
-# of
-#   a branch is never square to a tangent of it then, so that the distance of a point of the branch
-#   from the roller centre Z has no extreme but at its own cam angle. It is smallest there, |d|,
-# where
-#   a > 0, and largest where a < 0: the roller at the cusp touches neither branch again, one lies
-#   outside of it and the other inside;
+#   of a branch is never square to a tangent of it then, so that the distance of a point of the
+#   branch from the roller centre Z has no extreme but at its own cam angle. It is smallest there,
+#   |d|, where a > 0, and largest where a < 0: the roller at the cusp touches neither branch again,
+#   one lies outside of it and the other inside;
 # - where a changes sign twice, + - +, and theta grows or falls steadily, there is at most one such
 #   pair: of two, the one inside the other would need two sums of directions from cones that lie
 #   apart to be equal, and two side by side a sum in one half plane to vanish.
@@ -562,7 +572,7 @@ def divide(envelope: Envelope, cusps: FloatArray) -> Division:
     while True:
         wide, sharp = cells.high - cells.low > NARROWEST, cells.turn > STEEPEST
         if np.any(sharp & ~wide):
-            raise unresolved(envelope, cells.low[sharp & ~wide])
+            raise unresolved_error(envelope, cells.low[sharp & ~wide])
         coarse = sharp | (_touches(cells, cusps) & (cells.bend == 0.0))
         coarse &= wide
         if not np.any(coarse):
@@ -595,6 +605,7 @@ def first_cells(envelope: Envelope, cusps: FloatArray) -> FlankCells:
 
 
 def _touches(cells: FlankCells, cusps: FloatArray) -> BoolArray:
+    """(n,) whether a cell begins or ends at one of the `cusps` (k,)."""
     if not len(cusps):
         return np.zeros(len(cells), dtype=np.bool_)
     # The last cell ends where the first one begins.
@@ -604,6 +615,7 @@ def _touches(cells: FlankCells, cusps: FloatArray) -> BoolArray:
 
 def _sums(values: FloatArray | BoolArray) -> NDArray[Any]:
     """Sums before each cell and after the last, over two turns; of truth values, how many hold."""
+    # Over two turns, so that runs across the start are differences of two sums as well.
     return np.concatenate(([0], np.cumsum(np.concatenate((values, values)))))
 
 
@@ -654,11 +666,13 @@ def find_nodes(envelope: Envelope, backward: list[tuple[float, float]]) -> tuple
     pairs = _candidate_pairs(division, [run for _, run in tails])
     nodes = [node for node, _ in tails]
     nodes += _decide(envelope, division.cells, pairs)
-    return _distinct(nodes, envelope.total)
+    return _distinct_nodes(nodes, envelope.total)
 
 
 def _candidate_pairs(division: Division, runs: list[CellRun]) -> tuple[IntArray, IntArray]:
-    """Pairs of cells that may cross and do not belong to one of the `runs`, already settled."""
+    """Pairs of cells that may cross and do not belong to one of the `runs`, whose crossing is
+    known.
+    """
     first, second = overlapping(division.envelope, division.cells)
     count = len(division.cells)
     plain = division.is_plain(first, second) | division.is_plain(second, first + count)
@@ -666,6 +680,7 @@ def _candidate_pairs(division: Division, runs: list[CellRun]) -> tuple[IntArray,
     reach = np.zeros(count, dtype=np.intp)
     for run in runs:
         reach[run.first] = max(reach[run.first], run.first + run.cells)
+        # A run across the end goes on from the first cell.
         reach[0] = max(reach[0], run.first + run.cells - count)
     reach = np.maximum.accumulate(reach)
     plain |= (reach[first] > second) | (reach[second] > first + count)
@@ -696,7 +711,7 @@ def _decide(envelope: Envelope, cells: FlankCells, pairs: tuple[IntArray, IntArr
             point = complex(one.middle[k])
             all_nodes.append(_node(float(one.low[k]), float(other.low[k]), point, touching=True))
         resolved |= small
-        cells, first, second = _refined(envelope, cells, first[~resolved], second[~resolved])
+        cells, first, second = _refine_pairs(envelope, cells, first[~resolved], second[~resolved])
     if not len(first):
         return all_nodes
     one, other = cells.some(first), cells.some(second)
@@ -704,8 +719,8 @@ def _decide(envelope: Envelope, cells: FlankCells, pairs: tuple[IntArray, IntArr
     nearest = [int(np.argmin(gaps))]
     angles = [math.degrees(envelope.cam_angles(branch.low[nearest])[0]) for branch in (one, other)]
     raise GeometryError(
-        f"about cam angles {angles[0]:.6f} and {angles[1]:.6f} deg two stretches of the flank lie"
-        f" on each other, to {gaps[nearest[0]]:.2g} mm: it cannot be decided what is left of it"
+        f"near the cam angles {angles[0]:.6f} and {angles[1]:.6f} deg two stretches of the flank"
+        f" lie on each other, to {gaps[nearest[0]]:.2g} mm: it cannot be decided what is left of it"
     )
 
 
@@ -723,15 +738,17 @@ def _tiny(envelope: Envelope, cells: FlankCells) -> BoolArray:
     return tiny
 
 
-def _refined(
+def _refine_pairs(
     envelope: Envelope, cells: FlankCells, first: IntArray, second: IntArray
 ) -> tuple[FlankCells, IntArray, IntArray]:
     """The pairs of the halves of each pair whose boxes still meet."""
     if not len(first):
         return cells, first, second
+    # A cell that belongs to several pairs is halved once.
     used, place = np.unique_inverse(np.concatenate((first, second)))
     fine = halved(envelope, cells.some(used))
     one, other = 2 * place[: len(first)], 2 * place[len(first) :]
+    # All four pairs of halves.
     one = np.concatenate((one, one, one + 1, one + 1))
     other = np.concatenate((other, other + 1, other, other + 1))
     both = meet(fine.some(one), fine.some(other))
@@ -759,14 +776,15 @@ def _newton(
         if not np.any(inside):  # no place moves any more
             break
         with np.errstate(divide="ignore", invalid="ignore"):
+            # Cramer's rule for the two parts of that equation.
             dx = (np.conj(at_y.tangents) * gap).imag / (-sine * at_x.pace)
             dy = (np.conj(at_x.tangents) * gap).imag / (-sine * at_y.pace)
         inside &= np.isfinite(dx) & np.isfinite(dy)
         x = np.where(inside, x + np.clip(dx, -wide_x, wide_x), x)
         y = np.where(inside, y + np.clip(dy, -wide_y, wide_y), y)
-        inside &= _near(x, one, 1.0) & _near(y, other, 1.0)
+        inside &= _near_cells(x, one, 1.0) & _near_cells(y, other, 1.0)
     size = np.abs(points) + abs(envelope.curve.distance)
-    inside &= _near(x, one, OUTSIDE) & _near(y, other, OUTSIDE)
+    inside &= _near_cells(x, one, OUTSIDE) & _near_cells(y, other, OUTSIDE)
     # Where the pace is large, the rounding of the cam angle counts as well.
     fastest = np.maximum(np.abs(at_x.pace), np.abs(at_y.pace))
     inside &= np.abs(gap) <= 4.0 * ROUNDING * size + PLACE * fastest
@@ -784,15 +802,17 @@ def _newton(
 
 
 def _node(one: float, other: float, point: complex, *, touching: bool = False) -> Node:
+    """The node with these two path parameters, in any order."""
     return Node(min(one, other), max(one, other), point, touching)
 
 
-def _near(places: FloatArray, cells: FlankCells, share: float) -> BoolArray:
+def _near_cells(places: FloatArray, cells: FlankCells, share: float) -> BoolArray:
+    """(n,) whether `places` (n,) are in their cells, or outside by at most that `share` of them."""
     room = share * (cells.high - cells.low)
     return np.asarray((places >= cells.low - room) & (places <= cells.high + room))
 
 
-def _distinct(nodes: list[Node], total: float) -> tuple[Node, ...]:
+def _distinct_nodes(nodes: list[Node], total: float) -> tuple[Node, ...]:
     """Each node once; of a crossing and a contact next to it, the crossing."""
     distinct: list[Node] = []
     fields = max(1, int(total / TOUCHING))
@@ -800,9 +820,11 @@ def _distinct(nodes: list[Node], total: float) -> tuple[Node, ...]:
     for node in sorted(nodes, key=lambda node: (node.touching, node.first, node.second)):
         limit = TOUCHING if node.touching else SAME
         field = int(node.first / TOUCHING)
-        if any(_same(node, other, limit, total) for other in near.get(field % fields, ())):
+        if any(_same_node(node, other, limit, total) for other in near.get(field % fields, ())):
             continue
         distinct.append(node)
+        # Nodes that are the same lie in the same field of the path parameter or in neighbouring
+        # ones.
         nearby = {
             int(place / TOUCHING) + step
             for place in (node.first, node.second)
@@ -813,7 +835,8 @@ def _distinct(nodes: list[Node], total: float) -> tuple[Node, ...]:
     return tuple(sorted(distinct, key=lambda node: (node.first, node.second)))
 
 
-def _same(one: Node, other: Node, limit: float, total: float) -> bool:
+def _same_node(one: Node, other: Node, limit: float, total: float) -> bool:
+    """Whether both places of two nodes agree to `limit`, in either order and across the end."""
     pairs = [(other.first, other.second), (other.second, other.first)]
     gaps = np.abs(np.array(pairs) - [one.first, one.second])
     return bool(np.any(np.all(np.minimum(gaps, total - gaps) < limit, axis=1)))
@@ -843,10 +866,10 @@ REACH = 1.2
 back; more than 1 / cos(0.5)."""
 
 SLIGHT = 0.5
-"""Largest angle [rad] by which the tangent turns in these parts."""
+"""Largest angle [rad] by which the tangent turns in the parts next to the cusps."""
 
 SQUARE = 1.5
-"""Largest angle [rad] by which it turns in the run: less than a right angle."""
+"""Largest angle [rad] by which the tangent turns in a short run: less than a right angle."""
 
 SAMPLES = 33
 """Places at which the tangents of a part are sampled; over so short a part, with few borders, they
@@ -863,9 +886,9 @@ NODES = 12
 """Nodes of a quadrature over each smooth part."""
 
 MOST_BREAKS = 4
-"""Most borders inside a tail that is integrated by quadrature, or that short parts are known of."""
+"""Most borders inside a tail that is integrated by quadrature, or in a run of short parts."""
 
-SETTLED = 1e-7
+SMALL_STEP = 1e-7
 """After a Newton step of this fraction of the tail's width the next one is mere rounding."""
 
 NOISE = 2.0**-52 * 64.0
@@ -900,6 +923,7 @@ class UnrolledCells:
         self.low, self.high, bend = thrice.low + turns, thrice.high + turns, thrice.bend
         self.negative: BoolArray = np.tile(division.negative, 3)
         self.turn = np.tile(2.0 * cells.turn, 3)
+        # A sense of 0 asks for no bend: all cells qualify.
         self.bending = {0.0: bend == bend, 1.0: bend == 1.0, -1.0: bend == -1.0}
 
     def steady_run(self, start: float, end: float) -> CellRun | None:
@@ -965,15 +989,18 @@ def small_runs(
     for cusp, limit in ((start, [run.low for run in runs]), (end, [run.high for run in runs])):
         away, room = np.sign(limit - cusp), np.abs(limit - cusp)
         pace = envelope.samples(cusp + 1e-3 * away * half).pace
+        # As far as the parts must reach at the pace next to the cusp, or as the run goes.
         reach = cusp + away * np.minimum(REACH * length / np.maximum(pace, 1e-300), room)
         way = reach - cusp
         along = _samples(
             envelope, cusp[:, None] + way[:, None] * np.linspace(0.0, 1.0, SAMPLES)[1:]
         )
+        # It must hold the length of what runs back, and the pace stays positive.
         sure &= np.mean(along.pace, axis=1) * np.abs(way) >= length
         sure &= np.min(along.pace, axis=1) > 0.0
         steps = np.abs(np.angle(along.tangents[:, 1:] * np.conj(along.tangents[:, :-1])))
         with np.errstate(divide="ignore", invalid="ignore"):  # where the pace is not above 0
+            # The fastest turn of the tangent per unit of length.
             fastest = np.max(steps / along.pace[:, 1:], axis=1) * SAMPLES / np.abs(way)
         reaches.append(reach)
         tangents.append(along.tangents)
@@ -1027,37 +1054,40 @@ def swallow_tails(
 def _tails(
     envelope: Envelope, known: list[tuple[tuple[float, float], CellRun]]
 ) -> list[tuple[Node, CellRun]]:
-    """The crossings of the runs about ranges, all by Newton's method at once."""
+    """The crossings in runs about backward ranges, all by Newton's method at once."""
     start, end, low, high = np.array([(*span, run.low, run.high) for span, run in known]).T
     middle, half = 0.5 * (start + end), 0.5 * (end - start)
     # Of a pace that is a parabola between the cusps the crossing lies root 3 times as far out.
     x = np.maximum(middle - np.sqrt(3.0) * half, 0.5 * (low + start))
     y = np.minimum(middle + np.sqrt(3.0) * half, 0.5 * (end + high))
     speed = np.abs(envelope.curve.pitch.jet(envelope.cam_angles(start))[1])
-    settled = np.zeros(len(x), dtype=np.bool_)
-    converged = settled.copy()
+    small_step = np.zeros(len(x), dtype=np.bool_)
+    converged = small_step.copy()
     k = np.arange(len(x))  # those still iterated
     for _ in range(STEPS):
         ends = _samples(envelope, np.stack((x[k], y[k])))
-        gap = _ways(envelope, x[k], y[k], ends)
+        gap = _displacements(envelope, x[k], y[k], ends)
         (t_x, t_y), (a_x, a_y) = ends.tangents, ends.pace
-        sine = _across(t_x, t_y)
+        sine = _cross_product(t_x, t_y)
         forward = (sine != 0.0) & (a_x > 0.0) & (a_y > 0.0)
         k, gap, sine, t_x, t_y, a_x, a_y = (
             part[forward] for part in (k, gap, sine, t_x, t_y, a_x, a_y)
         )
         if not len(k):
             break
-        dx, dy = _across(t_y, gap) / (-sine * a_x), _across(t_x, gap) / (-sine * a_y)
+        dx, dy = _cross_product(t_y, gap) / (-sine * a_x), _cross_product(t_x, gap) / (-sine * a_y)
         # Stay on the same side of the cusps, and inside the run.
-        room = np.minimum(_room(x[k], dx, low[k], start[k]), _room(y[k], dy, end[k], high[k]))
+        room = np.minimum(
+            _step_share(x[k], dx, low[k], start[k]), _step_share(y[k], dy, end[k], high[k])
+        )
+        # One factor for both steps keeps the direction of Newton's step.
         share = np.minimum(1.0, room)
         x[k], y[k] = x[k] + share * dx, y[k] + share * dy
-        converged[k] = settled[k]
+        converged[k] = small_step[k]
         # The pace is a difference of speeds; of a tiny tail it has few digits left.
         noise = NOISE * speed[k] / np.minimum(a_x, a_y)
-        least = (SETTLED + noise) * (y[k] - x[k]) + 8.0 * np.spacing(y[k])
-        settled[k] = np.abs(dx) + np.abs(dy) <= least
+        least = (SMALL_STEP + noise) * (y[k] - x[k]) + 8.0 * np.spacing(y[k])
+        small_step[k] = np.abs(dx) + np.abs(dy) <= least
         k = k[~converged[k]]
     converged &= (low <= x) & (x < start) & (end < y) & (y <= high)
     chosen = np.flatnonzero(converged)
@@ -1072,25 +1102,31 @@ def _tails(
 
 
 def _borders(envelope: Envelope) -> FloatArray:
-    """(k,) path parameters of the borders in three turns, ascending."""
+    """(k,) path parameters of the borders over three turns, ascending."""
     turns = envelope.total * np.array([[-1.0], [0.0], [1.0]])
     return np.sort((envelope.borders + turns), axis=None)
 
 
-def _across(one: ComplexArray, other: ComplexArray) -> FloatArray:
+def _cross_product(one: ComplexArray, other: ComplexArray) -> FloatArray:
     """(n,) the part of `other` (n,) to the left of the unit vectors `one` (n,)."""
     return one.real * other.imag - one.imag * other.real
 
 
-def _room(place: FloatArray, step: FloatArray, low: FloatArray, high: FloatArray) -> FloatArray:
+def _step_share(
+    place: FloatArray, step: FloatArray, low: FloatArray, high: FloatArray
+) -> FloatArray:
     """Fraction of `step` that stays short of the end it goes towards."""
     room = 0.9 * np.where(step > 0.0, high - place, place - low)
     size = np.abs(step)
     return np.divide(room, size, out=np.ones_like(size), where=size > room)
 
 
-def _ways(envelope: Envelope, x: FloatArray, y: FloatArray, ends: EnvelopeSamples) -> ComplexArray:
-    """(n,) from the envelope at x (n,) to that at y (n,), `ends` (2, n)."""
+def _displacements(
+    envelope: Envelope, x: FloatArray, y: FloatArray, ends: EnvelopeSamples
+) -> ComplexArray:
+    """(n,) complex [mm] the way along the envelope from x (n,) to y (n,), whose samples are `ends`
+    (2, n).
+    """
     way: ComplexArray = ends.points[1] - ends.points[0]
     size = np.max(np.abs(ends.points), axis=0) + abs(envelope.curve.distance)
     small = np.sum(np.abs(ends.pace), axis=0) * (y - x) <= SMALL * size

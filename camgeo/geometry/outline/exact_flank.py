@@ -43,10 +43,10 @@ CELL: Final = math.radians(0.25)
 """Widest cell [rad] of cam angle, or of the angle turned about a point."""
 
 FEW: Final = 64
-"""Points whose nearest cells are found without a tree of them."""
+"""Up to this many points, the nearest cells are found without a search tree."""
 
 CORNER_DISTANCE: Final = 1e-9
-"""Closer to a corner than this [mm] a point has no direction from it."""
+"""A point closer to a corner than this [mm] has no direction from it."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -159,8 +159,8 @@ class ExactFlank:
 
     @cached_property
     def turned(self) -> FloatArray:
-        """(k,) angle [rad] by which the path turns from each of `nodes` to the next, which is not
-        that at a corner, counter-clockwise positive; 0 there.
+        """(k,) angle [rad] by which the path turns from each of `nodes` to the next,
+        counter-clockwise positive; 0 between the two nodes of a corner.
         """
         normals = self.nodes.normals
         same_element = self._element == np.roll(self._element, -1)
@@ -176,6 +176,7 @@ class ExactFlank:
         """The feet of `points` (n,) [mm], in cam coordinates."""
         nearest = self._nearest_cells(points)
         nearest_feet = Feet(taken(self.nodes, nearest), np.empty(len(points)))
+        # The nearest chord selects the element; the foot on it is then exact.
         kinds = np.array([isinstance(element, Stretch) for element in self.path.elements])
         on_stretch = kinds[self._element[nearest]]
         for which, part in (
@@ -209,6 +210,7 @@ class ExactFlank:
         first, stop = (np.searchsorted(self._element, element, side) for side in SIDES)
         last = stop - 1
         sides, turns = [], []
+        # One cell more on both sides, as the foot need not lie on the nearest chord's own cell.
         for wanted in (node - 1, node + 2):
             # A whole curve has no end: beyond it, it begins again.
             wraps = np.where(wanted < first, -1, np.where(wanted > last, 1, 0))
@@ -218,6 +220,7 @@ class ExactFlank:
             turns.append(wraps * self.total if open_ended else np.zeros(len(node)))
         ahead = np.stack([dot(points - nodes.points[side], nodes.tangents[side]) for side in sides])
         low, high = (nodes.course[side] + turn for side, turn in zip(sides, turns, strict=True))
+        # The foot lies between if the point is ahead of the first side and behind the last one.
         crossing = (ahead[0] > 0.0) & (ahead[1] < 0.0)
         offsets = self._shifts[element]
 
@@ -237,6 +240,7 @@ class ExactFlank:
                 getattr(places, name)[at_end] = getattr(nodes, name)[end]
             self._orient_normals(points, places, at_end)
         distances = dot(places.normals, points - places.points)
+        # Cells beyond the end of a whole curve were counted on; now back into one turn.
         np.remainder(places.course, self.total, out=places.course)
         return Feet(places, distances)
 
@@ -245,6 +249,7 @@ class ExactFlank:
         offsets = (points - places.points)[which]
         size, normals = np.abs(offsets), places.normals[which]
         sign = np.where(dot(normals, offsets) < 0.0, -1.0, 1.0)
+        # At the corner itself the direction is undefined: the normal stays.
         far = size > CORNER_DISTANCE
         places.normals[which] = np.where(far, sign * offsets / np.where(far, size, 1.0), normals)
 
@@ -257,6 +262,7 @@ class ExactFlank:
         centre, distance, normal, sweep = (
             np.array([getattr(pivot, name) for pivot in pivots]) for name in columns
         )
+        # An arc on the inner side of its centre has its points opposite to its normals.
         away = (points - centre) * np.sign(distance)
         middle = normal * np.exp(0.5j * sweep)
         half = 0.5 * np.abs(sweep)
@@ -270,7 +276,7 @@ class ExactFlank:
 
     @cached_property
     def _grids(self) -> list[Places]:
-        """Those of `nodes` on each element that has a length."""
+        """The `nodes` on each element that has a length, element by element."""
         grids = []
         for start, element in zip(self.starts, self.path.elements, strict=False):
             low, high = _span(element)
@@ -292,7 +298,7 @@ class ExactFlank:
                 normals = self._outward * 1j * curve.pitch.rotation * tangents
                 phi = grid % TURN
             else:
-                points, normals = _turned(element, grid)
+                points, normals = _pivot_places(element, grid)
                 normals = self._outward * normals
                 tangents = np.zeros_like(points)
                 phi = np.full(len(grid), element.phi_end % TURN)
@@ -301,12 +307,12 @@ class ExactFlank:
 
     @property
     def _outward(self) -> int:
-        """+1 where outward is out of the material, else -1."""
+        """+1 if outward points out of the material, else -1."""
         return -self.side.sign
 
     @cached_property
     def _element(self) -> IntArray:
-        """(k,) number of the element of each node."""
+        """(k,) number of the element on which each node lies."""
         used = [k for k, element in enumerate(self.path.elements) if np.ptp(_span(element)) > 0.0]
         return np.repeat(used, [len(grid) for grid in self._grids])
 
@@ -339,6 +345,7 @@ class ExactFlank:
         points, tangents = self.curve.points_and_tangents(phi)
         normals = self._outward * 1j * self.curve.pitch.rotation * tangents
         turned = phi % TURN
+        # Cam angles a few roundings from a full turn are 0.
         turned[(turned < SNAP) | (TURN - turned < SNAP)] = 0.0
         return Places(course, turned, points, normals, tangents)
 
@@ -348,7 +355,7 @@ class ExactFlank:
         for number, path_element in enumerate(self.path.elements):
             which = element == number
             if isinstance(path_element, Pivot) and np.any(which):
-                points, normals = _turned(path_element, along[which])
+                points, normals = _pivot_places(path_element, along[which])
                 places.points[which], places.normals[which] = points, self._outward * normals
                 places.phi[which] = path_element.phi_end % TURN
         return places
@@ -361,7 +368,7 @@ def _span(element: Element) -> tuple[float, float]:
     return 0.0, abs(element.sweep) if element.distance != 0.0 else 0.0
 
 
-def _turned(pivot: Pivot, along: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+def _pivot_places(pivot: Pivot, along: FloatArray) -> tuple[ComplexArray, ComplexArray]:
     """Points (n,) [mm] of a turn and outward normals (n,), `along` (n,) [rad] from its start."""
     normals = pivot.normal * np.exp(1j * math.copysign(1.0, pivot.sweep) * along)
     return pivot.centre + pivot.distance * normals, normals

@@ -31,7 +31,7 @@ from camgeo.geometry.outline.outline import (
     cover_cells,
     outermost,
     pairs_in_cells,
-    too_rough,
+    too_rough_error,
     visible_pieces,
 )
 from camgeo.geometry.outline.path import Path
@@ -60,7 +60,7 @@ if TYPE_CHECKING:
 WIDEST = math.pi / 4.0
 """Widest range of normals [rad] of the cells in which distances are compared."""
 
-LAYERS = "vertices and arcs lie"
+LAYERS = "its vertices and arcs overlap"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -79,7 +79,7 @@ class TouchableCircles:
     elements: IntArray
 
     def distance(self, which: IntArray, theta: FloatArray) -> FloatArray:
-        """(k,) h [mm] of those at `which` (k,) at theta (k,) [rad]."""
+        """(k,) h [mm] of the circles `which` (k,) for normals at theta (k,) [rad]."""
         turned = self.centres[which] * np.exp(-1j * theta)
         return np.asarray(turned.real + self.radii[which])
 
@@ -141,6 +141,7 @@ def contour_hull(contour: Contour) -> Hull:
 
 def _convex_hull(points: ComplexArray) -> IntArray:
     """Indices of the vertices of the convex hull, counter-clockwise, without those on its sides."""
+    # Andrew's monotone chain: the lower hull from left to right, then the upper one back.
     order = np.lexsort((points.imag, points.real))
     chains = []
     for run in (order.tolist(), order[::-1].tolist()):
@@ -163,6 +164,7 @@ def _envelope(circles: TouchableCircles, lows: FloatArray, spans: FloatArray) ->
     cells = AngleCells.from_nodes(nodes)
     first = np.searchsorted(nodes, lows % TURN)
     number = np.remainder(np.searchsorted(nodes, (lows + spans) % TURN) - first, len(cells))
+    # A range that ends in the node where it begins is the whole turn, not nothing.
     number[(number == 0) & (spans > math.pi)] = len(cells)
     pairs = cover_cells(cells, first, number, LAYERS)
     pairs = _without_hidden(circles, cells, *pairs)
@@ -179,6 +181,7 @@ def _without_hidden(
     turned = circles.centres[which] * np.exp(-1j * middle)
     size = np.abs(turned)
     here = turned.real + circles.radii[which]
+    # The distance is a sine of the normal: bounds from its slope and bend in the middle.
     change = half * np.abs(turned.imag) + 0.5 * half * half * size
     visible = visible_pieces(cell, here - change, here + change)
     return cell[visible], which[visible]
@@ -193,12 +196,13 @@ def _crossings(
     for index, with_index in pairs_in_cells(cell):
         examined += len(index)
         if examined > MOST_PAIRS:
-            raise too_rough(LAYERS, len(cell) / len(cells))
+            raise too_rough_error(LAYERS, len(cell) / len(cells))
         one, other = which[index], which[with_index]
         low, high = cells.low[cell[index]], cells.high[cell[index]]
         way = circles.centres[other] - circles.centres[one]
         size, rise = np.abs(way), circles.radii[one] - circles.radii[other]
         with np.errstate(divide="ignore", invalid="ignore"):
+            # Equal distances: Re(exp(-i theta) way) = rise.
             away = np.arccos(rise / size)
         for theta in (np.angle(way) + away, np.angle(way) - away):
             offset = (theta - low) % TURN
@@ -211,13 +215,13 @@ def _crossings(
 # The part of the disc that a flat face touches at each cam angle, and the resulting lift.
 #
 # The face is pressed inward until it touches: what holds it is the convex hull of the disc, see
-# `camgeo.geometry.outline.face`. As long as the contact is on the rocker's own side of the pivot's
+# the top of this module. As long as the contact is on the rocker's own side of the pivot's
 # foot, the cam angle runs steadily with the normal, so that each place of the hull holds the face
 # over one range of cam angle, known exactly.
 
 
 SIDE = 1e-6
-"""Difference of a lift from itself, by rounding, close to where the contact loses its lever."""
+"""Relative rounding error of a lift close to where the contact loses its lever."""
 
 STEADY = 1e-9
 """Cam angle [rad] by which neighbouring borders may come in the wrong order, by rounding."""
@@ -249,11 +253,12 @@ class FaceLift(DiscLift):
         than `corner` together is left out.
         """
         small = turns <= corner
+        # Sums of the turns of small corners since the last border that is none.
         turned = np.cumsum(np.where(small, turns, 0.0))
         in_row = turned - np.maximum.accumulate(np.where(small, 0.0, turned))
         return ~small | (in_row > corner)
 
-    def held(self, phi: FloatArray, numbers: IntArray, order: Literal[0, 2, 3]) -> FloatArray:
+    def held_jet(self, phi: FloatArray, numbers: IntArray, order: Literal[0, 2, 3]) -> FloatArray:
         """See `DiscLift`."""
         circles = self.circles
         return self.path.jet(phi, circles.centres[numbers], circles.radii[numbers])[: order + 1]
@@ -317,6 +322,7 @@ class FaceLift(DiscLift):
         centres, radii = hull.circles.centres[hull.touched], hull.circles.radii[hull.touched]
         _require_side(path, angles, lift, centres, radii)
         ascent = -path.rotation * angles
+        # The cam angle ascends with the normal but for rounding; more than that is a lost lever.
         low = np.maximum.accumulate(ascent)
         if np.any(low - ascent > STEADY):
             raise GeometryError(NO_LEVER)
@@ -327,10 +333,11 @@ class FaceLift(DiscLift):
         # By ascending cam angle: of several that begin at one, to rounding, the last one counts.
         order = np.arange(len(starts))[:: -path.rotation]
         turned = starts[order] % TURN
-        order = np.roll(order, -_wrap(turned))
-        borders = np.maximum.accumulate(np.roll(turned, -_wrap(turned)))
+        order = np.roll(order, -_first_index(turned))
+        borders = np.maximum.accumulate(np.roll(turned, -_first_index(turned)))
         numbers = hull.touched[order]
         widths = np.zeros(len(hull.circles.radii))
+        # A circle that is touched in several ranges has the sum of their widths.
         np.add.at(widths, hull.touched, hull.widths)
         return cls(path, pitch, borders, numbers, hull.circles, widths)
 
@@ -362,7 +369,7 @@ class FaceLift(DiscLift):
         return cls(path, pitch, borders, numbers, circles, np.full(len(corners), TURN))
 
 
-def _wrap(turned: FloatArray) -> int:
+def _first_index(turned: FloatArray) -> int:
     """Index of the first of the cam angles `turned` (k,) [rad], which ascend over a turn from
     anywhere in it.
     """
@@ -459,7 +466,7 @@ def face_path_of(follower: Follower, rotation: int) -> FacePath:
     """
     del rotation  # used by the registered ones
     raise GeometryError(
-        f'this needs a flat-faced follower, and this one is "{follower.kind}"',
+        f'a flat-faced follower is needed here, and this one is of the kind "{follower.kind}"',
         key="follower.kind",
         value=follower.kind,
     )
@@ -496,7 +503,7 @@ class GuidedFace:
         return np.asarray(self.rotation * (self.follower.guide_angle - theta))
 
     def _turned(self, phi: FloatArray, centres: ComplexArray) -> ComplexArray:
-        """The centres against the direction of the guide."""
+        """(n,) complex [mm] the centres at `phi` (n,) [rad], in axes along and across the guide."""
         axis = self.follower.guide_angle
         return np.asarray(centres * np.exp(1j * (self.rotation * phi - axis)))
 
@@ -530,7 +537,7 @@ class GuidedFace:
 
 @dataclass(frozen=True, slots=True)
 class RockingFace:
-    """The face of an oscillating follower."""
+    """The face of an oscillating follower; the interface is that of `GuidedFace`."""
 
     follower: OscillatingFlat
     rotation: int
@@ -550,9 +557,9 @@ class RockingFace:
         sine = (distance - follower.face_offset) / follower.centre_distance
         if np.any(~(np.abs(sine) <= 1.0 + ROUNDING)):
             raise GeometryError(
-                "the rocker's face cannot lie on the contour all round: it reaches from"
-                f" {np.min(distance):.6g} to {np.max(distance):.6g} mm from the cam axis, the face"
-                f" from {follower.face_offset - follower.centre_distance:.6g} to"
+                "the rocker's face cannot lie on the contour all round: the contour needs it at"
+                f" {np.min(distance):.6g} to {np.max(distance):.6g} mm from the cam axis, and it"
+                f" can be at {follower.face_offset - follower.centre_distance:.6g} to"
                 f" {follower.farthest:.6g} mm"
             )
         chi = np.arcsin(np.clip(sine, -1.0, 1.0))
@@ -565,7 +572,9 @@ class RockingFace:
         return np.asarray(self.rotation * (normal - theta))
 
     def _seen(self, phi: FloatArray, centres: ComplexArray) -> ComplexArray:
-        """The centres seen from the pivot, against the line to the cam axis."""
+        """(n,) complex [mm] from the pivot to the centres at `phi` (n,) [rad], in the axes of the
+        line to the cam axis.
+        """
         turned = centres * np.exp(1j * (self.rotation * phi - self._axis))
         return np.asarray(turned + self.follower.centre_distance)
 

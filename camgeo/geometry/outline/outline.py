@@ -20,7 +20,14 @@ from typing import Any, Final, Self
 import numpy as np
 
 from camgeo.errors import GeometryError, UndercutError
-from camgeo.geometry.outline.envelope import Envelope, Node, divide, find_nodes, halved, unresolved
+from camgeo.geometry.outline.envelope import (
+    Envelope,
+    Node,
+    divide,
+    find_nodes,
+    halved,
+    unresolved_error,
+)
 from camgeo.geometry.outline.envelope import FlankCells as FlankCells
 from camgeo.geometry.outline.path import Element, Path, Pivot, Stretch, whole
 from camgeo.geometry.pieces import (
@@ -122,8 +129,9 @@ def real_outline(flank: WorkingCurve, bends: Extremes | None = None) -> Outline:
     if not nodes:
         if backward and backward != [(0.0, envelope.total)]:
             raise GeometryError(
-                f"the flank runs back {_unsettled(envelope, backward, nodes)}, where it does not"
-                " cross itself by more than rounding: it cannot be decided what is left of it"
+                "the flank runs back at cam angle"
+                f" {_undecided_angle(envelope, backward, nodes):.6f} deg, where it does not cross"
+                " itself by more than rounding: it cannot be decided what is left of it"
             )
         if backward:
             raise UndercutError(
@@ -140,17 +148,17 @@ def real_outline(flank: WorkingCurve, bends: Extremes | None = None) -> Outline:
         # Where the axis is free, there is a disc about it, and the rest lies around all rollers.
         raise GeometryError(
             "it cannot be decided what is left of the flank: its sides touch to rounding"
-            f" {_unsettled(envelope, backward, nodes)}"
+            f" at cam angle {_undecided_angle(envelope, backward, nodes):.6f} deg"
         )
     lobes = tuple(path for k, path in enumerate(paths) if k != main[0])
-    return Outline(paths[main[0]], lobes, _dropped(paths[main[0]]))
+    return Outline(paths[main[0]], lobes, _dropped_ranges(paths[main[0]]))
 
 
-def _unsettled(
+def _undecided_angle(
     envelope: Envelope, backward: list[tuple[float, float]], nodes: tuple[Node, ...]
-) -> str:
-    """In words, the first range in which the flank runs back and which no crossing cuts off; or if
-    there is none, the first crossing.
+) -> float:
+    """Cam angle [deg] in the middle of the first range in which the flank runs back and which no
+    crossing cuts off; if there is none, of the first crossing.
     """
     total = envelope.total
     spans = [(node.first, node.second) for node in nodes]
@@ -163,20 +171,20 @@ def _unsettled(
         )
     ]
     place = envelope.wrapped(np.array([*places, *(first for first, _ in spans)][:1]))
-    return f"at cam angle {math.degrees(envelope.cam_angles(place)[0]):.6f} deg"
+    return math.degrees(envelope.cam_angles(place)[0])
 
 
 def _convex_outline(flank: WorkingCurve) -> Outline:
     """The whole contact curve of a flat face, or what remains of it where it undercuts.
 
-    `camgeo.geometry.outline.face` shows why the whole one does not cross itself.
+    `camgeo.geometry.pieces` shows why the whole one does not cross itself.
     """
     shape = convexity(flank.pitch)
     if shape.is_convex:
         return Outline(whole(flank), (), ())
 
     path = trimmed_path(flank, shape)
-    return Outline(path, (), _dropped(path))
+    return Outline(path, (), _dropped_ranges(path))
 
 
 def require_room(flank: WorkingCurve) -> None:
@@ -190,6 +198,7 @@ def require_room(flank: WorkingCurve) -> None:
 
 
 def _require_axis(flank: WorkingCurve) -> None:
+    """Raise UndercutError if the roller reaches over the cam axis."""
     nearest, phi = nearest_to_axis(flank.pitch)
     if nearest <= -flank.distance:
         raise UndercutError(
@@ -216,6 +225,7 @@ def _require_simple(pitch: PitchCurve) -> None:
 
 
 def _parts(envelope: Envelope, nodes: tuple[Node, ...]) -> list[_Part]:
+    """The parts of the envelope from each crossing to the next, once round."""
     events = sorted(
         (place, k) for k, node in enumerate(nodes) for place in (node.first, node.second)
     )
@@ -236,11 +246,13 @@ def _boundary_parts(
     start, end = np.array([(part.start, part.end) for part in parts]).T
     ranges = np.array(backward).reshape(-1, 2)
     turns = np.repeat([-envelope.total, 0.0, envelope.total], len(ranges))
+    # Over three turns, so that each part meets its ranges; the infinite one ends every search.
     low, high = np.append(np.tile(ranges, (3, 1)) + turns[:, None], [[np.inf, np.inf]], axis=0).T
     regular = low[np.searchsorted(high, start, side="right")] >= end
+    # A part may reach beyond the turn by which path parameters are counted.
     arriving = np.where(end >= envelope.total, end - envelope.total, end)
     sides = [
-        _sides(envelope, [nodes[number] for number in numbers], places, low, high)
+        _branch_sides(envelope, [nodes[number] for number in numbers], places, low, high)
         for numbers, places in (
             ([part.from_node for part in parts], start),
             ([part.to_node for part in parts], arriving),
@@ -251,12 +263,12 @@ def _boundary_parts(
         return []
     middles = np.array([0.5 * (part.start + part.end) for part in free])
     points = envelope.samples(middles).points
-    owns = _owns(envelope, free, middles)
+    owns = _own_ranges(envelope, free, middles)
     clear = are_clear(envelope.curve.pitch, points, abs(envelope.curve.distance), owns)
     return [part for part, is_clear in zip(free, clear, strict=True) if is_clear]
 
 
-def _sides(
+def _branch_sides(
     envelope: Envelope, nodes: list[Node], places: FloatArray, low: FloatArray, high: FloatArray
 ) -> FloatArray:
     """(n,) positive where the branch at `places` (n,) of the `nodes` enters the part that the other
@@ -271,12 +283,13 @@ def _sides(
     branch_tangents, crossed = (
         envelope.samples(parameters).tangents for parameters in (places, other)
     )
+    # The roller centre lies at -d n from the flank, with the outward normal n = i sigma t.
     sense = -math.copysign(1.0, envelope.curve.distance) * envelope.curve.pitch.rotation
     towards_roller = sense * 1j * crossed
     return np.where(behind, np.nan, (np.conj(towards_roller) * branch_tangents).real)
 
 
-def _owns(envelope: Envelope, parts: list[_Part], middles: FloatArray) -> FloatArray:
+def _own_ranges(envelope: Envelope, parts: list[_Part], middles: FloatArray) -> FloatArray:
     """(n, 2) cam angles about `middles` (n,) along which the tangent provably turns little, inside
     each of the `parts`; the second above the first.
     """
@@ -324,6 +337,7 @@ def are_clear(
     centres, reach = pitch.point(0.5 * (low + high)), _Reach.from_cells(pitch, low, high)
     owners, lows, highs = [], [], []
     for k, (start, end) in enumerate(owns.tolist()):
+        # Cells are counted from the start of the point's own angles on.
         ahead, span = (low - start) % TURN, end - start
         whole = (ahead >= span) & (ahead + wide <= TURN)
         distance = np.abs(centres[whole] - points[k])
@@ -373,13 +387,15 @@ class _Reach:
 
     @classmethod
     def from_cells(cls, pitch: PitchCurve, low: FloatArray, high: FloatArray) -> Self:
+        """The reach over the cells [low, high] (n,) [rad]."""
         centres = rigid_centres(pitch, 0.5 * (low + high))
         return cls(0.5 * (high - low), pitch.speed_bounds(low, high)[0], centres)
 
     def distance_changes(self, points: ComplexArray | complex) -> FloatArray:
-        """(n,) bound [mm] of the change of its distance from `points` (n,), or from one point.
+        """(n,) bound [mm] of how far the roller centre's distance from `points` (n,), or from one
+        point, changes in a cell.
 
-        Where it turns about a point, it is as if `points` turned about that.
+        Where the centre turns about a point, it is as if `points` turned about that one.
         """
         return np.asarray(self.half * np.fmin(self.pace, np.abs(points - self.centres)))
 
@@ -394,6 +410,7 @@ def _loops(nodes: tuple[Node, ...], parts: list[_Part]) -> list[list[_Part]]:
         if first not in following.get(first.from_node, ()):
             continue
         following[first.from_node].remove(first)
+        # A loop is closed by continuing along the other branch at each crossing.
         loop = [first]
         while loop[-1].to_node != first.from_node:
             ways = following.pop(loop[-1].to_node, [])
@@ -408,6 +425,7 @@ def _loops(nodes: tuple[Node, ...], parts: list[_Part]) -> list[list[_Part]]:
 
 
 def _path(envelope: Envelope, nodes: tuple[Node, ...], loop: list[_Part]) -> Path:
+    """The closed path of a loop of parts, with a corner at each crossing."""
     elements: list[Element] = []
     rotation = envelope.curve.pitch.rotation
     meeting = zip(loop, [*loop[1:], loop[0]], strict=True)
@@ -416,6 +434,7 @@ def _path(envelope: Envelope, nodes: tuple[Node, ...], loop: list[_Part]) -> Pat
     angles = envelope.cam_angles(places).tolist()
     for part, (one, other), (phi_start, phi_end) in zip(loop, tangents, angles, strict=True):
         elements += _elements(envelope, part)
+        # At a crossing the path turns from the tangent of one branch to that of the other.
         sweep = float(np.angle(other * np.conj(one)))
         normal = 1j * rotation * complex(one)
         elements.append(Pivot(nodes[part.to_node].point, 0.0, normal, sweep, phi_start, phi_end))
@@ -428,6 +447,7 @@ def _elements(envelope: Envelope, part: _Part) -> list[Element]:
     curve = envelope.curve
     if len(envelope.elements) == 1:
         return [Stretch(curve, part.start, part.end)]
+    # Twice round, as a part may reach across the end of the turn.
     for turn in (0.0, envelope.total):
         for start, element in zip(envelope.starts + turn, envelope.elements, strict=True):
             span = abs(element.sweep) if isinstance(element, Pivot) else element.end - element.start
@@ -469,7 +489,7 @@ def _winding(envelope: Envelope, loop: list[_Part]) -> int:
     return round(float(np.sum(np.angle(np.roll(points, -1) * np.conj(points)))) / TURN)
 
 
-def _dropped(path: Path) -> tuple[tuple[float, float], ...]:
+def _dropped_ranges(path: Path) -> tuple[tuple[float, float], ...]:
     """Ranges of cam angle between the stretches of the disc."""
     corners = [pivot for pivot in path.pivots if pivot.distance == 0.0]
     return tuple(
@@ -518,6 +538,7 @@ def undercut_ranges(flank: WorkingCurve, bends: Extremes) -> list[tuple[float, f
     angles[smooth] = _crossings(flank, phi[smooth], phi[smooth + 1])
     places = np.flatnonzero(crossing)
     marks = [(float(angles[k]), bool(values[k + 1] < 0.0)) for k in places]
+    # A first mark that ends a range belongs to one that began before it, at the last mark.
     if marks and not marks[0][1]:
         marks = [*marks[1:], marks[0]]
     starts = [angle for angle, begins in marks if begins]
@@ -530,8 +551,10 @@ def _crossings(flank: WorkingCurve, low: FloatArray, high: FloatArray) -> FloatA
 
     Its ends may be breaks, at which the value from the other side does not count here.
     """
+    # At a break itself the value of the other side would count.
     low, high = low + INSIDE, high - INSIDE
     at_low, at_high = flank.regularity(low), flank.regularity(high)
+    # Without a change of sign the root is lost in rounding next to an end.
     roots = np.where(np.abs(at_low) < np.abs(at_high), low, high)
     crossing = np.flatnonzero((at_low < 0.0) != (at_high < 0.0))
     roots[crossing] = bracketed_roots(flank.regularity, low[crossing], high[crossing])
@@ -554,9 +577,11 @@ def backward_ranges(envelope: Envelope, bends: Extremes | None = None) -> list[t
     ]
     rotation = flank.pitch.rotation
     for start, element in zip(envelope.starts, envelope.elements, strict=True):
+        # Such an arc is traversed against its tangent, as its pace is -sigma d times the sense of
+        # its sweep.
         if isinstance(element, Pivot) and rotation * element.distance * element.sweep > 0.0:
             backward.append((float(start), float(start) + abs(element.sweep)))
-    return _joined(backward, envelope.total)
+    return _merge_ranges(backward, envelope.total)
 
 
 def deep_ranges(flank: WorkingCurve, bends: Extremes) -> list[tuple[float, float]]:
@@ -584,10 +609,11 @@ def _least_margins(
     values = np.append(np.tile(margins[order], 3), np.inf)
     first = np.searchsorted(angles, start - INSIDE)
     last = np.searchsorted(angles, start + (end - start) % TURN + INSIDE, side="right")
+    # `reduceat` gives the ranges and what lies between them in turn: every other one is a range.
     return np.minimum.reduceat(values, np.column_stack((first, last)).ravel())[::2]
 
 
-def _joined(ranges: list[tuple[float, float]], total: float) -> list[tuple[float, float]]:
+def _merge_ranges(ranges: list[tuple[float, float]], total: float) -> list[tuple[float, float]]:
     """Ranges that meet are merged, in order; those of a whole turn need no merging."""
     ordered = sorted((start, end if end > start else end + total) for start, end in ranges)
     joined: list[tuple[float, float]] = []
@@ -596,6 +622,7 @@ def _joined(ranges: list[tuple[float, float]], total: float) -> list[tuple[float
             joined[-1] = (joined[-1][0], max(end, joined[-1][1]))
         else:
             joined.append((start, end))
+    # The last range may reach into the first one, a turn later.
     if len(joined) > 1 and joined[-1][1] >= total + joined[0][0] - INSIDE:
         first = joined.pop(0)
         joined[-1] = (joined[-1][0], max(joined[-1][1], first[1] + total))
@@ -609,7 +636,7 @@ PASSES = 40
 """Most passes over the cells. Each adds extremes, and in all but the last one some were missing."""
 
 PLACES_NEAR = 65
-"""Places among which an added extreme is sought."""
+"""Places among which an added extreme is searched for."""
 
 
 def sure_bends(flank: WorkingCurve, bends: Extremes) -> Extremes:
@@ -629,7 +656,7 @@ def sure_bends(flank: WorkingCurve, bends: Extremes) -> Extremes:
         if not len(missed):
             return bends
         bends = with_places(flank.pitch, bends, missed)
-    raise unresolved(envelope, missed)
+    raise unresolved_error(envelope, missed)
 
 
 def _missed_of_cells(
@@ -643,8 +670,9 @@ def _missed_of_cells(
         if not len(cells):
             break
         middle = 0.5 * (cells.low + cells.high)
-        wrong = (cells.pace < 0.0) != _inside(middle, known, envelope.total)
+        wrong = (cells.pace < 0.0) != _inside_ranges(middle, known, envelope.total)
         if np.any(wrong):
+            # A pace of rounding has no sign.
             wrong &= np.abs(cells.pace) > CUSP * _speeds(envelope, middle)
         if np.any(wrong):
             missed.append(_extremes_near(envelope, cells.some(wrong)))
@@ -652,7 +680,10 @@ def _missed_of_cells(
     return np.concatenate(missed)
 
 
-def _inside(places: FloatArray, ranges: list[tuple[float, float]], total: float) -> BoolArray:
+def _inside_ranges(
+    places: FloatArray, ranges: list[tuple[float, float]], total: float
+) -> BoolArray:
+    """(n,) whether `places` (n,) lie in one of the `ranges`, which may reach beyond `total`."""
     inside: BoolArray = np.zeros(len(places), dtype=np.bool_)
     if ranges:
         start, end = np.array(ranges).T
@@ -675,6 +706,7 @@ def _extremes_near(envelope: Envelope, cells: FlankCells) -> FloatArray:
     """Cam angles of the middles of cells and of extremes of the curvature in them."""
     shift = envelope.angle_offsets[envelope.element_indices(cells.low)]
     ends = cells.low + shift, cells.high + shift
+    # Without the ends of the cells, which may be breaks.
     grid = np.linspace(*ends, PLACES_NEAR + 2, axis=1)[:, 1:-1]
     roots = roots_on_grid(envelope.curve.pitch.curvature_slope, grid)
     return np.concatenate((roots, 0.5 * (ends[0] + ends[1])))
@@ -739,7 +771,7 @@ def find_crossings(curve: WorkingCurve, bends: Extremes | None = None) -> tuple[
 STEPS: Final = 60
 """Most Newton steps; from the guess six suffice."""
 
-SETTLED: Final = 1e-7
+SMALL_STEP: Final = 1e-7
 """After a Newton step of this fraction of the tail's width the next one is mere rounding."""
 
 SHORT: Final = 0.05
@@ -750,21 +782,21 @@ NODES: Final = 12
 """Nodes of the quadrature over each smooth part; of a part this short it has all digits."""
 
 SAMPLES: Final = 257
-"""Places of an arc among which a common sine is sought where Newton's method does not find it."""
+"""Places of an arc among which a common sine is searched for where Newton's method does not find
+it."""
 
 ROUNDS: Final = 4
-"""Rounds of this search, each on the part between two of the places before."""
+"""Rounds of the search for a common sine, each between two of the places of the round before."""
 
 BISECTIONS: Final = 40
-"""Halvings of the other arc."""
+"""Halvings of the first arc, for each of which the second one is searched."""
 
 END: Final = 1e-9
 """Fraction of an arc next to its ends that counts as the end."""
 
 LOST: Final = 16.0
-"""Units in the last place of how far a face is moved out, by which p / tau is off at the ends of
-the ranges that are found on it, at most; seen are 2.
-"""
+"""Largest rounding error of p / tau at the ends of ranges, in units in the last place of the
+distance by which a face is moved out to find them; 2 were observed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -798,7 +830,7 @@ def trimmed_path(flank: WorkingCurve, shape: Convexity) -> Path:
         If it cannot be decided what is left.
     """
     if shape.turn[0] <= 0.0 or shape.jumps or shape.clearance[0] <= SMALLEST * shape.size:
-        raise UndercutError("a flat face touches only a convex cam, and this one is not")
+        raise UndercutError("a flat face can only touch a convex cam, and this cam is not convex")
     ranges = backward_angles(flank.pitch, shape.turn[0])
     if not ranges:
         return Path((Stretch(flank, 0.0, TURN),))
@@ -807,7 +839,7 @@ def trimmed_path(flank: WorkingCurve, shape: Convexity) -> Path:
         for (_, end), (start, _) in zip([ranges[-1], *ranges[:-1]], ranges, strict=True)
     ]
     arcs = sorted((start % TURN, start % TURN + (end - start)) for start, end in arcs)
-    return _face_path(flank, _scanned(_Face(flank.pitch), arcs))
+    return _face_path(flank, _scan_arcs(_Face(flank.pitch), arcs))
 
 
 def backward_angles(pitch: PitchCurve, turn: float) -> list[tuple[float, float]]:
@@ -826,33 +858,36 @@ def backward_angles(pitch: PitchCurve, turn: float) -> list[tuple[float, float]]
     """
     follower: Any = pitch.follower  # a frozen dataclass
     names = [key.removeprefix("follower.") for key in flat_follower(follower).raising_keys]
-    shift = _fastest(pitch) / turn + follower.base_radius
+    shift = _speed_bound(pitch) / turn + follower.base_radius
+    # Moved out until every part of the outline is regular; the disc is its parallel inwards.
     moved = replace(follower, **{name: getattr(follower, name) + shift for name in names})
     parallel = WorkingCurve(replace(pitch, follower=moved), -shift)
     bends = curvature_extremes(parallel.pitch)
     for _ in range(PASSES):
         ranges = deep_ranges(parallel, bends)
-        missed = _missed(pitch, ranges, shift)
+        missed = _missed_angles(pitch, ranges, shift)
         if not len(missed):
             return sorted(ranges)
         bends = with_places(parallel.pitch, bends, missed)
-    raise _undecided(pitch)
+    raise _undecided_error(pitch)
 
 
-def _undecided(pitch: PitchCurve) -> GeometryError:
-    """The error for a face of which nothing is decided, with the place where it is fastest."""
+def _undecided_error(pitch: PitchCurve) -> GeometryError:
+    """The error for a face whose disc cannot be decided, with the place where its contact is
+    fastest.
+    """
     low, high = turn_cells(pitch)
     middles = 0.5 * (low + high)
     place = float(middles[np.argmax(pitch.speed_bounds(middles, middles)[0])])
     return GeometryError(
         "it cannot be decided what a flat face leaves of the disc: its contact runs too fast for"
-        f" the digits of a number near cam angle {math.degrees(place % TURN):.6f} deg; give the"
-        " move there a larger span or a smaller way",
+        f" double precision near cam angle {math.degrees(place % TURN):.6f} deg; give the move"
+        " there a longer span or a shorter stroke",
         "motion",
     )
 
 
-def _fastest(pitch: PitchCurve) -> float:
+def _speed_bound(pitch: PitchCurve) -> float:
     """A bound of |p| [mm] over the turn, at most twice its largest value, so that few digits of the
     lift are lost where the face is moved out by it.
     """
@@ -867,12 +902,14 @@ def _fastest(pitch: PitchCurve) -> float:
         if not np.any(wide):
             return fastest
         low, high = halves(low, high, wide)
-    raise _undecided(pitch)
+    raise _undecided_error(pitch)
 
 
-def _missed(pitch: PitchCurve, ranges: list[tuple[float, float]], shift: float) -> FloatArray:
-    """Cam angles [rad] at which the sign of p contradicts the `ranges` of p < 0 by more than their
-    ends are off for rounding, that of the face moved `shift` [mm] among it.
+def _missed_angles(
+    pitch: PitchCurve, ranges: list[tuple[float, float]], shift: float
+) -> FloatArray:
+    """Cam angles [rad] at which the sign of p contradicts the `ranges` of p < 0 by more than
+    rounding, which includes that of the face moved out by `shift` [mm].
     """
     start, end = np.array(ranges).reshape(-1, 2).T
     low, high = turn_cells(pitch)
@@ -914,7 +951,7 @@ class _Face:
         return np.asarray(phi - self.pitch.rotation * self.pitch.follower.swing_sense * lift)
 
     def way(self, x: float, y: float, ends: ComplexArray) -> complex:
-        """Z(y) - Z(x) [mm], `ends` being both."""
+        """Z(y) - Z(x) [mm], from their values `ends` (2,) unless these are too close."""
         if y - x > SHORT:
             return complex(ends[1] - ends[0])
         inner = self.breaks[(self.breaks > x) & (self.breaks < y)]
@@ -925,7 +962,7 @@ class _Face:
         return complex(np.sum(parts))
 
 
-def _scanned(face: _Face, arcs: list[Arc]) -> list[tuple[Arc, _Bridge]]:
+def _scan_arcs(face: _Face, arcs: list[Arc]) -> list[tuple[Arc, _Bridge]]:
     """The arcs that count, each with its bridge to the next one."""
     bridges: list[_Bridge | None] = [None] * len(arcs)
     while arcs:
@@ -945,7 +982,7 @@ def _scanned(face: _Face, arcs: list[Arc]) -> list[tuple[Arc, _Bridge]]:
         del arcs[place], bridges[place]
         if bridges:
             bridges[place - 1] = None
-    raise _undecided(face.pitch)
+    raise _undecided_error(face.pitch)
 
 
 def _bridge(face: _Face, first: Arc, second: Arc) -> _Bridge:
@@ -965,7 +1002,7 @@ def _bridge(face: _Face, first: Arc, second: Arc) -> _Bridge:
 
 def _newton(face: _Face, first: Arc, second: Arc, x: float, y: float) -> _Bridge | None:
     """The bridge by Newton's method from a guess; None if it does not converge inside the arcs."""
-    settled = False
+    small_step = False
     for _ in range(STEPS):
         points, (t_x, t_y), (p_x, p_y) = face.contacts(np.array([x, y]))
         sine = float((np.conj(t_x) * t_y).imag)
@@ -974,17 +1011,17 @@ def _newton(face: _Face, first: Arc, second: Arc, x: float, y: float) -> _Bridge
         way = face.way(x, y, points)
         dx = float((np.conj(way) * t_y).imag) / (p_x * sine)
         dy = float((np.conj(way) * t_x).imag) / (p_y * sine)
-        share = min(1.0, _room(x, dx, first), _room(y, dy, second))
+        share = min(1.0, _step_share(x, dx, first), _step_share(y, dy, second))
         x, y = x + share * dx, y + share * dy
-        if settled:
+        if small_step:
             turned = face.turning(np.array([x, y]))
             # Half a turn on, and the same place once more: neither is a sine in common.
             return _Bridge(x, y, exact=True) if turned[1] - turned[0] < math.pi else None
-        settled = abs(dx) + abs(dy) <= SETTLED * (y - x) + 8.0 * math.ulp(TURN)
+        small_step = abs(dx) + abs(dy) <= SMALL_STEP * (y - x) + 8.0 * math.ulp(TURN)
     return None
 
 
-def _room(place: float, step: float, arc: Arc) -> float:
+def _step_share(place: float, step: float, arc: Arc) -> float:
     """Fraction of `step` that stays inside the `arc`."""
     room = 0.9 * ((arc[1] - place) if step > 0.0 else (place - arc[0]))
     return room / abs(step) if abs(step) > room else 1.0
@@ -1037,6 +1074,7 @@ def _face_path(flank: WorkingCurve, parts: list[tuple[Arc, _Bridge]]) -> Path:
     face = _Face(flank.pitch)
     elements: list[tuple[float, list[Element]]] = []
     for k, (_, bridge) in enumerate(parts):
+        # The stretch before the first corner begins at the last one, a turn earlier.
         previous_end = parts[k - 1][1].y - (TURN if k == 0 else 0.0)
         ends = np.array([bridge.x, bridge.y])
         points, tangents, _ = face.contacts(ends)
@@ -1081,7 +1119,7 @@ class AngleCells:
 
     @classmethod
     def from_nodes(cls, nodes: FloatArray) -> AngleCells:
-        """Those between `nodes` (m,) in [0, 2 pi), ascending."""
+        """The ranges between `nodes` (m,) in [0, 2 pi), ascending."""
         return cls(nodes, np.append(nodes[1:], nodes[0] + TURN))
 
     def __len__(self) -> int:
@@ -1094,18 +1132,18 @@ def cover_cells(cells: AngleCells, first: IntArray, count: IntArray, what: str) 
     Raises GeometryError if there are too many pairs; `what` are the pieces, in a message.
     """
     if np.sum(count) > MOST_PAIRS:
-        raise too_rough(what, np.sum(count) / len(cells))
+        raise too_rough_error(what, np.sum(count) / len(cells))
     piece, rank = grouped(count)
     cell = np.remainder(first[piece] + rank, len(cells))
+    # Stable, so that pieces ascend within each cell.
     order = np.argsort(cell, kind="stable")
     return cell[order], piece[order]
 
 
-def too_rough(what: str, layers: float) -> GeometryError:
+def too_rough_error(what: str, layers: float) -> GeometryError:
     """The error for a contour of too many layers."""
     return GeometryError(
-        f"the contour is too rough to be replayed: its {what} in {layers:.0f} layers; smooth it"
-        " first"
+        f"the contour is too rough to be replayed: {what} in {layers:.0f} layers; smooth it first"
     )
 
 
@@ -1114,6 +1152,7 @@ def visible_pieces(cell: IntArray, low: FloatArray, high: FloatArray) -> BoolArr
     heights are between `low` and `high` (p,).
     """
     least = np.full(int(np.max(cell, initial=-1)) + 1, -np.inf)
+    # The highest lower bound in each cell: what stays below it is hidden.
     np.maximum.at(least, cell, low)
     return np.asarray(high >= least[cell])
 
@@ -1121,6 +1160,7 @@ def visible_pieces(cell: IntArray, low: FloatArray, high: FloatArray) -> BoolArr
 def pairs_in_cells(cell: IntArray) -> Iterator[Pairs]:
     """All pairs of places in `cell` (p,), ascending, that have the same one, in batches."""
     step = 1
+    # Equal cells are neighbours: pairs one place apart, then two, and so on.
     while np.any(same := cell[step:] == cell[:-step]):
         index = np.flatnonzero(same)
         yield index, index + step
@@ -1149,10 +1189,12 @@ def outermost(
     count = np.searchsorted(cell, parent, "right") - first
     fine, rank = grouped(count)
     candidate = piece[first[fine] + rank]
+    # A piece that is alone in its cell needs no height.
     several = count[fine] > 1
     middle = 0.5 * (borders + np.append(borders[1:], borders[0] + TURN))
     heights = np.zeros(len(fine))
     heights[several] = height(candidate[several], middle[fine[several]])
+    # By border, then height: the last of each border is on top.
     order = np.lexsort((heights, fine))
     fine, candidate = fine[order], candidate[order]
     top = np.flatnonzero(np.diff(fine, append=-1))
@@ -1162,7 +1204,7 @@ def outermost(
 
 
 def changes(borders: FloatArray, held: IntArray) -> tuple[FloatArray, IntArray]:
-    """Those of `borders` (g,) at which the piece changes, at least one, each with the piece that
+    """The `borders` (g,) at which the piece changes, at least one, each with the piece that
     follows.
     """
     changed = held != np.roll(held, 1)

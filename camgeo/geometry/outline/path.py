@@ -34,7 +34,9 @@ class Flank(StrEnum):
 
     @property
     def sign(self) -> int:
-        """Sign of its distance from the pitch curve, and of the direction that presses a roller."""
+        """Sign of the flank's distance from the pitch curve, and of the direction in which a roller
+        is pressed against it.
+        """
         return -1 if self is Flank.INNER else 1
 
 
@@ -74,7 +76,8 @@ class Pivot:
         `WorkingCurve`.
     normal : n at the start, unit, outward.
     sweep : angle by which n turns [rad], counter-clockwise positive, in (-pi, pi).
-    phi_start, phi_end : cam angles [rad] in [0, 2 pi] of the ends of the neighbouring stretches.
+    phi_start, phi_end : cam angles [rad] in [0, 2 pi] at its two ends: that at which the stretch
+        before it ends, and that at which the one after it begins.
     """
 
     centre: complex
@@ -86,12 +89,12 @@ class Pivot:
 
     @property
     def start(self) -> complex:
-        """Where it begins [mm]."""
+        """First point of the turn [mm]."""
         return self.centre + self.distance * self.normal
 
     @property
     def end(self) -> complex:
-        """Where it ends [mm]."""
+        """Last point of the turn [mm]."""
         return self.centre + self.distance * self.normal * cmath.exp(1j * self.sweep)
 
 
@@ -135,10 +138,13 @@ class Path(Brief):
     @property
     def encloses_axis(self) -> bool:
         """Whether the path, which must not pass through the cam axis, goes round it."""
+        # By quadrature along stretches, in closed form along arcs; the sum is a multiple of a turn.
         turned = math.fsum(
             one.real
             for stretch in self.stretches
-            for one, *_ in stretch_integrals(stretch, (_turning, _turning), NEAR_A_TURN)
+            for one, *_ in stretch_integrals(
+                stretch, (_angle_integrand, _angle_integrand), NEAR_A_TURN
+            )
         )
         turned += math.fsum(_turn_of_arc(pivot) for pivot in self.pivots if pivot.distance != 0.0)
         return round(turned / TURN) != 0
@@ -186,6 +192,7 @@ def whole(curve: WorkingCurve) -> Path:
 
 
 def _offset(element: Element, shift: float) -> Element:
+    """The parallel of an element at `shift` [mm] farther outward."""
     if isinstance(element, Stretch):
         curve = WorkingCurve(element.curve.pitch, element.curve.distance + shift)
         return replace(element, curve=curve)
@@ -222,16 +229,17 @@ def radii(path: Path) -> Extremes:
     return sampled_extremes(places, np.array([extreme.value for extreme in both]))
 
 
-def _turning(point: ComplexArray, way: ComplexArray) -> FloatArray:
+def _angle_integrand(point: ComplexArray, way: ComplexArray) -> FloatArray:
+    """Integrand of the angle about the origin: Im(dz / z)."""
     return np.asarray((way / point).imag)
 
 
 def _turn_of_arc(pivot: Pivot) -> float:
-    """By how much the arc turns about the cam axis [rad], exactly.
+    """Angle [rad] by which the arc turns about the cam axis, exact but for rounding.
 
-    With the axis outside its circle by less than half a turn; with the axis inside by its sweep and
-    what the direction from the axis leads that from the centre, less than a quarter turn, at its
-    ends.
+    If the axis lies outside its circle it is less than half a turn. If it lies inside, it is the
+    sweep plus the change, between the ends, of the lead of the direction from the axis over that
+    from the centre; each lead is less than a quarter turn.
     """
     ends = np.array([pivot.start, pivot.end])
     if abs(pivot.centre) > abs(pivot.distance):
@@ -241,6 +249,7 @@ def _turn_of_arc(pivot: Pivot) -> float:
 
 
 def _stretch_radii(stretch: Stretch) -> Extremes:
+    """Smallest and largest distance of a stretch from the cam axis [mm]."""
     turning = turning_angles(stretch.curve.pitch.motion)
     turning = np.concatenate((turning, turning + TURN))
     inside = turning[(turning > stretch.start) & (turning < stretch.end)]
@@ -252,11 +261,14 @@ def _stretch_radii(stretch: Stretch) -> Extremes:
 
 
 def _pivot_radii(pivot: Pivot) -> Extremes:
-    """Of an arc the ends, and its points in front of its centre and behind it."""
+    """Distances of a corner, or of an arc: at its ends, and where it passes the line from the cam
+    axis through its centre.
+    """
     values = [abs(pivot.start), abs(pivot.end)]
     if pivot.distance != 0.0 and pivot.centre != 0.0:
         outward = pivot.centre / abs(pivot.centre)
         for normal in (outward, -outward):
+            # Whether the normal turns past it: its angle from the start as a share of the sweep.
             if 0.0 <= phase(normal / pivot.normal) / pivot.sweep <= 1.0:
                 values.append(abs(pivot.centre + pivot.distance * normal))
     return Extremes(Extreme(min(values), pivot.phi_end), Extreme(max(values), pivot.phi_end))
@@ -368,6 +380,7 @@ class Moments:
         arm = np.where(arc, start - centre, 0.0)
         radius = np.abs(arm)
         segment = segment_areas(np.abs(end - start), radius, sweep)
+        # The first moment 2/3 r^3 sin^3(a/2) points from the centre to the middle of the arc.
         towards = arm * radius * radius * np.exp(0.5j * sweep) * np.sin(0.5 * sweep) ** 3
         of_segment = np.where(arc, segment * centre, 0.0) + towards * (2.0 / 3.0)
         areas = np.concatenate((triangle, segment))
@@ -395,7 +408,7 @@ def area(path: Path) -> float:
 
 
 def _arc_columns(path: Path) -> tuple[ComplexArray, ComplexArray, FloatArray, ComplexArray]:
-    """Starts and ends (n,) [mm], sweeps (n,) [rad] and centres (n,) [mm] of its arcs."""
+    """Starts and ends (n,) [mm], sweeps (n,) [rad] and centres (n,) [mm] of the arcs of a path."""
     pivots = [pivot for pivot in path.pivots if pivot.distance != 0.0]
     return (
         np.array([pivot.start for pivot in pivots], dtype=np.complex128),
@@ -419,27 +432,31 @@ def segment_areas(chord: FloatArray, radius: FloatArray, sweep: FloatArray) -> F
 
 
 Integrand = Callable[[ComplexArray, ComplexArray], FloatArray | ComplexArray]
-"""What is integrated: of points (n,) and their derivatives by the parameter (n,)."""
+"""An integrand, as a function of points (n,) and their derivatives over the parameter (n,)."""
 
 
-def _area(point: ComplexArray, way: ComplexArray) -> FloatArray:
+def _area_integrand(point: ComplexArray, way: ComplexArray) -> FloatArray:
+    """Integrand of the area."""
     return np.asarray(0.5 * (np.conj(point) * way).imag)
 
 
-def _first(point: ComplexArray, way: ComplexArray) -> ComplexArray:
+def _first_integrand(point: ComplexArray, way: ComplexArray) -> ComplexArray:
+    """Integrand of the first moment, the integral of z dA."""
     return -0.5j * (point * np.conj(point)).real * way
 
 
-def _polar(point: ComplexArray, way: ComplexArray) -> FloatArray:
+def _polar_integrand(point: ComplexArray, way: ComplexArray) -> FloatArray:
+    """Integrand of the polar moment, the integral of |z|^2 dA."""
     return np.asarray(0.25 * (point * np.conj(point)).real * (np.conj(point) * way).imag)
 
 
-def _square(point: ComplexArray, way: ComplexArray) -> ComplexArray:
-    return _first(point, way) * point
+def _square_integrand(point: ComplexArray, way: ComplexArray) -> ComplexArray:
+    """Integrand of the integral of z^2 dA."""
+    return _first_integrand(point, way) * point
 
 
-LOW_ORDER: Final[tuple[Integrand, Integrand]] = (_area, _first)
-SECOND_ORDER: Final[tuple[Integrand, Integrand]] = (_polar, _square)
+LOW_ORDER: Final[tuple[Integrand, Integrand]] = (_area_integrand, _first_integrand)
+SECOND_ORDER: Final[tuple[Integrand, Integrand]] = (_polar_integrand, _square_integrand)
 
 Sums = tuple[complex, complex, float, float]
 """Two integrals, and the estimates of their errors."""
@@ -468,8 +485,11 @@ def stretch_integrals(
         finer_one = ones[:count] + ones[count:]
         finer_other = others[:count] + others[count:]
         one_change, other_change = np.abs(finer_one - one), np.abs(finer_other - other)
+        # Each part may have its share of the tolerance, by length.
         allowed = max(tolerance, ROUNDING) * (high - low) / span
         converged = (one_change <= allowed * one_scale) & (other_change <= allowed * other_scale)
+        # More parts than that are due to rounding, and in the last round nothing is halved any
+        # more: all parts count as they are.
         converged |= 2 * np.count_nonzero(~converged) > MOST_PARTS or halving == HALVINGS - 1
         sums.append(
             (
@@ -485,6 +505,7 @@ def stretch_integrals(
 
 
 def _sum(values: FloatArray | ComplexArray) -> complex:
+    """The sum of `values` (n,), rounded once."""
     return complex(math.fsum(values.real), math.fsum(values.imag))
 
 
@@ -545,12 +566,13 @@ class SecondMoments:
         counts = np.maximum(1, np.ceil(np.abs(sweep) / WIDEST)).astype(np.intp)
         piece, number = grouped(counts)
         share, half, weights = gauss(number / counts[piece], (number + 1) / counts[piece], NODES)
+        # A column, to select for every node of the rule.
         index = piece[:, np.newaxis]
         arc, chord = sweep[index] != 0.0, (end - start)[index]
         arm = (start - centre)[index] * np.exp(1j * sweep[index] * share)
         point = np.where(arc, centre[index] + arm, start[index] + chord * share)
         way = np.where(arc, 1j * sweep[index] * arm, chord)
-        polar, square = _polar(point, way), _square(point, way)
+        polar, square = _polar_integrand(point, way), _square_integrand(point, way)
         return cls(
             math.fsum(half * (polar @ weights)),
             _sum(half * (square @ weights)),

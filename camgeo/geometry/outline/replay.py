@@ -60,13 +60,13 @@ joint is: between two borders the error is that of one piece from one formula, o
 see more than a quarter."""
 
 PLACES: Final = (np.arange(4) + 0.5) / 4.0
-"""Of each smooth piece at which the error is taken, as shares of it."""
+"""Places in each smooth piece at which the error is taken, as shares of the piece."""
 
 AROUND: Final = 0.02
 """Range [rad] on both sides of a joint from which the error of the lift around it is taken."""
 
 SEAM: Final = 1e-9
-"""Least distance [rad] within which a joint is sought: rounding of cam angles."""
+"""Smallest reach [rad] about a joint: the rounding of cam angles."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -96,6 +96,7 @@ class AccelerationJoints:
         [rad] over a turn, as `exact` is.
         """
         left, right = (exact.jet(exact.breaks, side, 2)[2] for side in SIDES)
+        # At other breaks only a higher derivative jumps.
         joints = exact.breaks[left != right]
         phi = (edges[:-1, np.newaxis] + np.diff(edges)[:, np.newaxis] * PLACES).ravel()
         errors = (
@@ -103,7 +104,7 @@ class AccelerationJoints:
         )
         shifts = []
         for joint in joints.tolist():
-            shift = joint_shift(joint, errors[:, _away(phi, joint) < AROUND])
+            shift = joint_shift(joint, errors[:, _angle_distance(phi, joint) < AROUND])
             shifts.append(float(np.max(shift, initial=0.0)))
         return cls(frozen(joints, np.float64), frozen(SEAM + SHIFT * np.array(shifts), np.float64))
 
@@ -115,6 +116,7 @@ class AccelerationJoints:
 
     def deviation(self, quantity: Quantity, exact: Quantity) -> Quantity:
         """How far a quantity is off the exact one, which jumps at the joints."""
+        # The lower and the higher of the values on both sides of each joint.
         sides = np.sort([exact(self.places, side) for side in SIDES], axis=0)
         joints = list(zip(self.places.tolist(), self.reaches.tolist(), *sides, strict=True))
 
@@ -122,14 +124,14 @@ class AccelerationJoints:
             values = quantity(phi, side)
             errors = values - exact(phi, side)
             for joint, reach, low, high in joints:
-                near = _away(phi, joint) <= reach
+                near = _angle_distance(phi, joint) <= reach
                 errors[near] = values[near] - np.clip(values[near], low, high)
             return errors
 
         return error
 
 
-def _away(phi: FloatArray, joint: float) -> FloatArray:
+def _angle_distance(phi: FloatArray, joint: float) -> FloatArray:
     """(n,) distance [rad] of `phi` (n,) from a joint, round the turn."""
     return np.abs(np.remainder(phi - joint + 0.5 * TURN, TURN) - 0.5 * TURN)
 
@@ -177,7 +179,7 @@ def replay_contour(
     else:
         _require_inner(press)
         lift = FaceLift.from_contour(contour, pitch)
-    return compared(pitch, lift.without_corners(corner), press, step, corner)
+    return replay_lift(pitch, lift.without_corners(corner), press, step, corner)
 
 
 def replay_spline(
@@ -193,7 +195,7 @@ def replay_spline(
     Otherwise as `replay_contour`; raises as `ActualLift.from_splines`.
     """
     press = Flank(flank).sign
-    return compared(pitch, ActualLift.from_splines(pitch, contour, press), press, step, corner)
+    return replay_lift(pitch, ActualLift.from_splines(pitch, contour, press), press, step, corner)
 
 
 def replay_outline(
@@ -230,7 +232,7 @@ def replay_outline(
         if len(corners) != len(starts):
             raise GeometryError("a stretch is missing where the outline has no corner for the face")
         face = FaceLift.from_corners(pitch, corners, starts, ends)
-        return compared(pitch, face, press, step)
+        return replay_lift(pitch, face, press, step)
     radius = abs(distance)
     # A pivot at no distance from the roller centre is the roller's turn about its own centre.
     pivots = [pivot for pivot in outline.offset(-distance).pivots if pivot.distance != 0.0]
@@ -248,12 +250,15 @@ def replay_outline(
     centres = np.array([pivot.centre for pivot in pivots], dtype=np.complex128)
     # A knife edge has no such pivots.
     lift = ActualLift.from_corners(pitch, centres, press, radius or 1.0, _gaps(stretches), played)
-    return compared(pitch, lift, press, step)
+    return replay_lift(pitch, lift, press, step)
 
 
 def _require_inner(press: int) -> None:
+    """Raise GeometryError if a flat face would be pressed outward."""
     if press > 0:
-        raise GeometryError("a flat face runs on the inner flank, outside of the disc", key="flank")
+        raise GeometryError(
+            "a flat face can only run on the inner flank, the outside of the disc", key="flank"
+        )
 
 
 def _gaps(stretches: tuple[Stretch, ...]) -> tuple[FloatArray, FloatArray]:
@@ -267,23 +272,25 @@ def _gaps(stretches: tuple[Stretch, ...]) -> tuple[FloatArray, FloatArray]:
     return starts[gaps], starts[gaps] + widths[gaps]
 
 
-def compared(
+def replay_lift(
     pitch: PitchCurve,
     lift: DiscLift,
     press: int,
     step: float = STEP,
     corner: float = CORNER,
 ) -> Replay:
-    """The replay of `lift`."""
+    """The replay of `lift`: its samples, and where it or its velocity jumps."""
     motion = pitch.motion
     peaks = [_peak(motion, order) for order in (1, 2)]
     count = math.ceil(TURN / step)
     grid = np.arange(count, dtype=np.float64) * (TURN / count)
+    # The samples include the places of the demanded peaks.
     grid = ascending(np.concatenate((grid, [peak.place for peak in peaks])))
     special = ascending(np.concatenate((lift.borders, lift.breaks)))
     lifts = [lift.displacement(special, side) for side in SIDES]
     dropped = np.abs(lifts[1] - lifts[0]) > DROP * pitch.follower.lift_scale
     drops = Jumps(special[dropped], lifts[0][dropped], lifts[1][dropped])
+    # At a drop the velocity is unbounded, so that there is no sample.
     special = special[~dropped]
     grid = grid[~np.isin(grid, np.concatenate((special, drops.phi)))]
     left, right = (_Samples.sample(lift, special, side) for side in SIDES)
@@ -331,7 +338,7 @@ class _Samples:
 
 
 def _shocks(lift: DiscLift, left: _Samples, right: _Samples, corner: float) -> Jumps:
-    """Where the direction in which the roller centre runs turns by more than `corner`."""
+    """The jumps of the velocity where the roller centre turns by more than `corner` [rad]."""
     arriving, leaving = (lift.heading(side.phi, side.actual) for side in (left, right))
     turned = np.abs(np.angle(leaving * arriving.conj()))
     is_shock = turned > corner
@@ -376,7 +383,7 @@ class Jumps:
     Attributes
     ----------
     phi : (k,) cam angles [rad] in [0, 2 pi), ascending.
-    left, right : (k,) the value on both sides.
+    left, right : (k,) the values on both sides.
     """
 
     phi: FloatArray
@@ -405,8 +412,8 @@ class Replay(CheckedFields):
 
     Samples are for pictures. They lie on a regular grid and at both sides of every place where the
     formula of the actual or of the demanded motion changes; such a place occurs twice in `phi`, its
-    left side first. What is largest is sought in the smooth pieces between these places, whatever
-    the grid.
+    left side first. The largest values are searched for in the smooth pieces between these places,
+    whatever the grid.
 
     Attributes
     ----------
@@ -455,10 +462,12 @@ class Replay(CheckedFields):
         highest = piecewise_highest(lambda phi, side: sense * self._error(phi, side), edges)
         if highest.value <= 0.0:
             return Extreme(0.0, highest.place % TURN)
+        # The ends of the smooth piece in which the place lies.
         neighbours = np.searchsorted(edges, highest.place) + np.array([-1, 0])
         low = max(highest.place - POLISHED, float(edges[max(neighbours[0], 0)]))
         high = min(highest.place + POLISHED, float(edges[neighbours[1]]))
         ends = np.array([low, high])
+        # A top is flat: the root of the slope gives its place more exactly than the values do.
         slopes = self._error(ends, "right", 1) if low < highest.place < high else np.zeros(2)
         if slopes[0] * slopes[1] < 0.0:
             phi = bracketed_roots(
@@ -547,8 +556,9 @@ class Replay(CheckedFields):
         return np.asarray(edges[np.append(True, deviating) | np.append(deviating, True)])
 
     def _peak(self, quantity: Quantity, more: FloatArray | None = None) -> Extreme | None:
-        """Of the largest magnitude; it is smooth between `smooth_edges` and what there is `more`
-        (k,) [rad].
+        """The value of `quantity` of the largest magnitude; None if the lift jumps.
+
+        It is smooth between `smooth_edges` and the cam angles `more` (k,) [rad].
         """
         if len(self.drops):
             return None
@@ -580,8 +590,8 @@ def contact_elements(
 
 
 def _farthest(pair: Extremes) -> Extreme:
-    """That of the larger magnitude, in the first turn; the highest one if they are equal but for
-    rounding.
+    """The extreme of the larger magnitude, its place in the first turn; the highest one if both are
+    equal but for rounding.
     """
     higher = pair.highest.value >= -pair.lowest.value * (1.0 - EQUAL)
     one = pair.highest if higher else pair.lowest

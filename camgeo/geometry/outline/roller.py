@@ -54,7 +54,7 @@ if TYPE_CHECKING:
 STEPS = 40
 """Most Newton steps; the parallel is near the pitch curve, so five are already many."""
 
-SETTLED = 64.0 * 2.0**-52
+SMALL_STEP = 64.0 * 2.0**-52
 """A step [rad] below this, a few roundings of a cam angle, is the last one."""
 
 LONGEST = 0.2
@@ -90,6 +90,7 @@ class PlayedLift:
         return self._passed(self.parallel.borders)
 
     def _passed(self, theta: FloatArray) -> FloatArray:
+        """(m,) cam angles [rad], ascending, at which the centre is at `theta` (m,) [rad]."""
         angles, _ = self.path.cam_coordinates(self.parallel.point(theta))
         return ascending(angles)
 
@@ -131,15 +132,16 @@ class PlayedLift:
             across = np.conj(self.path.along(angles, q)[0])
             turning = (across * (-1j * self.path.rotation) * points).imag
             rate = (across * tangents).imag * pace
+            # Where the path is tangent to the parallel, or beyond that, no step leads on.
             if np.any(rate * turning <= 0.0):
                 break
-            step = np.clip(_signed(phi - angles) * turning / rate, -LONGEST, LONGEST)
+            step = np.clip(_signed_angles(phi - angles) * turning / rate, -LONGEST, LONGEST)
             theta = theta + step
-            if np.max(np.abs(step), initial=0.0) <= SETTLED * TURN:
+            if np.max(np.abs(step), initial=0.0) <= SMALL_STEP * TURN:
                 return theta
         raise GeometryError(
-            "the play is too large to be followed: the follower's path does not meet the curve of"
-            " the roller centre on that flank near by"
+            "the side clearance is too large: near the demanded position the follower's path does"
+            " not meet the curve of the roller centre on that flank"
         )
 
     def _snap_to_breaks(self, theta: FloatArray) -> FloatArray:
@@ -165,11 +167,13 @@ SEAM = 1e-9
 ends differ by rounding."""
 
 HALF_ARC = 0.52
-"""Half an arc of at most an eighth of a turn over its chord, at most: pi/16 / sin(pi/8)."""
+"""Largest ratio of half an arc of up to an eighth of a turn to its chord: pi/16 / sin(pi/8)."""
 
 
 def piece_numbers(borders: FloatArray, held: IntArray, angle: FloatArray, side: Side) -> IntArray:
-    """(n,) the piece at `angle` (n,) [rad] of any turn, seen from that side; see `changes`."""
+    """(n,) number of the piece at `angle` (n,) [rad] of any turn, approached from `side`; `borders`
+    and `held` are those of `changes`.
+    """
     return np.asarray(held[np.searchsorted(borders, np.remainder(angle, TURN), side) - 1])
 
 
@@ -201,24 +205,24 @@ class DiscLift(ABC):
         return int(self.path.outward)
 
     @property
-    def free(self) -> Motion | PlayedLift:
-        """The motion where it is AS_DEMANDED."""
+    def free_motion(self) -> Motion | PlayedLift:
+        """The motion of the follower where its number is AS_DEMANDED."""
         return self.motion
 
     @property
     def as_demanded(self) -> bool:
-        """Whether it is the demanded one, exactly, where it is AS_DEMANDED: no roller with play."""
-        return self.free is self.motion
+        """Whether the motion is exactly the demanded one where AS_DEMANDED: no roller with play."""
+        return self.free_motion is self.motion
 
     @property
     def breaks(self) -> FloatArray:
         """(m,) cam angles [rad] where a derivative of the demanded or the played lift may jump."""
-        return ascending(np.concatenate((self.motion.breaks, self.free.breaks)))
+        return ascending(np.concatenate((self.motion.breaks, self.free_motion.breaks)))
 
     @property
     def knots(self) -> FloatArray:
         """(m,) the `breaks` and all other cam angles [rad] where the formula of either changes."""
-        return ascending(np.concatenate((self.motion.borders, self.free.borders)))
+        return ascending(np.concatenate((self.motion.borders, self.free_motion.borders)))
 
     @abstractmethod
     def holding_elements(self, numbers: IntArray) -> tuple[IntArray, FloatArray]:
@@ -240,7 +244,7 @@ class DiscLift(ABC):
         """
 
     @abstractmethod
-    def held(self, phi: FloatArray, numbers: IntArray, order: Literal[0, 2, 3]) -> FloatArray:
+    def held_jet(self, phi: FloatArray, numbers: IntArray, order: Literal[0, 2, 3]) -> FloatArray:
         """(order + 1, n) lift with derivatives where `numbers` (n,) hold it at `phi` (n,) [rad]."""
 
     def without_corners(self, corner: float) -> Self:
@@ -255,7 +259,7 @@ class DiscLift(ABC):
         return turns > corner
 
     def number(self, phi: FloatArray, side: Side = "right") -> IntArray:
-        """(n,) what holds it at `phi` (n,) [rad]."""
+        """(n,) number of what holds the follower at `phi` (n,) [rad]."""
         return piece_numbers(self.borders, self.numbers, phi, side)
 
     def displacement(self, phi: FloatArray, side: Side = "right") -> FloatArray:
@@ -275,13 +279,14 @@ class DiscLift(ABC):
         return self._rows(phi, side, order)
 
     def _rows(self, phi: FloatArray, side: Side, order: Literal[0, 2, 3]) -> FloatArray:
+        """(order + 1, n) lift with derivatives, of what holds the follower at `phi` (n,) [rad]."""
         number = self.number(phi, side)
         held = number != AS_DEMANDED
         jet = np.empty((order + 1, len(phi)))
         if not np.all(held):
-            jet[:, ~held] = self.free.jet(phi[~held], side, max(order, 1))[: order + 1]
+            jet[:, ~held] = self.free_motion.jet(phi[~held], side, max(order, 1))[: order + 1]
         if np.any(held):
-            jet[:, held] = self.held(phi[held], number[held], order)
+            jet[:, held] = self.held_jet(phi[held], number[held], order)
         return jet
 
 
@@ -296,11 +301,11 @@ class ActualLift(DiscLift):
     """
 
     path: FollowerPath
-    branches: Branches | Chain
+    branches: Branches | SplineBranches
     played: PlayedLift | None = None
 
     @property
-    def free(self) -> Motion | PlayedLift:
+    def free_motion(self) -> Motion | PlayedLift:
         """See `DiscLift`."""
         return self.played or self.motion
 
@@ -308,13 +313,14 @@ class ActualLift(DiscLift):
         """See `DiscLift`."""
         return self.branches.elements[numbers], self.branches.corners[numbers]
 
-    def held(self, phi: FloatArray, numbers: IntArray, order: Literal[0, 2, 3]) -> FloatArray:
+    def held_jet(self, phi: FloatArray, numbers: IntArray, order: Literal[0, 2, 3]) -> FloatArray:
         """See `DiscLift`."""
         return self.branches.jet(self.path, phi, numbers, order)
 
     def heading(self, phi: FloatArray, jet: FloatArray) -> ComplexArray:
         """See `DiscLift`: of the roller centre."""
         q = self.path.start + self.outward * jet[0]
+        # The cam turns under the follower, so that in the cam the centre turns the other way.
         turn = -1j * self.path.rotation * self.path.point(phi, q)
         along, _ = self.path.along(phi, q)
         return np.asarray(turn + along * self.outward * jet[1])
@@ -330,17 +336,20 @@ class ActualLift(DiscLift):
         """The lift of the roller of `pitch` on a closed contour of lines and arcs,
         counter-clockwise.
 
-        `press` is as for `pressed`. Raises GeometryError as `parallel` and `pressed`.
+        `press` is as for `holding_branches`. Raises GeometryError as `parallel` and
+        `holding_branches` do.
         """
         path = path_of(pitch.follower, pitch.rotation)
         roller_branches = branches(parallel(contour, -press * pitch.follower.roller_radius), path)
         whole = (np.zeros(1), np.full(1, TURN))
-        return cls(path, pitch, *pressed(roller_branches, path, press, whole), roller_branches)
+        return cls(
+            path, pitch, *holding_branches(roller_branches, path, press, whole), roller_branches
+        )
 
     @classmethod
     def from_splines(cls, pitch: PitchCurve, contour: SplineContour, press: int) -> ActualLift:
         """The lift of the roller of `pitch` on a closed contour of cubics, arcs and lines,
-        counter-clockwise; `press` is as for `pressed`.
+        counter-clockwise; `press` is as for `holding_branches`.
 
         Raises
         ------
@@ -349,11 +358,12 @@ class ActualLift(DiscLift):
             into, or does not run once round the cam axis within the follower's reach.
         """
         path = path_of(pitch.follower, pitch.rotation)
-        chain, lows, highs = _chain(contour, -press * pitch.follower.roller_radius, path)
+        chain, lows, highs = _spline_branches(contour, -press * pitch.follower.roller_radius, path)
         order = np.argsort(lows, kind="stable")
         spans = np.remainder(highs - lows, TURN)
+        # Branches of no width are rounding.
         order = order[spans[order] > GAP]
-        gaps = np.abs(_signed(np.roll(lows[order], -1) - highs[order]))
+        gaps = np.abs(_signed_angles(np.roll(lows[order], -1) - highs[order]))
         if not np.all(gaps <= GAP) or not abs(float(np.sum(spans[order])) - TURN) <= GAP * len(
             order
         ):
@@ -371,20 +381,22 @@ class ActualLift(DiscLift):
         played: PlayedLift | None,
     ) -> ActualLift:
         """The lift of a roller of `radius` [mm] that runs over the `corners` (k,) [mm] of an
-        outline in the `ranges`, as of `pressed`, and elsewhere as demanded, or as `played`.
+        outline in the `ranges`, as of `holding_branches`; elsewhere it moves as demanded, or as
+        `played`.
         """
         path = path_of(pitch.follower, pitch.rotation)
         none, normals = np.zeros(len(corners)), np.ones(len(corners), dtype=np.complex128)
+        # Full circles about the corners, each begun on its right-hand side.
         points, number = corners + radius, -1 - np.arange(len(corners))
         circles = cut(points, points, normals, none + 1.0 / radius, none + TURN, none, number)
         roller_branches = branches(circles, path)
         borders, numbers = np.zeros(1), np.full(1, AS_DEMANDED)
         if len(ranges[0]):
-            borders, numbers = pressed(roller_branches, path, press, ranges)
+            borders, numbers = holding_branches(roller_branches, path, press, ranges)
         return cls(path, pitch, borders, numbers, roller_branches, played)
 
 
-def pressed(
+def holding_branches(
     branches: Branches, path: FollowerPath, press: int, ranges: tuple[FloatArray, FloatArray]
 ) -> tuple[FloatArray, IntArray]:
     """Borders (k,) [rad] and the branch (k,) that holds the roller from each of them on.
@@ -402,11 +414,13 @@ def pressed(
     """
     starts, ends = ranges
     nodes = ascending(np.concatenate((branches.lows, branches.highs, starts, ends % TURN)))
-    wanted = _wanted(nodes, starts, ends)
+    wanted = _wanted_cells(nodes, starts, ends)
     cells = AngleCells.from_nodes(nodes)
     first = np.searchsorted(nodes, branches.lows)
     count = np.remainder(np.searchsorted(nodes, branches.highs) - first, len(nodes))
-    cell, branch = cover_cells(cells, first, count, "parallel at the roller radius lies")
+    cell, branch = cover_cells(
+        cells, first, count, "the pieces of its parallel at the roller radius overlap"
+    )
     used = wanted[cell]
     cell, branch = cell[used], branch[used]
     _require_cover(cells, wanted, cell)
@@ -418,17 +432,19 @@ def pressed(
 
     borders, parent, held = outermost(cells, (cell, branch), inner, height)
     seam = np.flatnonzero(wanted[parent] & (held == AS_DEMANDED))
+    # In a seam nothing holds the roller: what held it before goes on.
     for number in seam:
         held[number] = held[number - 1]
     return changes(borders, held)
 
 
-def _wanted(nodes: FloatArray, starts: FloatArray, ends: FloatArray) -> BoolArray:
+def _wanted_cells(nodes: FloatArray, starts: FloatArray, ends: FloatArray) -> BoolArray:
     """(m,) whether the cell from each node on is in one of the ranges, whose ends are nodes."""
     cell = np.arange(len(nodes))
     wanted = np.zeros(len(nodes), dtype=np.bool_)
     for start, end in zip(starts, ends, strict=True):
         first, last = np.searchsorted(nodes, (start, end % TURN))
+        # A range of a whole turn ends in the node where it begins.
         count = (last - first) % len(nodes) if end - start < TURN else len(nodes)
         wanted |= np.remainder(cell - first, len(nodes)) < count
     return wanted
@@ -451,6 +467,7 @@ def _without_hidden(
     ends = []
     for angles in (cells.low[inner], cells.high[inner]):
         ends.append(path.point(angles, path.meet(angles, bows, facing)))
+    # The branch between both ends keeps within half its length of their mean distance.
     middle = 0.5 * (np.abs(ends[0]) + np.abs(ends[1]))
     half = HALF_ARC * np.abs(ends[1] - ends[0])
     near, far = path.coordinate(np.maximum(middle - half, 0.0)), path.coordinate(middle + half)
@@ -461,13 +478,14 @@ def _without_hidden(
 
 
 def _require_cover(cells: AngleCells, wanted: BoolArray, cell: IntArray) -> None:
+    """Raise GeometryError if a `wanted` cell wider than a seam has no branch."""
     bare = wanted & (np.bincount(cell, minlength=len(wanted)) == 0)
     bare &= cells.high - cells.low > SEAM
     if np.any(bare):
         place = np.degrees(cells.low[np.flatnonzero(bare)[0]])
         raise GeometryError(
-            f"at cam angle {place:.6g} degrees the follower's path does not meet the contour; it"
-            " must run once round the cam axis, within the follower's reach"
+            f"at cam angle {place:.6g} degrees the follower's path does not meet the contour; the"
+            " contour must run once round the cam axis, within the follower's reach"
         )
 
 
@@ -499,7 +517,7 @@ def _crossings(
 # It is the contour's parallel at the roller radius: a line gives a line, an arc a concentric arc, a
 # corner the arc of the roller radius about it. Nothing is trimmed: where the contour turns in, or
 # is too narrow for the roller, the parallel crosses itself, and the follower's place decides (see
-# `camgeo.geometry.outline.roller`). Each of its points is a roller radius from some point of the
+# `holding_branches`). Each of its points is a roller radius from some point of the
 # contour, so none can represent a place that the roller does not reach.
 
 
@@ -594,6 +612,7 @@ def parallel(contour: Contour, distance: float) -> Parallel:
     first = _unit(np.where(arc, sense * (starts - centres), -1j * chords))
     last = np.where(arc, _unit(np.where(arc, sense * (ends - centres), 1.0)), first)
     curvatures = np.where(arc, sense / np.where(arc, np.abs(starts - centres), 1.0), 0.0)
+    # The parallel at d scales the radius of an arc by 1 + kappa d; near 0 it is a point.
     share = 1.0 + curvatures * distance
     extended = np.flatnonzero(np.abs(share) > POINT)
     pieces = cut(
@@ -638,6 +657,7 @@ def branches(pieces: Parallel, path: FollowerPath) -> Branches:
     inner = np.concatenate(places)
     with np.errstate(divide="ignore", invalid="ignore"):
         shares = inner / pieces.lengths
+        # Places outside of a piece sort behind its end.
         shares[~((shares > 0.0) & (shares < 1.0))] = np.inf
     count = len(bows)
     shares = np.sort(np.concatenate((np.zeros((1, count)), shares, np.ones((1, count)))), axis=0)
@@ -688,8 +708,10 @@ def cut(
     normal = normals[index] * np.exp(1j * step * rank)
     kappa = curvatures[index]
     bent = kappa != 0.0
+    # On a circle the point moves by the change of the normal over the curvature.
     shift = np.divide(normal - normals[index], kappa, out=np.zeros_like(normal), where=bent)
     point = starts[index] + shift
+    # A part ends where the next one begins; the last one ends where its arc does.
     finish = np.where(rank + 1 == parts[index], ends[index], np.roll(point, -1))
     way = np.divide(2.0 * np.tan(0.5 * step), kappa, out=np.zeros_like(step), where=bent)
     return Parallel(
@@ -729,11 +751,11 @@ def _clip_to_reach(points: ComplexArray, reach: tuple[float, float]) -> ComplexA
 
 
 BEYOND: Final = 0.1
-"""Parameters that far beyond a cubic are still tried."""
+"""How far beyond [0, 1] parameters of a cubic are still tried."""
 
 LOOKS: Final = 33
-"""Parameters of each cubic at which its parallel is looked at: whether it is regular and the cam
-angle runs one way. This is sampled, not proved; cubics of a fit turn by little."""
+"""Parameters of each cubic at which its parallel is checked: it must be regular, and the cam
+angle run one way. This is sampled, not proved; cubics of a fit turn by little."""
 
 GAP: Final = 1e-9
 """Neighbouring branches meet within this cam angle [rad]: the rounding of their ends."""
@@ -774,6 +796,7 @@ class Cubics:
         speed = np.abs(first)
         cross = (first.conj() * second).imag
         kappa = cross / speed**3
+        # Derivative of kappa over t, from those of the cross product and of the speed.
         grown = (first.conj() * third).imag / speed**3 - 3.0 * kappa * dot(first, second) / speed**2
         share = 1.0 + self.distance * kappa
         normal = -1j * first / speed
@@ -787,7 +810,7 @@ class Cubics:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Chain:
+class SplineBranches:
     """What the roller runs on, arcs, then cubics; otherwise as `Branches`.
 
     Attributes
@@ -837,7 +860,7 @@ class Chain:
             If Newton's method finds none.
         """
         spans = self.ends[index] - self.starts[index]
-        t = np.clip(_signed(phi - self.starts[index]) / spans, 0.0, 1.0)
+        t = np.clip(_signed_angles(phi - self.starts[index]) / spans, 0.0, 1.0)
         for _ in range(STEPS):
             point, normal, pace, _, _ = self.cubics.traced(index, t)
             angles, q = path.cam_coordinates(point)
@@ -845,18 +868,18 @@ class Chain:
             across = np.conj(path.along(angles, q)[0])
             turning = (across * (-1j * path.rotation) * point).imag
             rate = (across * 1j * normal).imag * pace
-            step = _signed(phi - angles) * turning / rate
+            step = _signed_angles(phi - angles) * turning / rate
             moved = np.clip(t + step, -BEYOND, 1.0 + BEYOND)
             last = np.max(np.abs((moved - t) * spans), initial=0.0)
             t = moved
-            if last <= SETTLED * TURN:
+            if last <= SMALL_STEP * TURN:
                 return t
         raise GeometryError("the roller does not touch the spline where it should")
 
 
-def _chain(
+def _spline_branches(
     contour: SplineContour, distance: float, path: FollowerPath
-) -> tuple[Chain, FloatArray, FloatArray]:
+) -> tuple[SplineBranches, FloatArray, FloatArray]:
     """The chain, and where each of its branches begins and ends over the cam angle [rad]."""
     pieces = contour.pieces
     cubic = np.array([isinstance(piece, np.ndarray) for piece in pieces])
@@ -869,11 +892,11 @@ def _chain(
     corners = _corners(pieces, ends, distance)
     straight = branches(joined([plain, corners]), path)
     if np.any(straight.facing < 0.0):
-        raise _folded()
-    starts, finishes = _ranges(cubics, path)
+        raise _folded_error()
+    starts, finishes = _cubic_ranges(cubics, path)
     forward = path.rotation < 0
     lows, highs = (starts, finishes) if forward else (finishes, starts)
-    whole = Chain(
+    whole = SplineBranches(
         straight,
         cubics,
         starts,
@@ -888,7 +911,7 @@ def _chain(
     )
 
 
-def _ranges(cubics: Cubics, path: FollowerPath) -> tuple[FloatArray, FloatArray]:
+def _cubic_ranges(cubics: Cubics, path: FollowerPath) -> tuple[FloatArray, FloatArray]:
     """Cam angles (n,) [rad] at both ends of each parallel; raises if it is folded."""
     count = len(cubics.pieces)
     index = np.repeat(np.arange(count), LOOKS)
@@ -897,9 +920,10 @@ def _ranges(cubics: Cubics, path: FollowerPath) -> tuple[FloatArray, FloatArray]
     angles, q = path.cam_coordinates(point)
     along, _ = path.along(angles, q)
     if not np.all((pace > 0.0) & (dot(normal, along) > 0.0)):
-        raise _folded()
+        raise _folded_error()
     rows = angles.reshape(count, LOOKS)
-    return rows[:, 0], rows[:, 0] + np.sum(_signed(np.diff(rows, axis=1)), axis=1)
+    # Unrolled step by step, as a cubic may cross cam angle 0.
+    return rows[:, 0], rows[:, 0] + np.sum(_signed_angles(np.diff(rows, axis=1)), axis=1)
 
 
 def _arcs(arcs: list[Arc], numbers: IntArray, distance: float) -> Parallel:
@@ -915,7 +939,7 @@ def _arcs(arcs: list[Arc], numbers: IntArray, distance: float) -> Parallel:
     kappa = np.where(curved, np.sign(sweeps) / np.where(curved, radii, 1.0), 0.0)
     share = 1.0 + kappa * distance
     if np.any(share <= 0.0):
-        raise _folded()
+        raise _folded_error()
     lengths = np.where(curved, 0.0, np.abs(ends - starts))
     return cut(
         starts + distance * first, ends + distance * last, first, kappa / share, sweeps, lengths,
@@ -959,13 +983,14 @@ def _headings(piece: Arc | ComplexArray) -> tuple[complex, complex]:
     return ways[0] / abs(ways[0]), ways[1] / abs(ways[1])
 
 
-def _folded() -> GeometryError:
+def _folded_error() -> GeometryError:
+    """The error for a spline that the roller cannot follow from end to end."""
     return GeometryError(
         "the spline is curved more tightly than the roller, or runs along the follower's path"
     )
 
 
-def _signed(angles: FloatArray) -> FloatArray:
+def _signed_angles(angles: FloatArray) -> FloatArray:
     """(n,) the same angles [rad] in [-pi, pi)."""
     return np.asarray(np.remainder(angles + 0.5 * TURN, TURN) - 0.5 * TURN)
 
