@@ -360,8 +360,8 @@ def tangent_turns(offsets: FloatArray, lengths: FloatArray, last: IntArray) -> F
 
     Parameters
     ----------
-    offsets : (S, p) [mm] how far the curve lies to the right of the biarcs with its own tangents, at
-        p places that divide each span evenly.
+    offsets : (S, p) [mm] how far the curve lies to the right of the biarcs with its own tangents,
+        at p places that divide each span evenly.
     lengths : (S,) [mm] of the spans' chords.
     last : (k,) number of the last span of each chain.
     """
