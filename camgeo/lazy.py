@@ -83,7 +83,7 @@ class Ledger:
         """A copy or pickle is an empty ledger, without results and hooks."""
         return Ledger, ()
 
-    def entry(self, name: str, known: MutableMapping[str, Any] | None = None) -> Entry:
+    def entry(self, name: str, known: MutableMapping[str, Any] | None = None) -> LedgerEntry:
         """A context in which the quantity `name` is computed by this thread alone, and recorded.
 
         With `known`, a quantity without a result is not computed twice: its error, one of
@@ -96,7 +96,7 @@ class Ledger:
         Cancelled
             If `cancelled` returns True.
         """
-        return Entry(self, name, known)
+        return LedgerEntry(self, name, known)
 
     def begin(self, name: str) -> str:
         """Record that the computation of `name` begins; return its name in the record."""
@@ -122,7 +122,7 @@ class Ledger:
         self.runs.append(Computation(name, requester, seconds, seconds - inner, failed))
 
 
-class Entry:
+class LedgerEntry:
     """A context that records a computation in a ledger, and holds the lock of that meanwhile.
 
     It is a context, not a function that calls the computation, so that deep chains of quantities
@@ -208,7 +208,7 @@ class lazy(Generic[Value]):
 
     def entry(self, instance: HasLedger) -> AbstractContextManager[None]:
         """The context in which the value is computed."""
-        return Entry(instance.ledger, self.name, instance.__dict__)
+        return LedgerEntry(instance.ledger, self.name, instance.__dict__)
 
 
 class built(lazy[Value]):

@@ -16,7 +16,7 @@ from camgeo.geometry.pieces import Extremes, curvature_extremes, extremes
 from camgeo.geometry.pitch_curve import PitchCurve, WorkingCurve
 from camgeo.kinematics.mechanism.linkage import FarEnd, Linkage, linked
 from camgeo.kinematics.mechanism.values import Length, Member
-from camgeo.kinematics.motion import Dwell, Jet, Motion, turning_angles
+from camgeo.kinematics.motion import Jet, MergedDwell, Motion, turning_angles
 from camgeo.kinematics.plan import MotionPlan
 from camgeo.lazy import Ledger, built, lazy
 from camgeo.numeric.arrays import FloatArray, Side, merged
@@ -346,7 +346,7 @@ class Breadth:
         """(k,) cam angles [rad] at which the formula changes on either side."""
         return _add_opposite_angles(self.motion.borders)
 
-    dwells: ClassVar[tuple[Dwell, ...]] = ()
+    dwells: ClassVar[tuple[MergedDwell, ...]] = ()
     """Empty: where both sides dwell, the slope is 0, and the search for extremes needs no more."""
 
     def width(self, phi: FloatArray, side: Side = "right") -> FloatArray:

@@ -12,14 +12,14 @@ from camgeo.geometry.contour.contour import Contour
 from camgeo.part.boundaries import ExactBoundary, largest_radius
 from camgeo.part.compensation import PrintSpec, compensate_part
 from camgeo.part.part import Layer, Part
-from camgeo.scene.formats.threemf import FORMAT, Body, ThreeMfSpec
+from camgeo.scene.formats.threemf import FORMAT, PlateBody, ThreeMfSpec
 
 COLOURS: Final[dict[str, str]] = {
-    Body.CAM: "#3B6FB6",
-    Body.RETURN_CAM: "#C44E52",
-    Body.ROLLER: "#8C8C8C",
-    Body.RETURN_ROLLER: "#B0B0B0",
-    Body.TEST_RING: "#E0A030",
+    PlateBody.CAM: "#3B6FB6",
+    PlateBody.RETURN_CAM: "#C44E52",
+    PlateBody.ROLLER: "#8C8C8C",
+    PlateBody.RETURN_ROLLER: "#B0B0B0",
+    PlateBody.TEST_RING: "#E0A030",
 }
 """Colours of the bodies on the screen, red, green and blue, by kind."""
 
@@ -37,7 +37,7 @@ class PlatePiece:
 
     Attributes
     ----------
-    kind : kind of the body, one of `camgeo.scene.formats.threemf.Body`.
+    kind : kind of the body, one of `camgeo.scene.formats.threemf.PlateBody`.
     name : name of the body for people.
     part : the body, compensated, about an axis of its own.
     reach : radius of the circle about that axis in which it lies [mm].
@@ -89,15 +89,15 @@ def _rounded_place(place: float) -> float:
 
 def _body(kind: str, product: Product, options: ThreeMfSpec) -> tuple[str, Part]:
     """The name of a body of that kind, and its part, compensated."""
-    missing = not product.others or (kind == Body.RETURN_CAM and product.is_pair)
-    if kind in (Body.RETURN_CAM, Body.RETURN_ROLLER) and missing:
+    missing = not product.others or (kind == PlateBody.RETURN_CAM and product.is_pair)
+    if kind in (PlateBody.RETURN_CAM, PlateBody.RETURN_ROLLER) and missing:
         message = f'there is no return disc of its own for "{kind}"'
         raise GeometryError(message, key="output.3mf.plate")
-    disc = product.others[0] if kind in (Body.RETURN_CAM, Body.RETURN_ROLLER) else product
-    if kind in (Body.CAM, Body.RETURN_CAM):
+    disc = product.others[0] if kind in (PlateBody.RETURN_CAM, PlateBody.RETURN_ROLLER) else product
+    if kind in (PlateBody.CAM, PlateBody.RETURN_CAM):
         return display_title(disc), disc.drawn.printed.target
     spec, fitted = product.scene.printing, product.drawn.printed.fitted
-    if kind == Body.TEST_RING:
+    if kind == PlateBody.TEST_RING:
         part = ring_part(fitted)
     else:
         stated = product.scene.part

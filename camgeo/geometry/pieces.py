@@ -13,7 +13,7 @@ from camgeo.errors import GeometryError
 from camgeo.geometry.pitch_curve import PitchCurve, in_blocks, joints
 from camgeo.geometry.together import curves_together
 from camgeo.kinematics.mechanism.flat import Touch, flat_follower
-from camgeo.kinematics.motion import Dwell, lift_range
+from camgeo.kinematics.motion import MergedDwell, lift_range
 from camgeo.kinematics.plan import MotionPlan
 from camgeo.numeric.arrays import (
     ONE,
@@ -43,7 +43,7 @@ class HasBreaks(Protocol):
     def breaks(self) -> FloatArray: ...
 
     @property
-    def dwells(self) -> tuple[Dwell, ...]: ...
+    def dwells(self) -> tuple[MergedDwell, ...]: ...
 
 
 class HasBorders(HasBreaks, Protocol):
@@ -168,7 +168,7 @@ class Circles:
 def circles(pitch: PitchCurve) -> Circles:
     """All stretches known to be arcs."""
     rests = pitch.dwells
-    moves: tuple[Dwell, ...] = ()
+    moves: tuple[MergedDwell, ...] = ()
     if pitch.follower.harmonic_is_round and isinstance(pitch.motion, MotionPlan):
         moves = pitch.motion.harmonics
     starts = np.array([dwell.start for dwell in (*rests, *moves)])

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from camgeo.errors import GeometryError
 from camgeo.kinematics.mechanism.follower import Follower, RelativeJet, TangentJet, bend_of_path
 from camgeo.kinematics.mechanism.values import Coordinate, able, sense
-from camgeo.kinematics.motion import FULL_ORDER, Dwell, Motion
+from camgeo.kinematics.motion import FULL_ORDER, MergedDwell, Motion
 from camgeo.numeric.arrays import ComplexArray, FloatArray, Side, ascending, frozen
 from camgeo.numeric.checked import CheckedFields, hold
 from camgeo.numeric.kept import Kept, kept_with_owner
@@ -28,7 +28,7 @@ from camgeo.record import Pickled
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Joints:
+class JointJumps:
     """What jumps at the joints of the turn, including cam angle 0.
 
     Attributes
@@ -44,13 +44,13 @@ class Joints:
 
 
 @kept_with_owner
-def joints(curve: PitchCurve) -> Joints:
+def joints(curve: PitchCurve) -> JointJumps:
     """Compare the one-sided values at each break of `curve` and at cam angle 0."""
     phi = ascending(np.append(curve.breaks, 0.0))
     right, left = curve.jet(phi, "right"), curve.jet(phi, "left")
     # The argument of the product is the angle from the left-hand to the right-hand tangent.
     turned = right[1] * np.conj(left[1])
-    return Joints(
+    return JointJumps(
         phi=frozen(phi, np.float64),
         gaps=frozen(np.abs(right[0] - left[0]), np.float64),
         turns=frozen(np.abs(np.angle(turned)), np.float64),
@@ -135,7 +135,7 @@ class PitchCurve(Pickled):
         return self.motion.borders
 
     @property
-    def dwells(self) -> tuple[Dwell, ...]:
+    def dwells(self) -> tuple[MergedDwell, ...]:
         """Dwells: there the curve is an arc about the cam axis."""
         return self.motion.dwells
 
@@ -322,7 +322,7 @@ class WorkingCurve(Pickled, CheckedFields):
         return self.pitch.borders
 
     @property
-    def dwells(self) -> tuple[Dwell, ...]:
+    def dwells(self) -> tuple[MergedDwell, ...]:
         """Dwells: arcs about the cam axis."""
         return self.pitch.dwells
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from camgeo.geometry.pitch_curve import BLOCK, PitchCurve
 from camgeo.kinematics.mechanism.linkage import LinkedMotion
-from camgeo.kinematics.motion import FULL_ORDER, Dwell, Jet, Motion
+from camgeo.kinematics.motion import FULL_ORDER, Jet, MergedDwell, Motion
 from camgeo.numeric.arrays import FloatArray, IntArray, Quantity, Side
 from camgeo.record import Pickled
 
@@ -129,7 +129,7 @@ class Repeated(Pickled):
         return self.motion.borders
 
     @property
-    def dwells(self) -> tuple[Dwell, ...]:
+    def dwells(self) -> tuple[MergedDwell, ...]:
         """See `Motion`."""
         return self.motion.dwells
 

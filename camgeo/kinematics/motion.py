@@ -24,7 +24,7 @@ FULL_ORDER = 3
 
 
 @dataclass(frozen=True, slots=True)
-class Dwell:
+class MergedDwell:
     """A rest over its full length; neighbouring rests at the same position are merged.
 
     Attributes
@@ -51,7 +51,7 @@ class Motion(Protocol):
         """(k,) the breaks and all other places where the formula changes."""
 
     @property
-    def dwells(self) -> tuple[Dwell, ...]:
+    def dwells(self) -> tuple[MergedDwell, ...]:
         """All rests."""
 
     def jet(self, phi: FloatArray, side: Side = "right", order: int = FULL_ORDER) -> Jet:

@@ -21,7 +21,7 @@ import numpy as np
 from camgeo.errors import GeometryError
 from camgeo.kinematics.laws.law import Formula, Law
 from camgeo.kinematics.motion import FULL_ORDER, End, Jet, end_class
-from camgeo.kinematics.motion import Dwell as DwellSpan
+from camgeo.kinematics.motion import MergedDwell as DwellSpan
 from camgeo.numeric import checked
 from camgeo.numeric.arrays import FloatArray, IntArray, Side, ascending, frozen, read_only
 from camgeo.numeric.extremes import isolation_cells

@@ -31,12 +31,12 @@ from camgeo.milling.milling import (
 from camgeo.milling.moves import Course, Move, Point, Stop, Toolpath, feed_course
 from camgeo.milling.simulation import (
     ALLOWED,
-    Body,
     Chamfer,
     Flaw,
     Setup,
     Simulation,
     ToolRun,
+    UprightBody,
     simulate,
 )
 from camgeo.part.boundaries import ExactBoundary
@@ -151,7 +151,7 @@ def simulation_setup(
     every = (*side.cuts, *others)
     target, letters = part.without(unmade_names(part, every)), _letters(every)
     bodies = tuple(
-        Body(
+        UprightBody(
             layer.name,
             layer.z0,
             layer.z1,
@@ -242,9 +242,9 @@ def _contour(boundary: Boundary, tolerance: float) -> Contour:
     return boundary.arcs(tolerance, "fast").contour if core is None else core
 
 
-def _body(obstacle: Obstacle) -> Body:
+def _body(obstacle: Obstacle) -> UprightBody:
     contour = obstacle.outline.arcs(ROUGHLY, "fast").contour
-    return Body(obstacle.name, -np.inf, obstacle.top, (contour,))
+    return UprightBody(obstacle.name, -np.inf, obstacle.top, (contour,))
 
 
 def _blank(side: Side, tolerance: float) -> tuple[Contour, tuple[Contour, ...], bool]:

@@ -396,7 +396,7 @@ class Machine:
     retract: Retract
     spindle: Spindle
     coolant: Coolant
-    dwell: Dwell
+    dwell: DwellBlocks
     arcs: ArcLimits
     words: Words
     reading: ReaderRules = field(default_factory=ReaderRules)
@@ -836,7 +836,7 @@ class Coolant(CheckedFields, path="coolant."):
 
 
 @dataclass(frozen=True, slots=True)
-class Dwell(CheckedFields, path="dwell."):
+class DwellBlocks(CheckedFields, path="dwell."):
     """`[dwell]`: blocks of a pause, with {dwell} in `unit`, "s" or "ms".
 
     `point_seconds` : whether a time with a decimal point is in seconds although `unit` is "ms".

@@ -42,7 +42,7 @@ LEVEL: Final = 1e-6
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Body:
+class UprightBody:
     """An upright body between two heights [mm]; a point is in it if within an odd number of its
     contours.
     """
@@ -183,7 +183,7 @@ class ToolRun:
     rounded: bool = False
     plunges: bool = True
     shank: tuple[float, float] | None = None
-    obstacles: tuple[Body, ...] = ()
+    obstacles: tuple[UprightBody, ...] = ()
     start: Point | None = None
 
     def cutter_radii(self, height: FloatArray) -> FloatArray:
@@ -279,7 +279,7 @@ class Setup:
     blank: tuple[Contour, ...]
     top: float
     bottom: float
-    part: tuple[Body, ...] = ()
+    part: tuple[UprightBody, ...] = ()
     held: tuple[tuple[Contour, ...], ...] | None = None
     rim: tuple[Contour, ...] | None = None
     fixture: bool = False

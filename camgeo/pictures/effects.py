@@ -259,7 +259,7 @@ class Moved(Protocol):
     def duration(self) -> float: ...
 
 
-class Spectrum(Protocol):
+class SpectrumCurves(Protocol):
     """The spectrum of a move, see `camgeo.dynamics.effects.shock_spectrum.Spectrum`."""
 
     @property
@@ -278,7 +278,7 @@ class Curves:
     remains, largest : (n,) residual and largest deflection [% of the stroke].
     """
 
-    spectra: tuple[Spectrum, ...]
+    spectra: tuple[SpectrumCurves, ...]
     remains: FloatArray
     largest: FloatArray
 
@@ -302,7 +302,7 @@ def lowest_frequency(effects: Effects) -> float | None:
 
 def spectrum_figure(
     name: str,
-    spectra: Sequence[Spectrum],
+    spectra: Sequence[SpectrumCurves],
     highest_ratio: float,
     frequency: float | None = None,
     size: Size = SIZE,
@@ -346,7 +346,7 @@ def spectrum_figure(
     return Figure(size, (panel,))
 
 
-def grouped(spectra: Sequence[Spectrum], ratios: FloatArray) -> list[Curves]:
+def grouped(spectra: Sequence[SpectrumCurves], ratios: FloatArray) -> list[Curves]:
     """The curves at `ratios` (n,), with moves of the same spectrum together."""
     groups: list[Curves] = []
     for spectrum in spectra:
@@ -361,10 +361,10 @@ def grouped(spectra: Sequence[Spectrum], ratios: FloatArray) -> list[Curves]:
 
 
 def _frequency_marks(
-    spectra: Sequence[Spectrum], frequency: float, colour: str
+    spectra: Sequence[SpectrumCurves], frequency: float, colour: str
 ) -> Iterator[Line | Rule]:
     """Marks at the natural `frequency` [Hz] of the train, a line for each duration of a move."""
-    durations: dict[float, Spectrum] = {}
+    durations: dict[float, SpectrumCurves] = {}
     for spectrum in spectra:
         durations.setdefault(round(spectrum.move.duration * frequency, DIGITS), spectrum)
     for number, (ratio, spectrum) in enumerate(durations.items()):
@@ -378,7 +378,7 @@ def _frequency_marks(
         yield Line(over([ratio, ratio], heights), points)
 
 
-def _range(spectrum: Spectrum) -> str:
+def _range(spectrum: SpectrumCurves) -> str:
     """The range of cam angles of a move, in words."""
     start = math.degrees(spectrum.move.start)
     return f"{start:.4g} to {start + math.degrees(spectrum.move.span):.4g}°"

@@ -12,7 +12,7 @@ from typing import Final
 
 import numpy as np
 
-from camgeo.kinematics.laws.comparison import Entry as Compared
+from camgeo.kinematics.laws.comparison import LawEntry as Compared
 from camgeo.kinematics.laws.law import Law
 from camgeo.kinematics.motion import NAMES, task_ends
 from camgeo.numeric.arrays import FloatArray
@@ -47,7 +47,7 @@ OUTSIDE: Final = 0.07
 
 
 @dataclass(frozen=True, slots=True)
-class Column:
+class LawColumn:
     """A column of the picture: heading and symbol of a quantity, and its characteristic values."""
 
     heading: str
@@ -56,10 +56,10 @@ class Column:
 
 
 COLUMNS: Final = (
-    Column("velocity", "f′", (("velocity", "C$_v$"),)),
-    Column("acceleration", "f″", (("acceleration", "C$_a$"), ("deceleration", "C$_a$*"))),
-    Column("jerk", "f‴", (("jerk", "C$_j$"), ("braking_jerk", "C$_j$*"))),
-    Column("moment", "f′ f″", (("moment", "C$_{Mdyn}$"), ("braking_moment", "C$_{Mdyn}$*"))),
+    LawColumn("velocity", "f′", (("velocity", "C$_v$"),)),
+    LawColumn("acceleration", "f″", (("acceleration", "C$_a$"), ("deceleration", "C$_a$*"))),
+    LawColumn("jerk", "f‴", (("jerk", "C$_j$"), ("braking_jerk", "C$_j$*"))),
+    LawColumn("moment", "f′ f″", (("moment", "C$_{Mdyn}$"), ("braking_moment", "C$_{Mdyn}$*"))),
 )
 
 WIDTH, ROW = 10.5, 1.3
@@ -112,7 +112,7 @@ def figure(compared: Sequence[Compared]) -> Figure:
     return Figure(size, tuple(panels), tuple(texts), _legend(size[1]))
 
 
-def _scale(column: Column, parts: Sequence[list[Mark]]) -> Axis:
+def _scale(column: LawColumn, parts: Sequence[list[Mark]]) -> Axis:
     lines = [mark for part in parts for mark in part if isinstance(mark, Line)]
     low, high = limits([[0.0] if lines else [], *heights(lines)])
     room = HEADROOM * (high - low)

@@ -144,7 +144,7 @@ SPIKES_ROOM: Final = 0.25
 
 
 @dataclass(frozen=True, slots=True)
-class Unit:
+class UnitStyle:
     """How a length or angle is written: unit, symbol, and how many units make 1 mm or 1 rad."""
 
     name: str
@@ -169,7 +169,7 @@ class Infinite:
 
 
 def diagram_panels(
-    strips: Strips, plan: MotionPlan, motion: Motion, unit: Unit, speed: float | None
+    strips: Strips, plan: MotionPlan, motion: Motion, unit: UnitStyle, speed: float | None
 ) -> list[Panel]:
     """A panel for the position and each derivative of `motion`, which follows from `plan`.
 
@@ -309,7 +309,7 @@ def _extremes(
 
 
 def _second_scale(
-    y_limits: tuple[float, float], unit: Unit, order: int, speed: float, across: float
+    y_limits: tuple[float, float], unit: UnitStyle, order: int, speed: float, across: float
 ) -> Axis:
     """The second axis of a panel: the derivative by time at a constant speed [rad/s]."""
     factor = speed**order
@@ -414,7 +414,7 @@ def _segment(plan: MotionPlan, segment: Segment, start: float, end: float) -> Pl
     return PlanSegment(start, end, "data", DATA, course)
 
 
-def plan_panels(strips: Strips, sketch: PlanSketch, unit: Unit, below: float) -> list[Panel]:
+def plan_panels(strips: Strips, sketch: PlanSketch, unit: UnitStyle, below: float) -> list[Panel]:
     """The panels of the plan and its strips of text, with `below` [inch] left free under them."""
     names = _names(sketch, strips.across)
     band = max(BAND, *(LETTER * len(name.text) + 0.2 for name in names if name.turned), 0.0)
@@ -526,7 +526,7 @@ def _numbers(sketch: PlanSketch, across: float) -> list[Mark]:
     return marks
 
 
-def _plan(strips: Strips, sketch: PlanSketch, unit: Unit, height: float) -> Panel:
+def _plan(strips: Strips, sketch: PlanSketch, unit: UnitStyle, height: float) -> Panel:
     """The panel of positions at the joints: rests are thick lines, moves dashed ones."""
     angles = _joint_places(sketch)
     positions = np.array([joint.position for joint in sketch.joints]) * unit.scale
@@ -630,7 +630,7 @@ def drive_figure(
     unit = _unit(drive.unit, length)
     if drive.demanded_member in ANGLES:
         unit = replace(unit, symbol=ANGLES[drive.demanded_member])
-    ends: list[tuple[str, Motion, Unit]] = [(drive.demanded_member, drive.plan, unit)]
+    ends: list[tuple[str, Motion, UnitStyle]] = [(drive.demanded_member, drive.plan, unit)]
     if drive.linkage is not None:
         ends.append(("follower", drive.motion, _unit(lift_unit, length)))
     size = size or (SIZE[0], SIZE[1] + (len(ends) - 1) * (HEADING + NUMBERED + HEIGHT))
@@ -670,10 +670,10 @@ def _middle(strips: Strips) -> float:
     return (strips.left + 0.5 * strips.across) / strips.width
 
 
-def _unit(unit: LiftUnit, length: LengthUnit) -> Unit:
+def _unit(unit: LiftUnit, length: LengthUnit) -> UnitStyle:
     if unit == "mm":
-        return Unit(length, "s", 1.0 / MM_PER[length])
-    return Unit("°", "ψ", math.degrees(1.0))
+        return UnitStyle(length, "s", 1.0 / MM_PER[length])
+    return UnitStyle("°", "ψ", math.degrees(1.0))
 
 
 # -- diagrams -------------------------------------------------------------------------------------

@@ -43,7 +43,7 @@ from camgeo.pictures.model import (
 from camgeo.studies.optimise.optimise import OptimisationResult, Trial, front
 from camgeo.studies.sweep.family import Family
 from camgeo.studies.sweep.rows import canonical
-from camgeo.studies.sweep.sweep import Result
+from camgeo.studies.sweep.sweep import SweepResult
 from camgeo.units import MM_PER, TURN, counted
 
 ACROSS, HEIGHT = 4.9, 4.6
@@ -66,7 +66,7 @@ FRONT: Final = Style(LIMIT, 1.2, marker="o", size=5.0)
 OTHERS: Final = Style(LINE, 0.0, marker="o", size=3.5)
 
 
-def map_figure(result: Result) -> Figure:
+def map_figure(result: SweepResult) -> Figure:
     """A map of each answer over the two keys that vary: cells of a grid, or points of samples.
 
     Over a single key the answers are curves.
@@ -108,7 +108,7 @@ def _page(
     return Figure((width, HEIGHT), (panel,))
 
 
-def _curve(key: Column, answer: Column, result: Result) -> Figure:
+def _curve(key: SweepColumn, answer: SweepColumn, result: SweepResult) -> Figure:
     """An answer as a curve over the only key that varies."""
     order = np.argsort(key.values, kind="stable")
     points = over(key.values[order], answer.values[order])
@@ -119,7 +119,7 @@ def _curve(key: Column, answer: Column, result: Result) -> Figure:
     return _page((key.axis, answer.axis), [line], title, answer.room)
 
 
-def _map(x: Column, y: Column, answer: Column, result: Result) -> Figure:
+def _map(x: SweepColumn, y: SweepColumn, answer: SweepColumn, result: SweepResult) -> Figure:
     if result.family.sample is None:
         marks, axes = _cells(x, y, answer)
     else:
@@ -128,7 +128,9 @@ def _map(x: Column, y: Column, answer: Column, result: Result) -> Figure:
     return _page(axes, marks, title, y.room, answer.legend)
 
 
-def _cells(x: Column, y: Column, answer: Column) -> tuple[list[Mark], tuple[Axis, Axis]]:
+def _cells(
+    x: SweepColumn, y: SweepColumn, answer: SweepColumn
+) -> tuple[list[Mark], tuple[Axis, Axis]]:
     """A rectangle for each design; its borders lie half way to its neighbours."""
     (left, right, x_places), (low, high, y_places) = _borders(x), _borders(y)
     marks: list[Mark] = []
@@ -142,13 +144,13 @@ def _cells(x: Column, y: Column, answer: Column) -> tuple[list[Mark], tuple[Axis
     return marks, axes
 
 
-def _cell_axis(column: Column, low: FloatArray, high: FloatArray) -> Axis:
+def _cell_axis(column: SweepColumn, low: FloatArray, high: FloatArray) -> Axis:
     """The axis of a column, which ends at the borders of the outermost cells."""
     axis = column.axis
     return Axis((float(low[0]), float(high[-1])), axis.label, ticks=axis.ticks, names=axis.names)
 
 
-def _borders(column: Column) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _borders(column: SweepColumn) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Lower and upper borders of the cells around the distinct values, and these values."""
     places = np.unique(column.values)
     if len(places) == 1:
@@ -159,7 +161,7 @@ def _borders(column: Column) -> tuple[FloatArray, FloatArray, FloatArray]:
     return np.concatenate(([first], middle)), np.concatenate((middle, [last])), places
 
 
-def _dots(x: Column, y: Column, answer: Column) -> list[Mark]:
+def _dots(x: SweepColumn, y: SweepColumn, answer: SweepColumn) -> list[Mark]:
     """A point for each design, in the colour of its answer."""
     marks: list[Mark] = []
     missing = np.isnan(answer.values)
@@ -176,7 +178,7 @@ def _dots(x: Column, y: Column, answer: Column) -> list[Mark]:
     return marks
 
 
-def parallel(result: Result) -> Figure:
+def parallel(result: SweepResult) -> Figure:
     """Parallel axes: one for each key and each answer, and a line through them for each design.
 
     Colours are those of the last answer. Designs that lack an answer are left out.
@@ -204,20 +206,20 @@ def parallel(result: Result) -> Figure:
     return Figure((width, HEIGHT), (panel,))
 
 
-def _heights(column: Column) -> FloatArray:
+def _heights(column: SweepColumn) -> FloatArray:
     """The values of a column between 0 and 1."""
     low, high = _ends(column)
     return (column.values - low) / (high - low)
 
 
-def _ends(column: Column) -> tuple[float, float]:
+def _ends(column: SweepColumn) -> tuple[float, float]:
     low, high = column.extent or (0.0, 1.0)
     # Equal values have no range, but their axis needs a length.
     space = EDGE * (high - low) or max(abs(high), 1.0) * EDGE
     return low - space, high + space
 
 
-def _scale(place: float, column: Column) -> list[Mark]:
+def _scale(place: float, column: SweepColumn) -> list[Mark]:
     """The scale of a parallel axis: the name below it, and words or the numbers at both ends."""
     low, high = _ends(column)
     if column.words:
@@ -234,7 +236,7 @@ def _scale(place: float, column: Column) -> list[Mark]:
     return marks
 
 
-def pareto(result: Result, least: Sequence[str], largest: Sequence[str]) -> Figure:
+def pareto(result: SweepResult, least: Sequence[str], largest: Sequence[str]) -> Figure:
     """Two answers over each other, with the Pareto front: the designs that no other one dominates.
 
     Parameters
@@ -290,7 +292,10 @@ def require(family: Family, kind: str) -> None:
         raise GeometryError(message)
 
 
-PICTURES: Final[dict[str, Callable[[Result], Figure]]] = {"map": map_figure, "parallel": parallel}
+PICTURES: Final[dict[str, Callable[[SweepResult], Figure]]] = {
+    "map": map_figure,
+    "parallel": parallel,
+}
 """Functions that make pictures without objectives, by the kind of picture."""
 
 
@@ -311,7 +316,7 @@ FAILED: Final = Fill("#ffffff", "#b3261e", 0.6, hatched=True)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Column:
+class SweepColumn:
     """A key or an answer, for all designs.
 
     Attributes
@@ -388,7 +393,7 @@ class Column:
         return f"{borders[level]:.4g} to {borders[level + 1]:.4g}"
 
 
-def sweep_columns(result: Result) -> tuple[list[Column], list[Column]]:
+def sweep_columns(result: SweepResult) -> tuple[list[SweepColumn], list[SweepColumn]]:
     """The columns of the keys that vary, and those of the answers."""
     rows = list(result.rows)
     keys = [
@@ -403,15 +408,15 @@ def sweep_columns(result: Result) -> tuple[list[Column], list[Column]]:
     return keys, answers
 
 
-def column(label: str, values: Sequence[object]) -> Column:
+def column(label: str, values: Sequence[object]) -> SweepColumn:
     """The column of some values: of numbers, or of words if any of them is a word."""
     if any(isinstance(value, str | bool) for value in values):
         words = dict.fromkeys(_word(value) for value in values if value is not None)
         places = {word: float(place) for place, word in enumerate(words)}
         numbers = [np.nan if value is None else places[_word(value)] for value in values]
-        return Column(label, np.array(numbers), tuple(words))
+        return SweepColumn(label, np.array(numbers), tuple(words))
     numbers = [float(value) if isinstance(value, int | float) else np.nan for value in values]
-    return Column(label, np.array(numbers))
+    return SweepColumn(label, np.array(numbers))
 
 
 def _word(value: object) -> str:

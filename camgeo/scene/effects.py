@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterator, Mapping
 from dataclasses import replace
 from typing import Any, Final
 
-from camgeo.dynamics.effects.effect import SPEED, Effect, Machine, Table
+from camgeo.dynamics.effects.effect import SPEED, Effect, EffectTable, MachineTraits
 from camgeo.dynamics.effects.registry import find_effect
 from camgeo.errors import GeometryError
 from camgeo.part.materials import KG_M3, USUAL, find_material, table_density
@@ -94,7 +94,7 @@ def misfits(values: ValidValues) -> Iterator[tuple[KeyPath, str]]:
             continue
         meant = {key for key in effect.schema.get("properties", {})
                  if key not in table and not values.lacks(EFFECTS_KEY, name, key)}  # fmt: skip
-        stated = Table({key: values.get(EFFECTS_KEY, name, key) for key in table}, meant)
+        stated = EffectTable({key: values.get(EFFECTS_KEY, name, key) for key in table}, meant)
         messages: dict[str, str] = {}
         for key, message in (fault for rule in effect.rules for fault in rule(machine, stated)):
             messages.setdefault(key, message)
@@ -102,10 +102,10 @@ def misfits(values: ValidValues) -> Iterator[tuple[KeyPath, str]]:
             yield (EFFECTS_KEY, name, *filter(None, [key])), message
 
 
-def _machine(values: ValidValues) -> Machine:
+def _machine(values: ValidValues) -> MachineTraits:
     """The properties of the cam drive on which rules of effects depend, as far as known."""
     kind = values.follower_kind
-    return Machine(
+    return MachineTraits(
         lift=None if kind is None else kind.unit,
         touching=None if kind is None else kind.touching,
         edged=values.get("follower", "roller_radius") == 0.0,

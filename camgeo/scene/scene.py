@@ -30,9 +30,9 @@ from camgeo.kinematics.planning.planner import plan_motion
 from camgeo.kinematics.planning.requests import (
     MoveRequest,
     PointsRequest,
+    PositionUnit,
     Request,
     TableRequest,
-    Unit,
 )
 from camgeo.numeric.checked import instance_from_table
 from camgeo.part.spec import PartSpec
@@ -708,7 +708,7 @@ class MotionRequests:
         self.values = values
         self.all: list[Request] = []
         self._scale = math.radians(1.0) if values.angular else values.mm
-        self.unit = Unit("deg" if values.angular else values.unit, self._scale)
+        self.unit = PositionUnit("deg" if values.angular else values.unit, self._scale)
         for index in range(values.segments):
             request = self._request(("motion", index))
             if request is not None:

@@ -970,7 +970,7 @@ MOST_FAULTS: Final = 1000
 
 
 @dataclass(frozen=True, slots=True)
-class Verdict:
+class SchemaVerdict:
     """The faults of a scene against the schema.
 
     Attributes
@@ -985,7 +985,7 @@ class Verdict:
     meant: frozenset[KeyPath]
 
 
-def check_schema(scene: Document, schema: Composed) -> Verdict:
+def check_schema(scene: Document, schema: Composed) -> SchemaVerdict:
     """Check a document against a schema, which for a scene is that of what it names."""
     schema_errors = itertools.islice(schema.validator.iter_errors(scene.plain), MOST_FAULTS)
     errors = [(tuple(error.instance_path), error, _failing_node(schema.root, error.evaluation_path))
@@ -1021,7 +1021,7 @@ def check_schema(scene: Document, schema: Composed) -> Verdict:
             *faults[:MOST_FAULTS],
             Fault("", "", "there are more faults than are listed here"),
         ]
-    return Verdict(tuple(faults), frozenset(bad), frozenset(meant))
+    return SchemaVerdict(tuple(faults), frozenset(bad), frozenset(meant))
 
 
 def _failing_node(root: Node, evaluation: list[str | int]) -> Node:

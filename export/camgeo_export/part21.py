@@ -718,7 +718,7 @@ KNOTS = 100_000
 
 
 @dataclass(frozen=True, slots=True)
-class Line:
+class StraightLine:
     """A straight line."""
 
     origin: Point
@@ -742,7 +742,7 @@ class Spline:
     z: float
 
 
-Curve = Line | Circle | Spline | Parabola
+Curve = StraightLine | Circle | Spline | Parabola
 
 
 @dataclass(frozen=True, slots=True)
@@ -844,7 +844,7 @@ class Geometry:
             entity = self.model.entity(entity.ref(1), "LINE", "CIRCLE", "B_SPLINE_CURVE_WITH_KNOTS")
         if entity.kind == "LINE":
             vector = self.model.entity(entity.ref(2), "VECTOR")
-            return Line(self.point(entity.ref(1)), self.direction(vector.ref(1)))
+            return StraightLine(self.point(entity.ref(1)), self.direction(vector.ref(1)))
         if entity.kind == "CIRCLE":
             centre, axis = self.axes(entity.ref(1))
             if abs(axis.place) > ALIGNED:
@@ -892,7 +892,7 @@ class Geometry:
             raise entity.fault("has no radius above 0")
         return radius
 
-    def _spline(self, ref: int) -> Spline | Parabola | Line:
+    def _spline(self, ref: int) -> Spline | Parabola | StraightLine:
         """A spline with its knots; of several types, as those with weights are, or of one."""
         knots = self.model.entity(ref, "B_SPLINE_CURVE_WITH_KNOTS")
         # In an instance of several types the parameters are divided among them; in one of a single
@@ -933,11 +933,11 @@ class Geometry:
         return Spline(curve, heights[0])
 
 
-def _through(one: Point, other: Point) -> Line:
+def _through(one: Point, other: Point) -> StraightLine:
     """The line through two points of different heights."""
     along, rise = other.place - one.place, other.z - one.z
     size = math.hypot(abs(along), rise)
-    return Line(one, Point(along / size, rise / size))
+    return StraightLine(one, Point(along / size, rise / size))
 
 
 def edge_strands(
@@ -949,7 +949,7 @@ def edge_strands(
     `same` says whether it has the direction of the curve. Raises FileError if it ends on the way
     along a spline.
     """
-    if isinstance(curve, Line):
+    if isinstance(curve, StraightLine):
         along = end.place - start.place
         gap = max(_line_distance(curve, point) for point in (start, end))
         backwards = (along * curve.way.place.conjugate()).real < 0.0
@@ -995,7 +995,7 @@ def _circle_arcs(
     return tuple(Arc(a, b, turns * sweep / count, centre) for a, b in places), gap
 
 
-def _line_distance(line: Line, point: Point) -> float:
+def _line_distance(line: StraightLine, point: Point) -> float:
     """Distance [mm] of a point from a line."""
     place, z = point.place - line.origin.place, point.z - line.origin.z
     way = line.way
@@ -1009,7 +1009,7 @@ def rising_gap(line: Curve, start: Point, end: Point, *, same: bool) -> float:
     """
     if isinstance(line, Parabola):
         return line.distance_to_ends(*((start, end) if same else (end, start)))
-    if not isinstance(line, Line) or ((end.z - start.z) * line.way.z > 0.0) != same:
+    if not isinstance(line, StraightLine) or ((end.z - start.z) * line.way.z > 0.0) != same:
         return math.inf
     return max(_line_distance(line, point) for point in (start, end))
 

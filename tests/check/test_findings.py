@@ -45,8 +45,8 @@ from camgeo.geometry.pitch_curve import PitchCurve, WorkingCurve
 from camgeo.kinematics.mechanism.flat import TranslatingFlat
 from camgeo.kinematics.mechanism.linkage import LinkedMotion
 from camgeo.kinematics.mechanism.rollers import TranslatingRoller
-from camgeo.kinematics.motion import Dwell as DwellSpan
 from camgeo.kinematics.motion import Jet
+from camgeo.kinematics.motion import MergedDwell as DwellSpan
 from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from camgeo.numeric.arrays import FloatArray, Side
 from camgeo.scene.scene import load_scene, parse_scene

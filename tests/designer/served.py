@@ -16,7 +16,7 @@ import uvicorn
 from websockets import Origin
 from websockets.sync.client import ClientConnection, connect
 
-from camgeo.app.designing.children import Job, Result
+from camgeo.app.designing.children import Job, JobResult
 from camgeo.app.designing.desk import Desk
 from camgeo.app.designing.work import Recent, run
 from camgeo_export.designer.serve import Address, Keys, application, listening, make_server
@@ -146,7 +146,7 @@ def served(folder: Path, name: str | None = None, compute: Compute = computed) -
     keys = Keys()
     with listening("127.0.0.1", 0) as socket:
         address = Address("127.0.0.1", socket.getsockname()[1])
-        jobs = Jobs(desk, lambda job, most: Result(body(compute(job, most))), cancel)
+        jobs = Jobs(desk, lambda job, most: JobResult(body(compute(job, most))), cancel)
         session = Session(desk, jobs)
         server = make_server(application(session, address, keys))
 

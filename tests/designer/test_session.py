@@ -14,7 +14,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from camgeo.app.designing.children import Job, Refused, Result
+from camgeo.app.designing.children import Job, JobResult, Refused
 from camgeo.app.designing.desk import Desk
 from camgeo_export.designer import session
 from camgeo_export.designer.session import Jobs, NamedFiles, read_head
@@ -436,18 +436,18 @@ def test_a_job_that_takes_too_long_is_given_up_for_a_newer_one(
     clock = Clock()
     monkeypatch.setattr(session, "time", clock)
 
-    def compute(job: Job, _: float) -> Result:
+    def compute(job: Job, _: float) -> JobResult:
         begun[job.kind].set()
         happened("the end of the job", ended)
         if cancelled:
             raise Refused("was cancelled")
-        return Result(b"{}")
+        return JobResult(b"{}")
 
     def cancel(kind: str) -> None:
         cancelled.append(kind)
         ended.set()
 
-    async def ask() -> Result:
+    async def ask() -> JobResult:
         jobs = Jobs(Desk(tmp_path, tmp_path / "states"), compute, cancel)
         asked = asyncio.create_task(jobs.do("findings"))
         more = [asyncio.create_task(jobs.do("solid"))] if other else []

@@ -22,7 +22,7 @@ from hypothesis import strategies as st
 
 from camgeo.check.finding import Finding
 from camgeo.design.design import Design
-from camgeo.dynamics.effects.effect import Column, Machine, Only
+from camgeo.dynamics.effects.effect import Column, MachineTraits, Only
 from camgeo.dynamics.effects.graph import describe_machine
 from camgeo.dynamics.effects.registry import EFFECTS, find_effect
 from camgeo.dynamics.effects.results import FINDERS
@@ -144,19 +144,19 @@ def stage(rng: Random, node: dict[str, Any], *, wild: bool) -> dict[str, Any]:
 
 
 @cache
-def machine(name: str) -> Machine:
+def machine(name: str) -> MachineTraits:
     scene = parse_scene(scene_text(name), str(SCENES / f"{name}.toml"))
     return describe_machine(Design(scene).effects.subject)
 
 
-def foreign_keys(effect: str, of: Machine) -> set[str]:
+def foreign_keys(effect: str, of: MachineTraits) -> set[str]:
     """Keys of a table that do not suit the machine; empty for the effect as a whole."""
     rules = (each for each in find_effect(effect).rules if isinstance(each, Only))
     unfit = (rule for rule in rules if getattr(of, rule.kind.attribute) in rule.kind.others)
     return {key for rule in unfit for key in rule.keys or ("",)}
 
 
-def keys_of_train(rng: Random, chosen: list[str], of: Machine) -> list[str]:
+def keys_of_train(rng: Random, chosen: list[str], of: MachineTraits) -> list[str]:
     """The keys with one that gives the train, and those that suit it."""
     turns = of.demanded == "rad"
     if rng.random() < 0.3:
@@ -171,7 +171,7 @@ def keys_of_train(rng: Random, chosen: list[str], of: Machine) -> list[str]:
 
 
 def keys_of(
-    rng: Random, effect: str, properties: dict[str, Any], text: str, of: Machine
+    rng: Random, effect: str, properties: dict[str, Any], text: str, of: MachineTraits
 ) -> list[str]:
     """Some of the keys of a table, most times those that suit the follower."""
     rocks, slides = of.lift == "rad", of.far == "slider"
@@ -230,7 +230,7 @@ def spelled(item: Any) -> str:
     return json.dumps(item) if isinstance(item, (str, int)) else repr(float(item))
 
 
-def tables_of(rng: Random, text: str, of: Machine) -> str:
+def tables_of(rng: Random, text: str, of: MachineTraits) -> str:
     """Tables of some effects."""
     wild = rng.random() < 0.25
     named = {each for each in EFFECTS if rng.random() < 0.45}

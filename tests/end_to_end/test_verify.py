@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from camgeo.app.answers.verify import Reference, Verdict, Wanted, verify_files
+from camgeo.app.answers.verify import FileVerdict, Reference, Wanted, verify_files
 from camgeo.app.cli.main import main
 from camgeo.design.design import Design
 from camgeo.scene.scene import load_scene
@@ -195,12 +195,12 @@ def _against(scene: Path) -> Reference:
     return Reference(design.discs, design.scene.output.tolerance)
 
 
-def _verdict(path: Path, scene: Path) -> Verdict:
+def _verdict(path: Path, scene: Path) -> FileVerdict:
     (verdict,) = verify_files((path,), lambda *_: _against(scene), Wanted())
     return verdict
 
 
-def _failed(verdict: Verdict) -> set[str]:
+def _failed(verdict: FileVerdict) -> set[str]:
     return {check.name for check in verdict.checks if check.ok is False}
 
 

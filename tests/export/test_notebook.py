@@ -32,7 +32,7 @@ from camgeo.app.answers.report import Report, report
 from camgeo.app.answers.size import size
 from camgeo.app.answers.sweep import Sweep, answer_of
 from camgeo.app.answers.table import ValueTable, table_of_scene
-from camgeo.app.answers.verify import Verdict, Verification, verify
+from camgeo.app.answers.verify import FileVerdict, Verification, verify
 from camgeo.app.cli.main import main
 from camgeo.app.designing.work import Recent, painted
 from camgeo.check.finding import Finding, Findings, Severity
@@ -115,7 +115,7 @@ def written(text: str) -> list[Displayed]:
         Verification(
             (Path(text),),
             (
-                Verdict(
+                FileVerdict(
                     text,
                     text,
                     "",

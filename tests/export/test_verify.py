@@ -25,7 +25,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 import camgeo
-from camgeo.app.answers.verify import Reference, Verdict, Wanted, first_difference, verify_files
+from camgeo.app.answers.verify import FileVerdict, Reference, Wanted, first_difference, verify_files
 from camgeo.design.design import Design
 from camgeo.design.product import Product
 from camgeo.design.verify import Check, Origin, ReadingOptions, Verifier, parse_tolerance
@@ -610,7 +610,7 @@ def files(tolerance: float = WRITTEN_WITHIN) -> dict[str, bytes]:
     return contents
 
 
-def verdict_on(path: Path, data: bytes, of: Design | None = None) -> Verdict:
+def verdict_on(path: Path, data: bytes, of: Design | None = None) -> FileVerdict:
     """Of a file with these bytes; its scene states another tolerance than files do."""
     path.write_bytes(data)
     against = Reference((of or vorschub()).discs, 0.5 * WRITTEN_WITHIN)
@@ -618,7 +618,7 @@ def verdict_on(path: Path, data: bytes, of: Design | None = None) -> Verdict:
     return verdict
 
 
-def again(verdict: Verdict) -> Check:
+def again(verdict: FileVerdict) -> Check:
     (check,) = (each for each in verdict.checks if each.name == "written again")
     return check
 

@@ -20,16 +20,16 @@ from camgeo.pictures.sweep import (
 )
 from camgeo.studies.sweep.family import Sample, family_of
 from camgeo.studies.sweep.rows import DesignRow
-from camgeo.studies.sweep.sweep import Result
+from camgeo.studies.sweep.sweep import SweepResult
 from tests.sweep.families import SETZHUB, family
 
 
-def found(vary: Sequence[str], answer: Any, sample: Sample | None = None) -> Result:
+def found(vary: Sequence[str], answer: Any, sample: Sample | None = None) -> SweepResult:
     """A result whose answers are made up: two numbers for each design."""
     designs = family_of(SETZHUB, vary, sample)
     rows = [DesignRow(point, answer(*point), ("mm", "")) for point in designs.points()]
     asked = tuple(SimpleNamespace(word=word) for word in ("diameter", "peak:mu"))
-    return cast(Result, SimpleNamespace(family=designs, rows=rows, questions=asked))
+    return cast(SweepResult, SimpleNamespace(family=designs, rows=rows, questions=asked))
 
 
 def lines(figure: Figure) -> list[Line]:

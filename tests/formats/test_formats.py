@@ -28,7 +28,7 @@ from camgeo.scene.formats.format import (
     foreign_names,
     no_options,
 )
-from camgeo.scene.formats.threemf import FORMAT, Body, ThreeMfSpec
+from camgeo.scene.formats.threemf import FORMAT, PlateBody, ThreeMfSpec
 from camgeo.scene.scene import parse_scene
 from camgeo.scene.values import ValidValues, document
 from tests.contour.cams import SCENES
@@ -273,5 +273,5 @@ def test_a_ring_needs_a_bore() -> None:
 
 def test_all_bodies_are_described() -> None:
     items = FORMAT.schema["properties"]["plate"]
-    assert items["items"]["enum"] == [each.value for each in Body]
-    assert all(f'"{each}"' in items["description"] for each in Body)
+    assert items["items"]["enum"] == [each.value for each in PlateBody]
+    assert all(f'"{each}"' in items["description"] for each in PlateBody)

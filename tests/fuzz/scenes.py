@@ -19,7 +19,7 @@ from camgeo.kinematics.laws import FAMILIES
 from camgeo.kinematics.mechanism.declared.registry import FOLLOWERS
 from camgeo.pictures import plots
 from camgeo.scene.formats.format import FORMATS
-from camgeo.scene.formats.threemf import Body
+from camgeo.scene.formats.threemf import PlateBody
 from camgeo.scene.scene import parse_scene
 from camgeo.scene.toml import TEMPLATE_KINDS, template
 from tests.effects.test_random_scenes import scene_of
@@ -169,7 +169,7 @@ def output(rng: Random, values: dict[str, Any]) -> dict[str, Any]:
         ]
         values["holding"] = {"kind": "fixture", "through": rng.choice([0, 0.5])}
     elif "3mf" in formats and rng.random() < 0.5:
-        bodies = rng.sample([each.value for each in Body], rng.randint(1, len(Body)))
+        bodies = rng.sample([each.value for each in PlateBody], rng.randint(1, len(PlateBody)))
         found["3mf"] = {"plate": bodies, **({"roller_bore": 2} if rng.random() < 0.3 else {})}
     elif rng.random() < 0.3:
         table_of = WHOLE["properties"]["output"]["properties"][formats[0]]

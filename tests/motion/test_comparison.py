@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 
 from camgeo.errors import GeometryError
 from camgeo.kinematics.laws import BALANCES, FAMILIES, make_law
-from camgeo.kinematics.laws.comparison import QUANTITIES, Entry, Running, compare, law_entry
+from camgeo.kinematics.laws.comparison import QUANTITIES, LawEntry, Running, compare, law_entry
 from camgeo.kinematics.laws.law import Characteristic, Law, characteristic
 from camgeo.kinematics.laws.pulse import Parts
 from camgeo.kinematics.laws.sine_straight import LEAST, curved_for
@@ -94,7 +94,7 @@ def test_each_law_for_a_task_is_there_with_what_samples_find(task: str) -> None:
         assert entry.runs_back == bool(np.min(law(PLACES)[1]) < -1e-9)
 
 
-def assert_values(entry: Entry) -> None:
+def assert_values(entry: LawEntry) -> None:
     """They are those of the law, but for what a shock or a jerk of their part makes infinite."""
     law = entry.law
     assert law is not None

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 
 from camgeo.errors import GeometryError
 from camgeo.kinematics.laws import FAMILIES, build_law, make_law
-from camgeo.kinematics.motion import Dwell as DwellSpan
 from camgeo.kinematics.motion import Jet, lift_range, pieces, turning_angles
+from camgeo.kinematics.motion import MergedDwell as DwellSpan
 from camgeo.kinematics.plan import MANY, Dwell, MotionPlan, Move, joints
 from camgeo.kinematics.planning.planner import plan_motion
 from camgeo.kinematics.planning.requests import MoveRequest, PointsRequest, Request, TableRequest

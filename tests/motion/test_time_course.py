@@ -14,8 +14,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from camgeo.errors import GeometryError
-from camgeo.kinematics.motion import Dwell as DwellSpan
 from camgeo.kinematics.motion import Jet
+from camgeo.kinematics.motion import MergedDwell as DwellSpan
 from camgeo.kinematics.plan import Dwell, MotionPlan, Move
 from camgeo.kinematics.planning.planner import plan_motion
 from camgeo.kinematics.planning.requests import TableRequest

@@ -10,7 +10,7 @@ import pytest
 
 from camgeo.numeric.arrays import FloatArray
 from camgeo.scene.scene import Scene, load_scene
-from camgeo.studies.optimise.optimise import Judge, Verdict
+from camgeo.studies.optimise.optimise import Judge, RowVerdict
 from camgeo.studies.sweep.family import Point
 from tests.sweep.families import FIXTURES, SETZHUB
 
@@ -30,15 +30,15 @@ def given(
 ) -> None:
     """Designs answer the costs of a formula of their numbers, and keep a margin from 0 on."""
 
-    def row(point: Point) -> Verdict:
+    def row(point: Point) -> RowVerdict:
         costs, margin = formula(np.array(point, dtype=float))
         broken = ("a margin",) if margin < 0.0 else ()
-        return Verdict(
+        return RowVerdict(
             point, tuple(costs), ("",) * len(costs), "", tuple(costs), {"a margin": margin},
             max(-margin, 0.0), broken,
         )  # fmt: skip
 
-    def rows(_: Judge, points: Iterable[Point]) -> list[Verdict]:
+    def rows(_: Judge, points: Iterable[Point]) -> list[RowVerdict]:
         return [row(each) for each in points]
 
     monkeypatch.setattr(Judge, "rows", rows)

@@ -12,7 +12,7 @@ from camgeo import loads
 from camgeo.app.answers.size import size
 from camgeo.design.design import Design
 from camgeo.scene.scene import load_scene
-from camgeo.studies.optimise.optimise import DUMB, IMPOSSIBLE, Judge, Verdict, optimise, task_of
+from camgeo.studies.optimise.optimise import DUMB, IMPOSSIBLE, Judge, RowVerdict, optimise, task_of
 from camgeo.studies.sweep.family import Point
 from camgeo.studies.sweep.pool import Pool
 from camgeo.studies.sweep.rows import Chunks, Work, dead
@@ -104,7 +104,7 @@ class Counted(Pool):
 def test_a_design_that_ends_its_process_is_beyond_all_limits() -> None:
     judge = Judge.for_task(task_of(PLAIN, ["follower.base_radius=44:56"], least=["diameter"]))
     found = dead(judge, (50,), 2)
-    assert isinstance(found, Verdict)
+    assert isinstance(found, RowVerdict)
     assert found.violation == IMPOSSIBLE
     assert "died, 2 times" in found.broken[0]
     assert len(found.costs) == 1

@@ -28,7 +28,7 @@ from camgeo.geometry.outline.path import (
 )
 from camgeo.geometry.pitch_curve import PitchCurve, WorkingCurve
 from camgeo.kinematics.mechanism.rollers import TranslatingRoller
-from camgeo.kinematics.motion import Dwell, Jet
+from camgeo.kinematics.motion import Jet, MergedDwell
 from camgeo.kinematics.plan import MotionPlan
 from camgeo.numeric.arrays import ComplexArray, FloatArray, Side
 from camgeo.scene.scene import parse_scene
@@ -45,7 +45,7 @@ class EccentricCircle:
     eccentricity: float
     radius: float
     breaks: FloatArray
-    dwells: tuple[Dwell, ...] = ()
+    dwells: tuple[MergedDwell, ...] = ()
 
     @property
     def borders(self) -> FloatArray:

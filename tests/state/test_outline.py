@@ -24,7 +24,7 @@ from camgeo.dynamics.effects.results import CONTACT_FORCE, DRIVE_TORQUE
 from camgeo.dynamics.state.written import FarMotion, OutlineState, ReplayedMotion
 from camgeo.errors import EffectError, GeometryError
 from camgeo.geometry.outline.roller import AS_DEMANDED
-from camgeo.kinematics.motion import Dwell, Jet
+from camgeo.kinematics.motion import Jet, MergedDwell
 from camgeo.numeric.arrays import SIDES, FloatArray, IntArray
 from camgeo.units import TURN
 from tests.effects.scenes import course_of, design
@@ -359,7 +359,7 @@ class Lying:
 
     borders: FloatArray
     numbers: IntArray
-    dwells: tuple[Dwell, ...]
+    dwells: tuple[MergedDwell, ...]
 
 
 @attack
@@ -376,7 +376,7 @@ def test_of_a_dwell_what_no_corner_interrupts_is_left(
     cell = TURN / 72.0
     places = np.sort(borders)
     numbers = np.where((np.arange(len(places)) + first) % 2, 0, AS_DEMANDED)
-    dwell = Dwell(start * cell, span * cell)
+    dwell = MergedDwell(start * cell, span * cell)
     lying: Any = Lying(places * cell, numbers, (dwell,))
     left = ReplayedMotion(lying, lying).dwells
     middle = np.arange(72) + 0.5

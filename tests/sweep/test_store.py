@@ -19,8 +19,8 @@ from camgeo.studies.sweep.family import Family, Point
 from camgeo.studies.sweep.rows import Chunks, DesignRow, Work, compute_rows, parse_questions
 from camgeo.studies.sweep.sweep import (
     Heading,
-    Result,
     Store,
+    SweepResult,
     file_system_kind,
     mounted,
     progress_words,
@@ -53,11 +53,11 @@ class Counting:
         return nullcontext()
 
 
-def run(path: Path | None, engine: Counting | None = None, **given: object) -> Result:
+def run(path: Path | None, engine: Counting | None = None, **given: object) -> SweepResult:
     return sweep(family(), ASK, store=path, engine=engine or Counting(), **given)  # type: ignore[arg-type]  # options of it
 
 
-def rows(result: Result) -> list[DesignRow]:
+def rows(result: SweepResult) -> list[DesignRow]:
     with closing(result):
         return list(result.rows)
 

@@ -13,10 +13,10 @@ from camgeo.scene.scene import Scene, load_scene
 from camgeo.studies.tolerancing.linear import Linear, replay_machines
 from camgeo.studies.tolerancing.stated import (
     Deviations,
-    Machine,
+    NominalMachine,
     Sensitivities,
     StatedTolerances,
-    Unit,
+    UnitDeviation,
 )
 
 FIXTURES = Path(__file__).parents[2] / "fixtures"
@@ -41,7 +41,7 @@ FOLLOWERS: dict[str, dict[str, Any]] = {
 def sensitivities(scene: Scene, phi: np.ndarray[Any, Any] = ANGLES) -> Sensitivities:
     """Of a scene's machine, on its main flank."""
     cam = Design(scene).cam
-    return Sensitivities(Machine(cam, Flank(cam.contact.main)), phi)
+    return Sensitivities(NominalMachine(cam, Flank(cam.contact.main)), phi)
 
 
 def fixture(name: str) -> Sensitivities:
@@ -63,7 +63,7 @@ def round_cam(kind: str, contact: dict[str, str] | None = None, **tables: Any) -
     )  # fmt: skip
 
 
-def errors(nominal: Sensitivities, unit: Unit, *sizes: float) -> np.ndarray[Any, Any]:
+def errors(nominal: Sensitivities, unit: UnitDeviation, *sizes: float) -> np.ndarray[Any, Any]:
     """(machines, angles) of the position, of machines that deviate by `sizes` of a dimension."""
     deviations = Deviations(len(sizes), {unit.freedom: np.array(sizes) * unit.factor})
     return np.asarray(replay_machines(nominal, deviations).position[0] - nominal.positions[0])

@@ -11,7 +11,7 @@ from camgeo.design.design import Design
 from camgeo.errors import CamgeoError
 from camgeo.geometry.outline.path import Flank
 from camgeo.scene.scene import Scene, load_scene
-from camgeo.studies.tolerancing.stated import Machine, machine_dimensions
+from camgeo.studies.tolerancing.stated import NominalMachine, machine_dimensions
 from tests import kept
 from tests.thinned import WHOLE, share
 from tests.tolerancing.machines import FIXTURES, LEVER
@@ -54,7 +54,7 @@ def toleranced(scene: Scene) -> Scene:
         {"limits": [-0.01, 0.03], "distribution": "uniform"},
         {"plus_minus": 0.02, "sigma": 0.005},
     )
-    known = machine_dimensions(Machine(cam, Flank(cam.contact.main)))
+    known = machine_dimensions(NominalMachine(cam, Flank(cam.contact.main)))
     dimensions = [
         {"key": key, **({"class": "h6"} if size.size and not number % 2 else forms[number % 3])}
         for number, (key, size) in enumerate(known.items())

@@ -19,7 +19,7 @@ from camgeo.studies.tolerancing.stated import (
     Deviations,
     Freedom,
     Sensitivities,
-    Unit,
+    UnitDeviation,
     Way,
     machine_dimensions,
 )
@@ -39,17 +39,17 @@ ROUNDING = 1e-9
 """Of a difference, relative to the sensitivity: the motion's last digits over the step."""
 
 
-def units_of(nominal: Sensitivities) -> dict[str, Unit]:
+def units_of(nominal: Sensitivities) -> dict[str, UnitDeviation]:
     """Of all dimensions, and of waves."""
     found = {key: each.unit for key, each in machine_dimensions(nominal.machine).items()}
     return found | {
-        "cosine": Unit(Freedom(Way.WAVE, 5)),
-        "sine": Unit(Freedom(Way.WAVE, 5), 1j),
-        "clearance": Unit(Freedom(Way.GROWTH)),
+        "cosine": UnitDeviation(Freedom(Way.WAVE, 5)),
+        "sine": UnitDeviation(Freedom(Way.WAVE, 5), 1j),
+        "clearance": UnitDeviation(Freedom(Way.GROWTH)),
     }
 
 
-def difference(nominal: Sensitivities, unit: Unit, step: float) -> float:
+def difference(nominal: Sensitivities, unit: UnitDeviation, step: float) -> float:
     """Largest error of a two-sided difference."""
     upper, lower = errors(nominal, unit, step, -step)
     return float(np.max(np.abs((upper - lower) / (2.0 * step) - nominal.position_error(unit))))

@@ -16,13 +16,13 @@ from camgeo.geometry.contour.contour import Contour
 from camgeo.milling.moves import ArcFeed, Feed, Move, Point, Rapid, Stop, feed_course
 from camgeo.milling.polygons import NOTHING, parts, polygon
 from camgeo.milling.simulation import (
-    Body,
     Chamfer,
     Flaw,
     Known,
     Setup,
     Simulation,
     ToolRun,
+    UprightBody,
     interior_point,
     simulate,
     swept_area,
@@ -122,7 +122,7 @@ def test_a_core_comes_loose() -> None:
 
 
 def test_a_part_that_nothing_holds() -> None:
-    part = Body("disc", DEPTH, 0.0, (Contour.circle(15.0),))
+    part = UprightBody("disc", DEPTH, 0.0, (Contour.circle(15.0),))
     frame = ((rectangle(100.0, 60.0), rectangle(90.0, 50.0)),)
     setup = replace(PLATE, part=(part,), held=frame)
     found = ran(setup, circle(18.0, -2.0), circle(18.0, DEPTH))
@@ -137,7 +137,7 @@ def test_a_part_that_nothing_holds() -> None:
 
 
 def test_a_rest_has_its_thickness() -> None:
-    part = Body("disc", DEPTH, 0.0, (Contour.circle(15.0),))
+    part = UprightBody("disc", DEPTH, 0.0, (Contour.circle(15.0),))
     found = ran(replace(PLATE, part=(part,)), circle(18.3, DEPTH))
     (rest,) = found.flaws
     assert rest.name == "rest"
@@ -148,7 +148,7 @@ def test_a_rest_has_its_thickness() -> None:
 @given(st.floats(0.05, 2.0))
 @settings(max_examples=10)
 def test_a_gouge_has_its_depth(depth: float) -> None:
-    part = Body("disc", DEPTH, 0.0, (Contour.circle(15.0),))
+    part = UprightBody("disc", DEPTH, 0.0, (Contour.circle(15.0),))
     found = ran(replace(PLATE, part=(part,)), circle(18.0 - depth, DEPTH))
     (gouge,) = flaws_of(found, "gouge")
     assert gouge.value == pytest.approx(depth, abs=5e-3)
@@ -158,7 +158,7 @@ def test_a_gouge_has_its_depth(depth: float) -> None:
 
 def test_a_ramp_gouges_where_it_is_low_enough() -> None:
     """Above a floor at -2 it may go down to there."""
-    floor = Body("floor", DEPTH, -2.0, (rectangle(100.0, 60.0),))
+    floor = UprightBody("floor", DEPTH, -2.0, (rectangle(100.0, 60.0),))
     setup = replace(PLATE, part=(floor,))
     down = over(-20.0, 0.0, 0.0, Feed((20.0, 0.0, -2.0), FEED))
     assert names(ran(setup, down)) == ["rest"]
@@ -181,7 +181,7 @@ HELIX = over(
     *(ArcFeed((x, 0.0, z), (0.0, 0.0), True, FEED) for x, z in ((-2.0, -0.5), (2.0, -1.0))),
 )  # fmt: skip
 
-CLAMPED = {"obstacles": (Body("clamp", 0.0, 10.0, (rectangle(10.0, 60.0),)),)}
+CLAMPED = {"obstacles": (UprightBody("clamp", 0.0, 10.0, (rectangle(10.0, 60.0),)),)}
 
 HUB = replace(PLATE, top=10.0)
 
@@ -275,7 +275,7 @@ def test_the_radius_at_a_height(radius: float, share: float, rounded: bool) -> N
         assert found[low] * point == pytest.approx(radius * heights[low])
 
 
-CHAMFERED = replace(PLATE, part=(Body("disc", DEPTH, 0.0, (Contour.circle(15.0),)),))
+CHAMFERED = replace(PLATE, part=(UprightBody("disc", DEPTH, 0.0, (Contour.circle(15.0),)),))
 
 
 def cone(tip: float) -> ToolRun:

@@ -82,7 +82,7 @@ class Cell:
 
 
 @dataclass(frozen=True, slots=True)
-class Line:
+class ComparisonLine:
     """A finding or a requested quantity, with the cell of each design."""
 
     name: str
@@ -102,7 +102,7 @@ class Compare(Answer):
 
     designs: tuple[Compared, ...]
     keys: tuple[DifferingKey, ...]
-    lines: tuple[Line, ...]
+    lines: tuple[ComparisonLine, ...]
 
 
 def compare(designs: Sequence[tuple[str, Design]], ask: Sequence[str] = ()) -> Compare:
@@ -132,7 +132,8 @@ def compare(designs: Sequence[tuple[str, Design]], ask: Sequence[str] = ()) -> C
     # All names, in the order in which they first appear.
     names = dict.fromkeys(name for column in columns for name in column)
     lines = tuple(
-        Line(name, tuple(column.get(name, Cell()) for column in columns)) for name in names
+        ComparisonLine(name, tuple(column.get(name, Cell()) for column in columns))
+        for name in names
     )
     compared = tuple(
         Compared(label, design, verdict)

@@ -21,7 +21,7 @@ from camgeo.app.cli.command import (
 )
 from camgeo.errors import Fault, SceneError
 from camgeo.kinematics.laws import ALIASES, FAMILIES, OPTIONS, find_family
-from camgeo.kinematics.laws.comparison import QUANTITIES, Entry, Running, compare, law_entry
+from camgeo.kinematics.laws.comparison import QUANTITIES, LawEntry, Running, compare, law_entry
 from camgeo.kinematics.laws.law import Law
 from camgeo.kinematics.motion import ENDS, NAMES, TASKS, task_ends
 from camgeo.numeric.extremes import Extreme
@@ -50,7 +50,7 @@ class LawRow:
     physical : `QUANTITIES` of the move, None for what is unbounded; None without a law or a move.
     """
 
-    entry: Entry
+    entry: LawEntry
     physical: Mapping[str, Physical | None] | None = None
 
     @property
@@ -158,7 +158,7 @@ def laws_of_task(
     return Laws(rows, running, places=places)
 
 
-def _impossible(entries: Sequence[Entry]) -> list[Fault]:
+def _impossible(entries: Sequence[LawEntry]) -> list[Fault]:
     """Why no law is possible: one fault for all laws with the same reason."""
     reasons: dict[str, list[str]] = {}
     for entry in entries:
@@ -189,7 +189,7 @@ def laws_of_all_tasks(names: Sequence[str] = ()) -> Laws:
     )
 
 
-def _physical(entry: Entry, running: Running | None) -> dict[str, Physical | None] | None:
+def _physical(entry: LawEntry, running: Running | None) -> dict[str, Physical | None] | None:
     if running is None or entry.values is None:
         return None
     values: dict[str, Physical | None] = {}
@@ -397,7 +397,7 @@ def _parameters(row: LawRow) -> str:
     return " ".join(f"{SYMBOLS.get(key, key)}={value:.6g}" for key, value in row.parameters.items())
 
 
-def _remarks(entry: Entry) -> str:
+def _remarks(entry: LawEntry) -> str:
     """Places z of shocks and jerks, and whether the move runs back or overshoots."""
     remarks = []
     for word, places in (("shock", entry.shocks), ("jerk", entry.jerks)):
@@ -408,7 +408,7 @@ def _remarks(entry: Entry) -> str:
     return "; ".join(remarks)
 
 
-def _notes(entries: Sequence[Entry]) -> list[str]:
+def _notes(entries: Sequence[LawEntry]) -> list[str]:
     """The parameters ignored or assumed in each row, and alternative names of the laws."""
     ignored: dict[tuple[str, ...], list[str]] = {}
     assumed: dict[tuple[str, ...], list[str]] = {}

@@ -63,7 +63,7 @@ DECIMALS: Final[dict[LengthUnit, int]] = {"mm": 4, "inch": 6}
 
 
 @dataclass(frozen=True, slots=True)
-class Step:
+class OperationRow:
     """One operation, in its order.
 
     Attributes
@@ -120,7 +120,7 @@ class SetupSheet(Answer):
     zero: str
     traverses: str
     tools: tuple[Tool, ...]
-    steps: tuple[Step, ...]
+    steps: tuple[OperationRow, ...]
     remarks: tuple[str, ...]
     flaws: tuple[Flaw, ...]
     features: tuple[Feature, ...] = ()
@@ -216,7 +216,7 @@ def _steps(
     machine: Machine,
     zero: Zero,
     unit: LengthUnit,
-) -> tuple[Step, ...]:
+) -> tuple[OperationRow, ...]:
     seconds = {} if times is None else {operation.name: operation.seconds for operation in times}
     engaged = {engagement.operation: engagement for engagement in engagements}
     words = machine.compensation
@@ -226,7 +226,7 @@ def _steps(
         if words is not None
     }
     return tuple(
-        Step(operation, seconds.get(name), engaged.get(name), notes.get(name, ""), zero.z)
+        OperationRow(operation, seconds.get(name), engaged.get(name), notes.get(name, ""), zero.z)
         for name, operation in ((operation.name, operation) for operation in toolpath.operations)
     )
 
@@ -573,7 +573,7 @@ def _tool(tool: Tool, unit: LengthUnit) -> list[str]:
     ]
 
 
-def _step(number: int, step: Step, unit: LengthUnit) -> list[str]:
+def _step(number: int, step: OperationRow, unit: LengthUnit) -> list[str]:
     tool, scale = step.operation.tool, 1.0 / MM_PER[unit]
     feeds = (f"{feed * scale:.{FEED[unit]}f}" for feed in (tool.feed, tool.plunge_feed))
     return [

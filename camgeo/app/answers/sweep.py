@@ -34,7 +34,7 @@ from camgeo.scene.scene import Scene, load_scene
 from camgeo.scene.values import Value
 from camgeo.studies.sweep.family import Family, Sample, family_of, question_names, split_names
 from camgeo.studies.sweep.rows import DesignRow, engine_of
-from camgeo.studies.sweep.sweep import Result, sweep
+from camgeo.studies.sweep.sweep import SweepResult, sweep
 from camgeo.units import LengthUnit, counted, listed, shortened, unit_and_divisor
 
 
@@ -101,7 +101,7 @@ class Sweep(Answer):
     count : all designs.
     """
 
-    result: Result
+    result: SweepResult
     spans: tuple[Span, ...]
     reasons: Mapping[str, int]
     failed: int
@@ -136,7 +136,7 @@ class Sweep(Answer):
         return rows if self.failed else [row[:-1] for row in rows]
 
 
-def answer_of(result: Result) -> Sweep:
+def answer_of(result: SweepResult) -> Sweep:
     """The answer for the rows of a family, which are read once."""
     tallies = [_SpanTally() for _ in result.questions]
     reasons: dict[str, int] = {}
@@ -180,7 +180,7 @@ class _SpanTally:
         if self._greatest is None or value > self._greatest[0]:
             self._greatest = value, row
 
-    def span(self, result: Result, word: str) -> Span:
+    def span(self, result: SweepResult, word: str) -> Span:
         least, greatest = (
             None if extreme is None or len(self._units) > 1 else _design(result, extreme[1])
             for extreme in (self._least, self._greatest)
@@ -189,7 +189,7 @@ class _SpanTally:
         return Span(word, tuple(sorted(self._units)), self._count, least, greatest, words)
 
 
-def _design(result: Result, row: DesignRow, mixed: frozenset[str] = frozenset()) -> Design:
+def _design(result: SweepResult, row: DesignRow, mixed: frozenset[str] = frozenset()) -> Design:
     words = [question.word for question in result.questions]
     values = result.family.edits(row.point)
     answers = dict(zip(words, row.values, strict=True))
@@ -500,7 +500,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _picture(
     arguments: argparse.Namespace, family: Family, ask: Sequence[str]
-) -> Callable[[Result], list[Written]]:
+) -> Callable[[SweepResult], list[Written]]:
     """A function that draws the picture; a wrong call is refused before anything is computed."""
     least, largest = split_names(arguments.least), split_names(arguments.largest)
     if arguments.picture is None:
@@ -519,7 +519,7 @@ def _picture(
 
     path = Path(arguments.picture)
 
-    def draw(result: Result) -> list[Written]:
+    def draw(result: SweepResult) -> list[Written]:
         if kind == "pareto":
             figure = pictures.pareto(result, least, largest)
         else:

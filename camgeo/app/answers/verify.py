@@ -59,7 +59,7 @@ class Verification(Answer):
     """
 
     paths: tuple[Path, ...]
-    verdicts: tuple[Verdict, ...]
+    verdicts: tuple[FileVerdict, ...]
 
     @property
     def passed(self) -> bool:
@@ -197,7 +197,9 @@ def verifiable_files(folder: Path) -> tuple[Path, ...]:
     return tuple(sorted(readable | {folder / name for name in named if Path(name).name == name}))
 
 
-def verify_files(paths: tuple[Path, ...], scenes: Scenes, wanted: Wanted) -> tuple[Verdict, ...]:
+def verify_files(
+    paths: tuple[Path, ...], scenes: Scenes, wanted: Wanted
+) -> tuple[FileVerdict, ...]:
     """One verdict per file; a fault in one file does not affect the verdicts on the others.
 
     Raises
@@ -208,7 +210,7 @@ def verify_files(paths: tuple[Path, ...], scenes: Scenes, wanted: Wanted) -> tup
     """
     # Each certificate is read once, however many files it has.
     certificates = {folder: read_certificate(folder) for folder in {path.parent for path in paths}}
-    verdicts: list[Verdict] = []
+    verdicts: list[FileVerdict] = []
     refused: list[SceneError] = []
     judged = False
     for path in paths:
@@ -233,9 +235,9 @@ def verify_files(paths: tuple[Path, ...], scenes: Scenes, wanted: Wanted) -> tup
     return tuple(verdicts)
 
 
-def _unread(path: Path, verifier: Verifier | None, check: Check) -> Verdict:
+def _unread(path: Path, verifier: Verifier | None, check: Check) -> FileVerdict:
     """The verdict on a file that was not read; `check` says why."""
-    return Verdict(path.name, _format(path, verifier), "", 0, ("", ""), None, (check,))
+    return FileVerdict(path.name, _format(path, verifier), "", 0, ("", ""), None, (check,))
 
 
 def _format(path: Path, verifier: Verifier | None) -> str:
@@ -260,7 +262,7 @@ def _verdict(
     certificate: Certificate | None,
     scenes: Scenes,
     wanted: Wanted,
-) -> Verdict:
+) -> FileVerdict:
     certified = certificate is not None and path.name in certificate.hashes
     if verifier is None and not certified:
         allowed = ", ".join(endings())
@@ -281,8 +283,8 @@ def _verdict(
     kind = _format(path, verifier)
     checks = [_bytes(path.name, sha256, certificate)]
 
-    def without_scene() -> Verdict:
-        return Verdict(path.name, kind, sha256, size, ("", ""), None, tuple(checks))
+    def without_scene() -> FileVerdict:
+        return FileVerdict(path.name, kind, sha256, size, ("", ""), None, tuple(checks))
 
     if verifier is None:
         return without_scene()
@@ -319,7 +321,7 @@ def _verdict(
         checks.append(failed("deviation", str(error)))
     scene, unit = (product.name, present), reference.discs[0].unit
     restated = tuple(check.in_unit(unit) for check in checks)
-    return Verdict(path.name, kind, sha256, size, scene, tolerance, restated, length=unit)
+    return FileVerdict(path.name, kind, sha256, size, scene, tolerance, restated, length=unit)
 
 
 def _contents(path: Path, verifier: Verifier | None) -> tuple[bytes, int, str]:
@@ -399,7 +401,7 @@ def _tolerance(
 
 
 @dataclass(frozen=True, slots=True)
-class Verdict:
+class FileVerdict:
     """One file with all its checks.
 
     Attributes
@@ -785,7 +787,7 @@ def text(answer: Verification) -> str:
     return "\n".join(lines)
 
 
-def _headline(path: Path, verdict: Verdict) -> str:
+def _headline(path: Path, verdict: FileVerdict) -> str:
     """The file and its result."""
     word = "pass" if verdict.passed else "FAIL"
     if verdict.tolerance is None:

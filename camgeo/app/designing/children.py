@@ -64,7 +64,7 @@ class Refused(CamgeoError, RuntimeError):
 
 
 @dataclass(frozen=True)
-class Result:
+class JobResult:
     """The result of a job.
 
     Attributes
@@ -180,7 +180,7 @@ class Children:
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def submit(self, job: Job, seconds: float) -> Result:
+    def submit(self, job: Job, seconds: float) -> JobResult:
         """The result of a job, waiting for those of its lane that came before.
 
         Parameters
@@ -199,7 +199,7 @@ class Children:
         with self._turns[lane]:
             child = self._child(lane)
             try:
-                return Result(child.ask(data, seconds))
+                return JobResult(child.ask(data, seconds))
             except Refused as error:
                 raise Refused(f"{job.kind}: {error}") from error
             finally:

@@ -722,7 +722,7 @@ Splice = tuple[int, str, str]
 
 
 @dataclass(frozen=True, slots=True)
-class Step:
+class EditStep:
     """The change that one step made.
 
     Attributes
@@ -755,8 +755,8 @@ class History:
     """
 
     text: str
-    past: tuple[Step, ...] = ()
-    future: tuple[Step, ...] = ()
+    past: tuple[EditStep, ...] = ()
+    future: tuple[EditStep, ...] = ()
 
     @property
     def undo(self) -> str | None:
@@ -780,7 +780,7 @@ class History:
             earlier = spliced(earlier, past[-1].position, past[-1].inserted, past[-1].removed)
             past = past[:-1]
         if earlier != text:
-            past = (*past, Step(label, *splice(earlier, text), gesture))
+            past = (*past, EditStep(label, *splice(earlier, text), gesture))
         return replace(self, text=text, past=_bounded(past), future=())
 
     def undone(self) -> Self:
@@ -830,7 +830,7 @@ def spliced(text: str, position: int, removed: str, inserted: str) -> str:
     return f"{text[:position]}{inserted}{text[position + len(removed) :]}"
 
 
-def _bounded(past: tuple[Step, ...]) -> tuple[Step, ...]:
+def _bounded(past: tuple[EditStep, ...]) -> tuple[EditStep, ...]:
     """The latest steps that are within the limits; the last one always is."""
     past = past[-MOST_STEPS:]
     size = sum(map(len, past))

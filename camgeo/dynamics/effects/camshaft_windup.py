@@ -527,7 +527,7 @@ class WindupState:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Step:
+class NewtonStep:
     """A Newton step: the changes, the defect (m, 2) of each cell, and the monodromy matrix."""
 
     starts: FloatArray
@@ -536,7 +536,7 @@ class Step:
     monodromy: FloatArray
 
 
-def newton_step(cam: CamOnShaft, mesh: Mesh, pair: WindupState) -> Step:
+def newton_step(cam: CamOnShaft, mesh: Mesh, pair: WindupState) -> NewtonStep:
     """The Newton step from `pair`, on all cells of the turn together."""
     rates, slopes = cam.rates(mesh.laws, pair.nodes)
     # (m, n, n) from the rates at the nodes to the changes since the start of each cell.
@@ -568,7 +568,7 @@ def newton_step(cam: CamOnShaft, mesh: Mesh, pair: WindupState) -> Step:
     # At the nodes n of cell m: the response to the change at the start of the cell, and to its
     # residual.
     nodes = np.einsum("mnij,mj->mni", solved[..., :2], starts[:-1]) + solved[..., 2]
-    return Step(starts, nodes, np.max(np.abs(solved[..., 2]), axis=1), products[-1])
+    return NewtonStep(starts, nodes, np.max(np.abs(solved[..., 2]), axis=1), products[-1])
 
 
 def _cumulative_maps(factors: FloatArray, offsets: FloatArray) -> tuple[FloatArray, FloatArray]:

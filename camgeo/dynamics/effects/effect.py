@@ -307,7 +307,7 @@ class Result(Displayed):
 
 
 @dataclass(frozen=True, slots=True)
-class Machine:
+class MachineTraits:
     """The properties of a machine that rules depend on.
 
     Attributes
@@ -340,7 +340,7 @@ class Machine:
 
 
 @dataclass(frozen=True, slots=True)
-class Table:
+class EffectTable:
     """The table of an effect in a scene.
 
     Attributes
@@ -357,7 +357,7 @@ class Table:
         return key not in self.values and key not in self.meant
 
 
-Rule = Callable[[Machine, Table], Iterator[tuple[str, str]]]
+Rule = Callable[[MachineTraits, EffectTable], Iterator[tuple[str, str]]]
 """Yields the keys of the table at fault, empty for the effect as a whole, with the reason."""
 
 
@@ -367,7 +367,7 @@ class Kind:
 
     Attributes
     ----------
-    attribute : the attribute of `Machine` that distinguishes it.
+    attribute : the attribute of `MachineTraits` that distinguishes it.
     others : values of this attribute that certainly mean another kind.
     message : the message for a scene with another kind of machine.
     description : the same, as a sentence for the schema.
@@ -392,7 +392,7 @@ class Only:
         object.__setattr__(self, "kind", kind)
         object.__setattr__(self, "keys", keys)
 
-    def __call__(self, machine: Machine, table: Table) -> Iterator[tuple[str, str]]:
+    def __call__(self, machine: MachineTraits, table: EffectTable) -> Iterator[tuple[str, str]]:
         """See `Rule`."""
         if getattr(machine, self.kind.attribute) in self.kind.others:
             for key in self.keys or ("",):

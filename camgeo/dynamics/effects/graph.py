@@ -32,13 +32,13 @@ from camgeo.dynamics.effects.effect import (
     Bound,
     Column,
     Effect,
+    EffectTable,
     Key,
-    Machine,
+    MachineTraits,
     Request,
     Result,
     Results,
     Subject,
-    Table,
 )
 from camgeo.dynamics.effects.registry import Catalogue, find_effect
 from camgeo.dynamics.effects.results import (
@@ -495,7 +495,7 @@ class Nodes:
         """Raise GeometryError with the key if the effect or one of its keys does not fit."""
         machine = describe_machine(self.subject)
         for key, message in (
-            fault for rule in effect.rules for fault in rule(machine, Table(table))
+            fault for rule in effect.rules for fault in rule(machine, EffectTable(table))
         ):
             raise GeometryError(message, _place(effect.name, key))
 
@@ -1054,10 +1054,10 @@ def _figures(result: Result) -> Figures:
     return figures | columns
 
 
-def describe_machine(subject: Subject) -> Machine:
+def describe_machine(subject: Subject) -> MachineTraits:
     """The properties of the machine that the rules of effects depend on."""
     follower, linkage = subject.cam.follower, subject.drive.linkage
-    return Machine(
+    return MachineTraits(
         lift=follower.lift_unit,
         touching=follower.touching,
         edged=follower.has_edge,

@@ -217,7 +217,7 @@ def follower_loads(
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Joints:
+class JointForces:
     """The forces in the joints of a linkage at n cam angles, complex [N], in the drawing.
 
     Attributes
@@ -250,7 +250,7 @@ class Coupler:
     inertia: Inertia | None
     gravity: Gravity | None
 
-    def joints(self, phi: FloatArray, side: Side) -> Joints:
+    def joints(self, phi: FloatArray, side: Side) -> JointForces:
         """Coefficients (4, n) c0 to c3 of the forces, see `camgeo.dynamics.effects.forces`."""
         linkage, inertia = self.linkage, self.inertia
         stroke = self.subject.state.output.jet(phi, side)
@@ -287,12 +287,14 @@ class Coupler:
         held = -(on_far + weight)
         if linkage.unit == "mm":  # friction and load along the guide are no reactions
             held = held - way * dot(way, held)
-        return Joints(left - on_far, on_far, held)
+        return JointForces(left - on_far, on_far, held)
 
-    def at_speed(self, phi: FloatArray, side: Side) -> Joints:
+    def at_speed(self, phi: FloatArray, side: Side) -> JointForces:
         """The forces (n,) at the speed of the scene."""
         rates, joints = cam_rates(self.subject, phi, side), self.joints(phi, side)
-        return Joints(*(at_rates(force, rates) for force in (joints.near, joints.far, joints.held)))
+        return JointForces(
+            *(at_rates(force, rates) for force in (joints.near, joints.far, joints.held))
+        )
 
     def per_far(self, phi: FloatArray, side: Side) -> ComplexArray:
         """(n,) F_A for one unit more of Q."""

@@ -10,12 +10,12 @@ from camgeo.dynamics.effects import tables
 from camgeo.dynamics.effects.effect import (
     SPEED,
     Effect,
+    EffectTable,
     Key,
     Kind,
-    Machine,
+    MachineTraits,
     Only,
     Refinement,
-    Table,
 )
 from camgeo.dynamics.effects.results import (
     ACTING,
@@ -116,7 +116,7 @@ LENGTHS: Final = Kind(
 )
 
 
-def tilts(machine: Machine, table: Table) -> Iterator[tuple[str, str]]:
+def tilts(machine: MachineTraits, table: EffectTable) -> Iterator[tuple[str, str]]:
     """The `Rule` that a flat-faced follower with guide friction needs the length of the guide."""
     checked = {"guide_overhang", "guide_offset"} & table.values.keys()  # its parser asks for it
     rubs = machine.touching in ROLLERS.others and table.values.get("guide")

@@ -258,7 +258,7 @@ FREE: Final = -1
 """Number of what holds a roller that nothing holds."""
 
 
-class Stretch(NamedTuple):
+class HoldingStretch(NamedTuple):
     """A stretch of a turn over which one thing holds the roller, or none.
 
     Attributes
@@ -333,28 +333,28 @@ class SpinCells:
         edges = self.rate.edges
         return self.impulse(np.arange(len(edges) - 1), edges[:-1], np.diff(edges))
 
-    def turn(self, w: float) -> list[Stretch]:
+    def turn(self, w: float) -> list[HoldingStretch]:
         """The stretches of a turn that starts with `w` [rad/s] at cam angle 0."""
-        stretches: list[Stretch] = []
+        stretches: list[HoldingStretch] = []
         for cell in range(self.start_speeds.shape[1]):
             stretches += self._through(cell, stretches[-1].end if stretches else w)
         return stretches
 
-    def _through(self, cell: int, w: float) -> Iterator[Stretch]:
+    def _through(self, cell: int, w: float) -> Iterator[HoldingStretch]:
         low, high = (float(edge) for edge in self.rate.edges[cell : cell + 2])
         signs, ahead = self._signs(cell, w), float(self.whole[cell])
         while low < high:
             if 0.0 in signs:
                 holder = int(np.flatnonzero(signs == 0.0)[0])
                 end = float(self.end_speeds[holder, cell])
-                yield Stretch(low, high, cell, holder, w, end, end - w, 0.0)
+                yield HoldingStretch(low, high, cell, holder, w, end, end - w, 0.0)
                 return
             # Nothing holds it: all three rub, each against its own motion.
             pull = -float(self.levers @ signs) / self.inertia
             place, met = self._next(cell, low, w, pull, signs, w + pull * ahead)
             gain = pull * (ahead if met is None else self._impulse(cell, low, place - low))
             if place > low:
-                yield Stretch(low, place, cell, FREE, w, w + gain, gain, pull)
+                yield HoldingStretch(low, place, cell, FREE, w, w + gain, gain, pull)
             low, w = place, w + gain
             if met is not None:
                 # It is held from here on, or passes the speed and is pulled on.
@@ -462,7 +462,7 @@ class Skid:
     ----------
     cells : of the turn.
     edges : (m + 1,) cam angles [rad] from 0 to 2 pi between which w is smooth.
-    cell, holder : (m,) of each stretch, see `Stretch`.
+    cell, holder : (m,) of each stretch, see `HoldingStretch`.
     start, pull : (m,) [rad/s] and [rad/(N s^2)], likewise.
     """
 

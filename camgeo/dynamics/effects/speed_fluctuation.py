@@ -634,7 +634,7 @@ steps."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Step:
+class NewtonStep:
     """A Newton step: the changes, the defect of each cell, and the slope of the Poincare map."""
 
     starts: FloatArray
@@ -643,7 +643,7 @@ class Step:
     slope: float
 
 
-def newton_step(shaft: Shaft[Motor], mesh: Mesh, state: State) -> Step:
+def newton_step(shaft: Shaft[Motor], mesh: Mesh, state: State) -> NewtonStep:
     """The Newton step from `state`, on all cells of the turn together."""
     rule = collocation()
     spans = mesh.spans
@@ -680,7 +680,7 @@ def newton_step(shaft: Shaft[Motor], mesh: Mesh, state: State) -> Step:
     nodes = solved[:, :, 0] * starts[:-1, np.newaxis] + solved[:, :, 1]
     # The response of the cell to its residual, which a stiff motor damps strongly.
     defects = np.maximum(np.max(np.abs(solved[:, :, 1]), axis=1), np.abs(offsets))
-    return Step(starts, nodes, defects, slope)
+    return NewtonStep(starts, nodes, defects, slope)
 
 
 @dataclass(frozen=True, eq=False)

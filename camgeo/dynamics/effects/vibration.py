@@ -32,7 +32,7 @@ from camgeo.dynamics.oscillator.steady import (
 )
 from camgeo.dynamics.oscillator.train import SeparationError, Stage, Train, chain
 from camgeo.errors import EffectError, GeometryError
-from camgeo.kinematics.motion import Dwell, Motion
+from camgeo.kinematics.motion import MergedDwell, Motion
 from camgeo.kinematics.plan import in_turn
 from camgeo.kinematics.time_course import ConstantSpeed, TimeCourse, in_time
 from camgeo.numeric.arrays import FloatArray, IntArray, Side, merged, resolved
@@ -587,7 +587,7 @@ def resonance_findings(response: Response, most: float, shown: Label) -> Iterato
         )
 
 
-def _residual(name: str, what: str, rest: Dwell, amplitude: float, shown: Label) -> Finding:
+def _residual(name: str, what: str, rest: MergedDwell, amplitude: float, shown: Label) -> Finding:
     return Finding(
         name=name,
         severity="ok",
@@ -601,7 +601,7 @@ def _residual(name: str, what: str, rest: Dwell, amplitude: float, shown: Label)
     )
 
 
-def _duration(clock: Clock, rest: Dwell) -> float:
+def _duration(clock: Clock, rest: MergedDwell) -> float:
     ends = clock.course.time(np.array([rest.start, rest.start + rest.span]))
     return float(ends[1] - ends[0])
 

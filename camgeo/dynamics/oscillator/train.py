@@ -413,7 +413,7 @@ ROUNDED: Final = 16.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Part:
+class _ModeGroup:
     """Some of the modes, see `Train`."""
 
     rates: ComplexArray
@@ -427,7 +427,7 @@ class _Part:
 
 def _pole_modes(
     arrays: _StageArrays, poles: ComplexArray, spread: FloatArray, output: int
-) -> _Part:
+) -> _ModeGroup:
     """The modes of simple poles: the residues of the response to the base, by -lambda^2, and of
     that to a force on the `output`.
     """
@@ -437,7 +437,7 @@ def _pole_modes(
     # A complex pole stands for its conjugate too.
     both = np.where(poles.imag > 0.0, 2.0, 1.0) / arrays.normed(poles, x, bent)
     scale, load = both * pushes[:, 0] / poles**2, both * x[:, output]
-    return _Part(
+    return _ModeGroup(
         poles,
         (scale[:, np.newaxis] * x).T,
         (scale[:, np.newaxis] * pushes).T,
@@ -448,7 +448,7 @@ def _pole_modes(
     )
 
 
-def _circle_modes(arrays: _StageArrays, centre: complex, radius: float, output: int) -> _Part:
+def _circle_modes(arrays: _StageArrays, centre: complex, radius: float, output: int) -> _ModeGroup:
     """The points of the circle as modes. Around a real centre those above the axis stand for both
     halves.
     """
@@ -468,7 +468,7 @@ def _circle_modes(arrays: _StageArrays, centre: complex, radius: float, output: 
     doubt = np.sqrt(arrays.energy(rates, x, bent) * back / np.abs(whole)) / np.abs(x[:, output])
     load = ahead / whole
     held = np.where(np.arange(len(arrays.m)) <= output, whole[:, np.newaxis], 0.0)
-    return _Part(
+    return _ModeGroup(
         rates,
         (scale[:, np.newaxis] * x).T,
         (scale[:, np.newaxis] * arrays.pushes(impedances, x, bent)).T,

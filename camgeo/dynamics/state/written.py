@@ -27,7 +27,7 @@ from camgeo.geometry.pitch_curve import PitchCurve
 from camgeo.kinematics.mechanism.flat import FlatFollower, flat_follower
 from camgeo.kinematics.mechanism.follower import RelativeJet
 from camgeo.kinematics.mechanism.linkage import Linkage
-from camgeo.kinematics.motion import FULL_ORDER, Dwell, Jet, Motion
+from camgeo.kinematics.motion import FULL_ORDER, Jet, MergedDwell, Motion
 from camgeo.kinematics.plan import breaks
 from camgeo.kinematics.time_course import TimeCourse, TimeExtremes, time_extremes
 from camgeo.numeric.arrays import BoolArray, FloatArray, IntArray, Side, ascending, read_only
@@ -137,7 +137,7 @@ class FarMotion:
         return self.follower.borders
 
     @property
-    def dwells(self) -> tuple[Dwell, ...]:
+    def dwells(self) -> tuple[MergedDwell, ...]:
         """See `Motion`: it rests with the follower."""
         return self.follower.dwells
 
@@ -306,13 +306,13 @@ class ReplayedMotion:
         return ascending(np.concatenate((places[free], ends)))
 
     @cached_property
-    def dwells(self) -> tuple[Dwell, ...]:
+    def dwells(self) -> tuple[MergedDwell, ...]:
         """The remaining parts of the demanded dwells, see `Motion`."""
         return tuple(
             part for dwell in self.demanded.dwells for part in self._remaining_dwells(dwell)
         )
 
-    def _remaining_dwells(self, dwell: Dwell) -> Iterator[Dwell]:
+    def _remaining_dwells(self, dwell: MergedDwell) -> Iterator[MergedDwell]:
         start, end = dwell.start, dwell.start + dwell.span
         corners = [
             # A corner may hold the follower across cam angle 0.
@@ -324,10 +324,10 @@ class ReplayedMotion:
             if high <= start or low >= end:
                 continue
             if low - start > SEAM:
-                yield Dwell(start % TURN, low - start)
+                yield MergedDwell(start % TURN, low - start)
             start = high
         if end - start > SEAM:
-            yield Dwell(start % TURN, end - start)
+            yield MergedDwell(start % TURN, end - start)
 
     def on_corner(self, phi: FloatArray, side: Side) -> BoolArray:
         """(n,) whether a corner of the disc holds the follower at `phi` (n,) [rad]."""
@@ -390,11 +390,11 @@ class WrittenMotion:
         return np.asarray(np.all(rates <= RESTING * most, axis=0))
 
     @cached_property
-    def dwells(self) -> tuple[Dwell, ...]:
+    def dwells(self) -> tuple[MergedDwell, ...]:
         """See `Motion`."""
         starts, rests = self.lift.borders, self._rests
         if np.all(rests):
-            return (Dwell(0.0, TURN),)
+            return (MergedDwell(0.0, TURN),)
         # Pieces that rest one after the other are one dwell, also across cam angle 0.
         firsts = np.flatnonzero(rests & ~np.roll(rests, 1))
         ends = np.flatnonzero(~rests & np.roll(rests, 1))
@@ -402,7 +402,7 @@ class WrittenMotion:
         for first in firsts.tolist():
             end = ends[np.argmin(np.remainder(ends - first, len(starts)))]
             span = float(starts[end] - starts[first]) % TURN
-            pauses.append(Dwell(float(starts[first]), span))
+            pauses.append(MergedDwell(float(starts[first]), span))
         return tuple(pauses)
 
     def jet(self, phi: FloatArray, side: Side = "right", order: int = FULL_ORDER) -> Jet:

@@ -92,7 +92,7 @@ class Outline(Brief):
 
 
 @dataclass(frozen=True, slots=True)
-class _Part:
+class _EnvelopePart:
     """The envelope from one crossing to the next, path parameters start < end."""
 
     start: float
@@ -224,14 +224,14 @@ def _require_simple(pitch: PitchCurve) -> None:
         )
 
 
-def _parts(envelope: Envelope, nodes: tuple[Node, ...]) -> list[_Part]:
+def _parts(envelope: Envelope, nodes: tuple[Node, ...]) -> list[_EnvelopePart]:
     """The parts of the envelope from each crossing to the next, once round."""
     events = sorted(
         (place, k) for k, node in enumerate(nodes) for place in (node.first, node.second)
     )
     following = [*events[1:], (events[0][0] + envelope.total, events[0][1])]
     return [
-        _Part(start, end, k, other)
+        _EnvelopePart(start, end, k, other)
         for (start, k), (end, other) in zip(events, following, strict=True)
     ]
 
@@ -240,8 +240,8 @@ def _boundary_parts(
     envelope: Envelope,
     nodes: tuple[Node, ...],
     backward: list[tuple[float, float]],
-    parts: list[_Part],
-) -> list[_Part]:
+    parts: list[_EnvelopePart],
+) -> list[_EnvelopePart]:
     """The parts on the boundary: regular, on the free side at their ends, and clear."""
     start, end = np.array([(part.start, part.end) for part in parts]).T
     ranges = np.array(backward).reshape(-1, 2)
@@ -289,7 +289,7 @@ def _branch_sides(
     return np.where(behind, np.nan, (np.conj(towards_roller) * branch_tangents).real)
 
 
-def _own_ranges(envelope: Envelope, parts: list[_Part], middles: FloatArray) -> FloatArray:
+def _own_ranges(envelope: Envelope, parts: list[_EnvelopePart], middles: FloatArray) -> FloatArray:
     """(n, 2) cam angles about `middles` (n,) along which the tangent provably turns little, inside
     each of the `parts`; the second above the first.
     """
@@ -400,12 +400,12 @@ class _Reach:
         return np.asarray(self.half * np.fmin(self.pace, np.abs(points - self.centres)))
 
 
-def _loops(nodes: tuple[Node, ...], parts: list[_Part]) -> list[list[_Part]]:
+def _loops(nodes: tuple[Node, ...], parts: list[_EnvelopePart]) -> list[list[_EnvelopePart]]:
     """The kept parts linked at their crossings: each continues along the other branch."""
-    following: dict[int, list[_Part]] = {}
+    following: dict[int, list[_EnvelopePart]] = {}
     for part in parts:
         following.setdefault(part.from_node, []).append(part)
-    loops: list[list[_Part]] = []
+    loops: list[list[_EnvelopePart]] = []
     for first in parts:
         if first not in following.get(first.from_node, ()):
             continue
@@ -424,7 +424,7 @@ def _loops(nodes: tuple[Node, ...], parts: list[_Part]) -> list[list[_Part]]:
     return loops
 
 
-def _path(envelope: Envelope, nodes: tuple[Node, ...], loop: list[_Part]) -> Path:
+def _path(envelope: Envelope, nodes: tuple[Node, ...], loop: list[_EnvelopePart]) -> Path:
     """The closed path of a loop of parts, with a corner at each crossing."""
     elements: list[Element] = []
     rotation = envelope.curve.pitch.rotation
@@ -441,7 +441,7 @@ def _path(envelope: Envelope, nodes: tuple[Node, ...], loop: list[_Part]) -> Pat
     return Path(tuple(elements))
 
 
-def _elements(envelope: Envelope, part: _Part) -> list[Element]:
+def _elements(envelope: Envelope, part: _EnvelopePart) -> list[Element]:
     """The elements of a part: stretches and turns, cut at its ends."""
     elements: list[Element] = []
     curve = envelope.curve
@@ -476,7 +476,7 @@ def _elements(envelope: Envelope, part: _Part) -> list[Element]:
     return elements
 
 
-def _winding(envelope: Envelope, loop: list[_Part]) -> int:
+def _winding(envelope: Envelope, loop: list[_EnvelopePart]) -> int:
     """Winding number of a loop about the cam axis."""
     shares = [max(ROUND * (part.end - part.start) / envelope.total, 8.0) for part in loop]
     places = np.concatenate(

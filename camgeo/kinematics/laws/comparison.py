@@ -37,7 +37,7 @@ MM2_PER_M2: Final = 1e6
 
 
 @dataclass(frozen=True, slots=True)
-class Entry:
+class LawEntry:
     """One law of a comparison, or the reason why it does not exist.
 
     Attributes
@@ -131,7 +131,7 @@ class Running:
 
 def compare(
     task: str, parameters: Mapping[str, float], names: Sequence[str] = ()
-) -> tuple[Entry, ...]:
+) -> tuple[LawEntry, ...]:
     """Each family made for `task`, or those of `names`, with those of `parameters` that it takes.
 
     Parameters
@@ -149,7 +149,7 @@ def compare(
     return tuple(_entry(family.name, task, parameters) for family in families)
 
 
-def _entry(name: str, task: str, parameters: Mapping[str, float]) -> Entry:
+def _entry(name: str, task: str, parameters: Mapping[str, float]) -> LawEntry:
     family = find_family(name)
     accepted = family.parameters.get(task, ())
     ignored = tuple(key for key in parameters if key not in accepted)
@@ -161,7 +161,7 @@ def _entry(name: str, task: str, parameters: Mapping[str, float]) -> Entry:
         # An error about the task names the law already; that of a parameter needs its key and
         # value.
         prefix = f"{error.key} = {error.value}: " if error.value and error.key != "task" else ""
-        return Entry(name, task, reason=f"{prefix}{error.message}")
+        return LawEntry(name, task, reason=f"{prefix}{error.message}")
     zero = (
         key
         for key in accepted
@@ -170,7 +170,7 @@ def _entry(name: str, task: str, parameters: Mapping[str, float]) -> Entry:
     return replace(entry, name=name, task=task, ignored=ignored, assumed=tuple(zero))
 
 
-def law_entry(law: Law) -> Entry:
+def law_entry(law: Law) -> LawEntry:
     """The entry of a single law, with all parameters that it was made with.
 
     Raises
@@ -181,7 +181,7 @@ def law_entry(law: Law) -> Entry:
     values, shocks = characteristic(law), _end_jumps(law, "v")
     jerks = tuple(sorted({*_end_jumps(law, "a"), *acceleration_jumps(law)}))
     unbounded = _unbounded(law, shocks, jerks)
-    return Entry(law.name, law.task, law, values, shocks, jerks, unbounded)
+    return LawEntry(law.name, law.task, law, values, shocks, jerks, unbounded)
 
 
 def _is_zero(name: str, law: Law, accepted: Mapping[str, float], key: str) -> bool:

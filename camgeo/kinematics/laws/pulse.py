@@ -33,7 +33,7 @@ DIGITS: Final = Context(prec=50)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Stretch:
+class PulsePart:
     """A part of a pulse with one formula; laws with the same pulse share it.
 
     Attributes
@@ -77,7 +77,7 @@ class Pulse:
     peak : largest a.
     """
 
-    stretches: tuple[Stretch, ...]
+    stretches: tuple[PulsePart, ...]
     velocity: Decimal
     position: Decimal
     border: float
@@ -133,8 +133,8 @@ class Pulse:
         largest = largest_magnitude(j, 0.0, 1.0)
         return cls(
             stretches=(
-                Stretch(Decimal(0), middle, from_start, False, back, largest, turns),
-                Stretch(middle, Decimal(1), from_end, True, back, largest, turns, continues=True),
+                PulsePart(Decimal(0), middle, from_start, False, back, largest, turns),
+                PulsePart(middle, Decimal(1), from_end, True, back, largest, turns, continues=True),
             ),
             velocity=velocity,
             position=position,
@@ -159,7 +159,7 @@ def sine_pulse(sine: Decimal, constant: Decimal, cosine: Decimal) -> Pulse:
     """
     with localcontext(DIGITS):
         shares = _Shares(sine, constant, cosine, 1 - sine - constant - cosine)
-        stretches: list[Stretch] = []
+        stretches: list[PulsePart] = []
         if sine:
             stretches.append(_sine_stretch(shares))
         if constant:
@@ -221,7 +221,7 @@ class _Shares:
         return w + self.constant, q + w * self.constant + self.constant**2 / 2
 
 
-def _sine_stretch(shares: _Shares) -> Stretch:
+def _sine_stretch(shares: _Shares) -> PulsePart:
     """a = sin(pi x/(2 b)) over [0, b]."""
     b = float(shares.sine)
     # Derivative of the angle by x, and its reciprocal: each integration by x multiplies by
@@ -257,10 +257,10 @@ def _sine_stretch(shares: _Shares) -> Stretch:
         cosines = (*_quadratic(-2.0 * s, base + s, s), *_quadratic(0.0, -s, base + s))
         return tuple(math.acos(c) / rate for c in cosines if 0.0 < c < 1.0)
 
-    return Stretch(Decimal(0), shares.sine, formula, False, back, rate, turns)
+    return PulsePart(Decimal(0), shares.sine, formula, False, back, rate, turns)
 
 
-def _constant_stretch(shares: _Shares) -> Stretch:
+def _constant_stretch(shares: _Shares) -> PulsePart:
     """a = 1."""
     velocity, position = (float(value) for value in shares.sine_end)
     w, q = (float(value) for value in shares.cosine_start_backwards)
@@ -279,7 +279,7 @@ def _constant_stretch(shares: _Shares) -> Stretch:
         places = _quadratic(0.0, scale, base + scale * velocity)
         return tuple(float(shares.sine) + u for u in places if 0.0 < u < float(shares.constant))
 
-    return Stretch(
+    return PulsePart(
         shares.sine,
         shares.sine + shares.constant,
         formula,
@@ -290,7 +290,7 @@ def _constant_stretch(shares: _Shares) -> Stretch:
     )
 
 
-def _cosine_stretches(shares: _Shares) -> tuple[Stretch, Stretch]:
+def _cosine_stretches(shares: _Shares) -> tuple[PulsePart, PulsePart]:
     """a = cos(pi u/(2 d)) over a length d, in two halves, each counted from its own end.
 
     The first keeps the digits of v and p where they begin at zero, the second those of a at its
@@ -341,12 +341,12 @@ def _cosine_stretches(shares: _Shares) -> tuple[Stretch, Stretch]:
     one_sine = not shares.constant and shares.sine == shares.cosine
     harmonic = 0.0 if velocity else rate  # the whole velocity is the sine
     return (
-        Stretch(start, middle, from_start, False, back, rate, turns, one_sine, harmonic),
-        Stretch(middle, end, from_end, True, back, rate, turns, True, harmonic),
+        PulsePart(start, middle, from_start, False, back, rate, turns, one_sine, harmonic),
+        PulsePart(middle, end, from_end, True, back, rate, turns, True, harmonic),
     )
 
 
-def _still_stretch(shares: _Shares) -> Stretch:
+def _still_stretch(shares: _Shares) -> PulsePart:
     """a = 0."""
     velocity, position = (float(value) for value in shares.cosine_end)
 
@@ -354,7 +354,7 @@ def _still_stretch(shares: _Shares) -> Stretch:
         zero = np.zeros_like(u)
         return np.array((position + velocity * u, np.full_like(u, velocity), zero, zero))
 
-    return Stretch(
+    return PulsePart(
         1 - shares.still,
         Decimal(1),
         formula,
@@ -589,10 +589,10 @@ def law_of_two_pulses(
     exact = l1 == Decimal(lengths[0]), l2 == Decimal(lengths[1])
     first_sets_middle = l1 <= l2 if exact[0] == exact[1] else exact[0]
     middle = lengths[0] if first_sets_middle else 1.0 - lengths[1]
-    first = _Part(
+    first = _LawPart(
         parts.first, (l1, l2), float(a), parts.v0, speed, (lift, left), middle, first_sets_middle
     )
-    second = _Part(
+    second = _LawPart(
         parts.second,
         (l2, l1),
         float(b),
@@ -629,7 +629,7 @@ def law_of_two_pulses(
 
 
 @dataclass(frozen=True, slots=True)
-class _Part:
+class _LawPart:
     """One part of a law, counted from its border: y = z or w, and the other of them.
 
     Attributes
@@ -678,7 +678,7 @@ class _Part:
             y = x * self.lengths[0]
             return float(1 - y if from_end else y)
 
-    def _count(self, stretch: Stretch, *, from_end: bool) -> tuple[float, float, float, float]:
+    def _count(self, stretch: PulsePart, *, from_end: bool) -> tuple[float, float, float, float]:
         """The numbers `by_w`, `high`, `low` and `length` by which `_pulse_place` gives the u of a
         stretch.
 
@@ -705,7 +705,7 @@ class _Part:
             return float(from_end), length, 0.0, -length
         return float(not from_end), other, 0.0, length
 
-    def _region(self, stretch: Stretch, start: float, end: float, *, from_end: bool) -> Region:
+    def _region(self, stretch: PulsePart, start: float, end: float, *, from_end: bool) -> Region:
         length, base = float(self.lengths[0]), self.base
         to_speed = self.amplitude * length
         to_lift = to_speed * length
@@ -755,7 +755,7 @@ class _StretchFormula:
     from_middle : whether the lift is counted from the inflection point.
     """
 
-    stretch: Stretch
+    stretch: PulsePart
     moves: bool
     from_middle: bool
 

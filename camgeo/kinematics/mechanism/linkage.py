@@ -21,8 +21,8 @@ from camgeo.kinematics.mechanism.sketch import MechanismSketch, Places
 from camgeo.kinematics.mechanism.values import Member, able
 from camgeo.kinematics.motion import (
     FULL_ORDER,
-    Dwell,
     Jet,
+    MergedDwell,
     Motion,
     lift_range,
     pieces,
@@ -405,7 +405,7 @@ class LinkedMotion(Pickled):
         return self.demanded.borders
 
     @property
-    def dwells(self) -> tuple[Dwell, ...]:
+    def dwells(self) -> tuple[MergedDwell, ...]:
         """See `Motion`."""
         return self.demanded.dwells
 

@@ -22,23 +22,23 @@ from camgeo.kinematics.planning.requests import (
     Link,
     MoveRequest,
     PointsRequest,
+    PositionUnit,
     Request,
     RingJoint,
     TableRequest,
-    Unit,
 )
 from camgeo.kinematics.splines import MOST_UNEQUAL, FitReport, Spline, smoothest_values
 from camgeo.numeric import checked
 from camgeo.numeric.arrays import FloatArray, ascending
 
-PLAIN: Final = Unit()
+PLAIN: Final = PositionUnit()
 """No unit: messages state values as they are, per radian."""
 
 MOMENT: Final = Dwell(Decimal(0))
 """A rest of zero length: no link of the ring, but a segment of the plan."""
 
 
-def plan_motion(requests: Sequence[Request], unit: Unit = PLAIN) -> MotionPlan:
+def plan_motion(requests: Sequence[Request], unit: PositionUnit = PLAIN) -> MotionPlan:
     """The motion plan of `requests`, in the order of the cam angle, over one turn.
 
     Joints get the stated values; beside a rest or a straight line, these determine the others. At a
@@ -129,7 +129,7 @@ ROUNDING: Final = 1e-12
 """Fraction of a table's largest lift below which its last position counts as 0."""
 
 
-def build_ring(requests: Sequence[Request], unit: Unit) -> tuple[Link, ...]:
+def build_ring(requests: Sequence[Request], unit: PositionUnit) -> tuple[Link, ...]:
     """The segments of `requests` that have a length, in the order of the cam angle.
 
     A rest of zero length is no segment of the ring, but sets its joint to rest.
@@ -203,7 +203,7 @@ def _state(joint: RingJoint, link: Link, request: MoveRequest | PointsRequest) -
     joint.stated.update(name for name in names if getattr(joint, name) is not None)
 
 
-def _rest(joint: RingJoint, unit: Unit) -> None:
+def _rest(joint: RingJoint, unit: PositionUnit) -> None:
     """Give a joint beside a rest the velocity and acceleration 0; GeometryError if other ones are
     stated.
     """

@@ -53,7 +53,7 @@ Balance = Annotated[str, partial(checked.one_of, choices=("", *BALANCES))]
 
 
 @dataclass(frozen=True, slots=True)
-class Unit(checked.CheckedFields):
+class PositionUnit(checked.CheckedFields):
     """The unit of position in messages.
 
     Attributes
@@ -264,7 +264,7 @@ class Link:
     start: RingJoint
     end: RingJoint
     stroke: float
-    unit: Unit
+    unit: PositionUnit
 
     @property
     def key(self) -> str:

@@ -329,7 +329,7 @@ class Texts:
                 marks += others(symbol_place + texture_width(spec.surface, 2.0) + 4.0, 2.0)
         return marks
 
-    def _table(self, *, centre: bool) -> Table:
+    def _table(self, *, centre: bool) -> TextTable:
         words = WORDS[self.spec.language]
         return polar_table(self.product, words, self.spec.step, self._written, centre=centre)
 
@@ -578,7 +578,7 @@ Written = Callable[[float, int], str]
 
 
 @dataclass(frozen=True, slots=True)
-class Table:
+class TextTable:
     """A table; every cell is text.
 
     Attributes
@@ -601,7 +601,7 @@ class Table:
 
 def polar_table(
     product: Product, words: Words, step: int, written: Written, *, centre: bool
-) -> Table:
+) -> TextTable:
     """Cam angle, lift and polar coordinates of the point of contact at every `step` degrees.
 
     For a groove, whose flanks are parallels of the pitch curve, they are those of the roller's
@@ -630,7 +630,7 @@ def polar_table(
     if cam.follower.has_pitch_curve and (centre or cam.contact.closed_by_form):
         heads += [f"R {unit}", words["at_head"]]
         columns += _polar(pitch, mm, decimals, written, np.zeros(len(phi), dtype=bool))
-    return Table(tuple(heads), tuple(zip(*columns, strict=True)))
+    return TextTable(tuple(heads), tuple(zip(*columns, strict=True)))
 
 
 def _polar(
@@ -655,7 +655,9 @@ def _lost(product: Product, phi: FloatArray) -> BoolArray:
     return is_lost
 
 
-def table_marks(table: Table, title: str, top: complex, width: float, number: int) -> list[Mark]:
+def table_marks(
+    table: TextTable, title: str, top: complex, width: float, number: int
+) -> list[Mark]:
     """The marks of the table in `number` groups side by side, its upper left corner at `top`."""
     marks: list[Mark] = [Label(title, top - 4.5j, 3.5)]
     rows, group = table.groups(number), width / number

@@ -15,7 +15,7 @@ from camgeo.record import stored_schema
 from camgeo.scene.formats.format import BODY, Format, Values
 
 
-class Body(StrEnum):
+class PlateBody(StrEnum):
     """Bodies that may lie on a plate."""
 
     CAM = "cam"
@@ -54,7 +54,7 @@ class ThreeMfSpec:
     def __post_init__(self) -> None:
         check_fields(self, "output.3mf.")
         for name in instance("output.3mf.plate", self.plate, tuple, "a tuple of names"):
-            one_of("output.3mf.plate", name, [body.value for body in Body])
+            one_of("output.3mf.plate", name, [body.value for body in PlateBody])
         if len(set(self.plate)) < len(self.plate):
             raise GeometryError(
                 "must name each body only once", "output.3mf.plate", value_text(self.plate)
@@ -64,20 +64,20 @@ class ThreeMfSpec:
 def what_lies_on_the_plate_exists(values: Values) -> Iterator[tuple[str, str]]:
     """The scene has the discs, rollers and bores of the plate, and rollers for their options."""
     plate = values.get(*TABLE, "plate") or ()
-    rollers = [name for name in plate if name in (Body.ROLLER, Body.RETURN_ROLLER)]
+    rollers = [name for name in plate if name in (PlateBody.ROLLER, PlateBody.RETURN_ROLLER)]
     key = ("follower", "roller_radius")
     if rollers and values.valid("follower") and values.lacks(*key):
         yield "plate", f'cannot hold "{rollers[0]}": the follower has no roller'
-    elif Body.ROLLER in plate and values.get(*key) == 0:
-        yield "plate", f'cannot hold "{Body.ROLLER}": the follower is a knife edge'
-    for name in (Body.RETURN_CAM, Body.RETURN_ROLLER):
+    elif PlateBody.ROLLER in plate and values.get(*key) == 0:
+        yield "plate", f'cannot hold "{PlateBody.ROLLER}": the follower is a knife edge'
+    for name in (PlateBody.RETURN_CAM, PlateBody.RETURN_ROLLER):
         if name in plate and values.lacks("follower", "return"):
             yield "plate", f'needs [follower.return] for "{name}"'
-    if Body.RETURN_CAM in plate and values.get("part", "pair") is not None:
-        one_piece = f'it is one piece with "{Body.CAM}", by [part.pair]'
-        yield "plate", f'cannot hold "{Body.RETURN_CAM}": {one_piece}'
-    if Body.TEST_RING in plate and values.lacks("part", "bore"):
-        yield "plate", f'needs [part] bore for "{Body.TEST_RING}"'
+    if PlateBody.RETURN_CAM in plate and values.get("part", "pair") is not None:
+        one_piece = f'it is one piece with "{PlateBody.CAM}", by [part.pair]'
+        yield "plate", f'cannot hold "{PlateBody.RETURN_CAM}": {one_piece}'
+    if PlateBody.TEST_RING in plate and values.lacks("part", "bore"):
+        yield "plate", f'needs [part] bore for "{PlateBody.TEST_RING}"'
     for option in ("roller_width", "roller_bore"):
         if values.get(*TABLE, option) is not None and not rollers:
             yield option, "needs a roller on the plate"

@@ -336,7 +336,7 @@ class _MotionPair:
         return piecewise_extremes(self.exact.acceleration, edges).magnitude
 
     @cached_property
-    def _spectrum(self) -> Spectrum:
+    def _spectrum(self) -> RippleSpectrum:
         return ripple_spectrum(self.written.subject.state, self.exact.subject.state)
 
     @cached_property
@@ -386,7 +386,7 @@ EPS: Final = float(np.finfo(np.float64).eps)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Spectrum:
+class RippleSpectrum:
     """Harmonics of a ripple at a constant speed of 1 rad/s; they grow with the square of the speed.
 
     Attributes
@@ -414,7 +414,7 @@ class Spectrum:
         return int(self.numbers[np.argmax(self.amplitudes)])
 
 
-def ripple_spectrum(written: State, exact: State, most: int = MOST) -> Spectrum:
+def ripple_spectrum(written: State, exact: State, most: int = MOST) -> RippleSpectrum:
     """The first `most` harmonics of the `written` motion's acceleration less the `exact` one's."""
     edges = merged(np.concatenate((written.smooth_angles, exact.smooth_angles)))
     widths = np.diff(edges)
@@ -446,7 +446,7 @@ def ripple_spectrum(written: State, exact: State, most: int = MOST) -> Spectrum:
     # The integral of the velocity's harmonic k, times k, over pi: the acceleration's amplitude.
     factor = numbers / np.pi
     error = float(np.max(factor * (np.abs(integrals[1] - integrals[0]) + rounded), initial=0.0))
-    return Spectrum(numbers, factor * np.abs(integrals[1]), error)
+    return RippleSpectrum(numbers, factor * np.abs(integrals[1]), error)
 
 
 # -- knee ------------------------------------------------------------------------------------------

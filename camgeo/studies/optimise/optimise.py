@@ -1068,12 +1068,12 @@ class Trials:
     ) -> None:
         """Compute designs. Whatever interrupts it, finished ones are kept, in their order."""
         engine = self._engine if len(wanted) > 1 else Loop()
-        verdicts: dict[str, Verdict] = {}
+        verdicts: dict[str, RowVerdict] = {}
         left = list(reversed(wanted))
         try:
             with closing(engine.rows(self._judge, iter([point for point, _ in wanted]))) as chunks:
                 for rows in chunks:
-                    verdicts |= {mark(row.point): cast("Verdict", row) for row in rows}
+                    verdicts |= {mark(row.point): cast("RowVerdict", row) for row in rows}
                     # An engine returns rows in any order; trials are numbered in the order wanted.
                     while left and mark(left[-1][0]) in verdicts:
                         self._add(*left.pop(), verdicts)
@@ -1084,7 +1084,9 @@ class Trials:
                 if mark(point) in verdicts:
                     self._add(point, place, verdicts)
 
-    def _add(self, point: Point, place: FloatArray | None, verdicts: Mapping[str, Verdict]) -> None:
+    def _add(
+        self, point: Point, place: FloatArray | None, verdicts: Mapping[str, RowVerdict]
+    ) -> None:
         verdict = verdicts[mark(point)]
         judged = {attribute.name: getattr(verdict, attribute.name) for attribute in fields(verdict)}
         self._known[mark(point)] = Trial(**judged, number=len(self._known) + 1, place=place)
@@ -1107,7 +1109,7 @@ REFUSED: Final = 10.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Verdict(DesignRow):
+class RowVerdict(DesignRow):
     """A row with what a search needs to know of its design.
 
     Attributes
@@ -1133,7 +1135,7 @@ class Verdict(DesignRow):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Trial(Verdict):
+class Trial(RowVerdict):
     """One design that was tried.
 
     Attributes
@@ -1172,14 +1174,16 @@ class Judge(Work):
         criteria = Criteria(task.goals, task.limits, task.ignored)
         return cls(work.text, work.contents, work.keys, work.questions, work.versions, criteria)
 
-    def nothing(self, point: Point, reason: str) -> Verdict:
+    def nothing(self, point: Point, reason: str) -> RowVerdict:
         """See `Work.nothing`."""
         count, costs = len(self.questions), (np.nan,) * len(self.criteria.goals)
-        return Verdict(
+        return RowVerdict(
             point, (None,) * count, ("",) * count, reason, costs, {}, IMPOSSIBLE, (reason,)
         )
 
-    def answers(self, design: Design, point: Point, readings: Sequence[DesignReading]) -> Verdict:
+    def answers(
+        self, design: Design, point: Point, readings: Sequence[DesignReading]
+    ) -> RowVerdict:
         """See `Work.answers`."""
         judging = _Judging(self.criteria)
         reading_by_question = dict(zip(self.questions, readings, strict=True))
@@ -1210,7 +1214,7 @@ class Judge(Work):
             for reading in reading_by_question.values()
         )
         units = tuple(reading.unit for reading in reading_by_question.values())
-        return Verdict(
+        return RowVerdict(
             point, values, units, "", tuple(costs), judging.margins, judging.violation,
             judging.broken, tuple(judging.remarks),
         )  # fmt: skip

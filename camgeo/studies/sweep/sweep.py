@@ -30,7 +30,7 @@ SETTLED: Final = 3.0
 
 
 @dataclass(frozen=True, slots=True)
-class Result:
+class SweepResult:
     """The rows of a family.
 
     Attributes
@@ -66,7 +66,7 @@ def sweep(
     existing: Existing = "refuse",
     engine: Engine | None = None,
     progress: Progress = lambda _: None,
-) -> Result:
+) -> SweepResult:
     """Answer questions for all designs of a family, as far as the store lacks the answers.
 
     Parameters
@@ -108,7 +108,7 @@ def sweep(
     except BaseException:
         row_store.close()
         raise
-    return Result(family, questions, row_store, computed, time.monotonic() - start)
+    return SweepResult(family, questions, row_store, computed, time.monotonic() - start)
 
 
 def progress_words(done: int, count: int, computed: int, elapsed: float) -> str:

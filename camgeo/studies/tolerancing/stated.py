@@ -115,13 +115,13 @@ class Freedom:
 
 
 @dataclass(frozen=True, slots=True)
-class Unit:
+class UnitDeviation:
     """The deviation of a machine per unit of a dimension: a freedom and a factor in it."""
 
     freedom: Freedom
     factor: complex = 1.0
 
-    def of_side(self, hold: Hold) -> Unit:
+    def of_side(self, hold: Hold) -> UnitDeviation:
         """The same deviation of one side alone."""
         return replace(self, freedom=replace(self.freedom, hold=hold))
 
@@ -248,7 +248,7 @@ class Pose:
 
 
 @dataclass(frozen=True)
-class Machine:
+class NominalMachine:
     """The nominal machine, with one flank that carries the follower.
 
     Attributes
@@ -359,7 +359,7 @@ class Sensitivities:
     phi : (n,) cam angles [rad].
     """
 
-    machine: Machine
+    machine: NominalMachine
     phi: FloatArray
 
     @cached_property
@@ -383,7 +383,7 @@ class Sensitivities:
         linkage = self.machine.linkage
         return None if linkage is None else FarEnd.from_linkage(linkage)
 
-    def position_error(self, unit: Unit) -> FloatArray:
+    def position_error(self, unit: UnitDeviation) -> FloatArray:
         """(n,) error of the position [mm or rad] per unit of a dimension [mm or rad].
 
         Raises GeometryError with key "linkage" where the follower cannot move the far end.
@@ -393,7 +393,7 @@ class Sensitivities:
             return follower
         return self.far_end.sensitivity(unit, self.lifts[0], self.positions[0], follower)
 
-    def follower_error(self, unit: Unit) -> FloatArray:
+    def follower_error(self, unit: UnitDeviation) -> FloatArray:
         """(n,) error of the follower's own lift per unit, where this side carries it."""
         if not unit.freedom.affects(self.machine.hold):
             return np.zeros(len(self.phi))
@@ -417,7 +417,7 @@ class Sensitivities:
             raise GeometryError(message, "follower.base_radius")
         return radius_rate
 
-    def _pushed(self, unit: Unit) -> FloatArray:
+    def _pushed(self, unit: UnitDeviation) -> FloatArray:
         """(n,) n . (dR - dW) per unit of a dimension [mm]."""
         nominal, pose = self.nominal, self.machine.pose
         factor = unit.factor
@@ -503,7 +503,7 @@ class FarEnd:
         return cls(linkage, near, far, np.full((1, 1), linkage.coupler), driven)
 
     def sensitivity(
-        self, unit: Unit, lift: FloatArray, x: FloatArray, follower: FloatArray
+        self, unit: UnitDeviation, lift: FloatArray, x: FloatArray, follower: FloatArray
     ) -> FloatArray:
         """(n,) displacement dx of the far end per unit of a dimension.
 
@@ -643,7 +643,7 @@ class Source:
 
     name: str
     sense: str
-    units: tuple[Unit, ...]
+    units: tuple[UnitDeviation, ...]
     moments: Moments
     draws: int
     numbers: Callable[[FloatArray], FloatArray]
@@ -665,8 +665,8 @@ class StatedTolerances:
     zero_angle : cam angle [rad] at which the error is set to 0; None if it is not.
     """
 
-    machine: Machine
-    second: Machine | None
+    machine: NominalMachine
+    second: NominalMachine | None
     sources: tuple[Source, ...]
     limit: float | None
     zero_angle: float | None
@@ -707,7 +707,9 @@ class StatedTolerances:
         )
 
 
-def side_machines(design: Design, flank: str | None = None) -> tuple[Machine, Machine | None]:
+def side_machines(
+    design: Design, flank: str | None = None
+) -> tuple[NominalMachine, NominalMachine | None]:
     """The machine of a design with the follower on a flank, by default its main one.
 
     The second machine is that with the other side carrying the follower; None if there is only one.
@@ -716,8 +718,10 @@ def side_machines(design: Design, flank: str | None = None) -> tuple[Machine, Ma
     if cam.opposite is not None:
         others = [cam.opposite]
     main = Hold.MAIN if others else Hold.ANY
-    second = [Machine(other, Flank(other.contact.main), Hold.RETURN) for other in others]
-    return Machine(cam, Flank(flank or cam.contact.main), main), second[0] if second else None
+    second = [NominalMachine(other, Flank(other.contact.main), Hold.RETURN) for other in others]
+    return NominalMachine(cam, Flank(flank or cam.contact.main), main), second[
+        0
+    ] if second else None
 
 
 @dataclass(frozen=True)
@@ -725,8 +729,8 @@ class Sides:
     """The machine of a scene with each of the sides that hold its follower."""
 
     scene: Scene
-    machine: Machine
-    second: Machine | None
+    machine: NominalMachine
+    second: NominalMachine | None
 
     def side_hold(self, place: KeyPath, table: Table, *, is_disc: bool) -> Hold:
         """The side that a fit or an error of form belongs to.
@@ -852,7 +856,7 @@ def _clearance(
         return Source(name, what, axes, moments, 3, numbers, ends, shape)
     what = f"the load pushes the {'cam' if at_cam else 'roller'} back"
     # The load pushes the follower towards the material by half the clearance.
-    unit = Unit(Freedom(Way.GROWTH, hold=hold), float(flank.sign))
+    unit = UnitDeviation(Freedom(Way.GROWTH, hold=hold), float(flank.sign))
     return Source(name, what, (unit,), half, 2, partial(_pressed, hole, shaft), ends, shape)
 
 
@@ -873,8 +877,8 @@ def _forms(sides: Sides, table: Table) -> Iterator[Source]:
         )
 
 
-def _both_axes(freedom: Freedom) -> tuple[Unit, ...]:
-    return Unit(freedom), Unit(freedom, 1j)
+def _both_axes(freedom: Freedom) -> tuple[UnitDeviation, ...]:
+    return UnitDeviation(freedom), UnitDeviation(freedom, 1j)
 
 
 def _pressed(hole: Distribution, shaft: Distribution, shares: FloatArray) -> FloatArray:
@@ -1002,7 +1006,7 @@ class Dimension:
     is_angle : whether the dimension is an angle.
     """
 
-    unit: Unit
+    unit: UnitDeviation
     sense: str
     size: float | None = None
     per_size: float = 1.0
@@ -1015,18 +1019,21 @@ class Dimension:
 
 MOUNTING: Final[Mapping[str, Dimension]] = {
     "mounting.x": Dimension(
-        Unit(Freedom(Way.SEAT)), "the flank lies farther along x of the cam, on its shaft"
+        UnitDeviation(Freedom(Way.SEAT)), "the flank lies farther along x of the cam, on its shaft"
     ),
     "mounting.y": Dimension(
-        Unit(Freedom(Way.SEAT), 1j), "the flank lies farther along y of the cam, on its shaft"
+        UnitDeviation(Freedom(Way.SEAT), 1j),
+        "the flank lies farther along y of the cam, on its shaft",
     ),
     "mounting.angle": Dimension(
-        Unit(Freedom(Way.TIMING)),
+        UnitDeviation(Freedom(Way.TIMING)),
         "the disc runs ahead of its shaft, as it turns",
         is_angle=True,
     ),
-    "shaft.x": Dimension(Unit(Freedom(Way.SHAFT)), "the cam axis lies farther along x"),
-    "shaft.y": Dimension(Unit(Freedom(Way.SHAFT), 1j), "the cam axis lies farther along y"),
+    "shaft.x": Dimension(UnitDeviation(Freedom(Way.SHAFT)), "the cam axis lies farther along x"),
+    "shaft.y": Dimension(
+        UnitDeviation(Freedom(Way.SHAFT), 1j), "the cam axis lies farther along y"
+    ),
 }
 """Dimensions that every machine has but no scene states, by the keys that tolerances use."""
 
@@ -1038,7 +1045,9 @@ OF_A_DISC: Final = frozenset((Way.SEAT, Way.TIMING))
 """Freedoms of one side alone where each side has a disc."""
 
 
-def machine_dimensions(machine: Machine, second: Machine | None = None) -> dict[str, Dimension]:
+def machine_dimensions(
+    machine: NominalMachine, second: NominalMachine | None = None
+) -> dict[str, Dimension]:
     """All dimensions of the machine, by their keys; `second` is its other side, if there is one."""
     dimensions = dict(MOUNTING)
     side_dimensions = _follower(machine.cam.follower, machine)
@@ -1068,51 +1077,51 @@ def machine_dimensions(machine: Machine, second: Machine | None = None) -> dict[
 
 
 def _length(way: Way, sense: str, size: float, factor: complex = 1.0) -> Dimension:
-    return Dimension(Unit(Freedom(way), factor), sense, size)
+    return Dimension(UnitDeviation(Freedom(way), factor), sense, size)
 
 
-def _radius(follower: Follower, machine: Machine) -> dict[str, Dimension]:
+def _radius(follower: Follower, machine: NominalMachine) -> dict[str, Dimension]:
     if follower.has_edge:
         return {}
-    unit = Unit(Freedom(Way.GROWTH), float(-machine.flank.sign))
+    unit = UnitDeviation(Freedom(Way.GROWTH), float(-machine.flank.sign))
     diameter = 2.0 * follower.roller_radius
     return {"roller_radius": Dimension(unit, "the roller is larger", diameter, 0.5)}
 
 
 def _setting() -> dict[str, Dimension]:
     sense = "the lift is counted from farther outward"
-    return {"base_radius": Dimension(Unit(Freedom(Way.SETTING)), sense)}
+    return {"base_radius": Dimension(UnitDeviation(Freedom(Way.SETTING)), sense)}
 
 
 def _place(way: Way, key: str, what: str) -> dict[str, Dimension]:
     return {
-        f"{key}[1]": Dimension(Unit(Freedom(way)), f"{what} lies farther along x"),
-        f"{key}[2]": Dimension(Unit(Freedom(way), 1j), f"{what} lies farther along y"),
+        f"{key}[1]": Dimension(UnitDeviation(Freedom(way)), f"{what} lies farther along x"),
+        f"{key}[2]": Dimension(UnitDeviation(Freedom(way), 1j), f"{what} lies farther along y"),
     }
 
 
 @singledispatch
-def _follower(_: Follower, __: Machine) -> dict[str, Dimension]:
+def _follower(_: Follower, __: NominalMachine) -> dict[str, Dimension]:
     """The dimensions of a follower, by their keys in its table."""
     return {}
 
 
 def _guide_angle() -> dict[str, Dimension]:
-    unit = Unit(Freedom(Way.TILT))
+    unit = UnitDeviation(Freedom(Way.TILT))
     sense = "the guide is turned counter-clockwise about the cam axis"
     return {"guide_angle": Dimension(unit, sense, is_angle=True)}
 
 
 @_follower.register
-def _(follower: TranslatingRoller, machine: Machine) -> dict[str, Dimension]:
+def _(follower: TranslatingRoller, machine: NominalMachine) -> dict[str, Dimension]:
     right = -1j * follower.outward
     sense = "the roller's path lies farther to the right, looking along the guide"
-    offset = {"offset": Dimension(Unit(Freedom(Way.BODY), right), sense)}
+    offset = {"offset": Dimension(UnitDeviation(Freedom(Way.BODY), right), sense)}
     return _radius(follower, machine) | _setting() | offset | _guide_angle()
 
 
 @_follower.register
-def _(follower: OscillatingRoller, machine: Machine) -> dict[str, Dimension]:
+def _(follower: OscillatingRoller, machine: NominalMachine) -> dict[str, Dimension]:
     along = follower.start_arm / abs(follower.start_arm)
     arm = {"arm": _length(Way.BODY, "the arm is longer", follower.arm, along)}
     place = _place(Way.PIVOT, "pivot", "the rocker's shaft")
@@ -1120,20 +1129,20 @@ def _(follower: OscillatingRoller, machine: Machine) -> dict[str, Dimension]:
 
 
 @_follower.register
-def _(_: TranslatingFlat, __: Machine) -> dict[str, Dimension]:
+def _(_: TranslatingFlat, __: NominalMachine) -> dict[str, Dimension]:
     return _setting() | _guide_angle()
 
 
 @_follower.register
-def _(follower: OscillatingFlat, _: Machine) -> dict[str, Dimension]:
+def _(follower: OscillatingFlat, _: NominalMachine) -> dict[str, Dimension]:
     foot = follower.traced_point(0.0)
-    unit = Unit(Freedom(Way.BODY), foot / abs(foot))
+    unit = UnitDeviation(Freedom(Way.BODY), foot / abs(foot))
     sense = "the face lies farther from the cam axis on its rocker"
     face = {"face_offset": Dimension(unit, sense)}
     return _setting() | face | _place(Way.PIVOT, "pivot", "the rocker's shaft")
 
 
-def _yoke(second: Machine) -> dict[str, Dimension]:
+def _yoke(second: NominalMachine) -> dict[str, Dimension]:
     """The dimensions of the second side of a yoke, by their keys in its table."""
     follower = second.cam.follower
     place = follower.traced_point(0.0)
@@ -1148,16 +1157,16 @@ def _yoke(second: Machine) -> dict[str, Dimension]:
 
 
 @singledispatch
-def _returning(_: Follower, __: Machine) -> dict[str, Dimension]:
+def _returning(_: Follower, __: NominalMachine) -> dict[str, Dimension]:
     """The dimensions of the return roller of a pair, by their keys in its table."""
     return {}
 
 
 @_returning.register
-def _(follower: TranslatingRoller, second: Machine) -> dict[str, Dimension]:
+def _(follower: TranslatingRoller, second: NominalMachine) -> dict[str, Dimension]:
     assert second.cam.mount is not None
     right = 1j * follower.outward  # the main roller looks the other way
-    offset = Unit(Freedom(Way.BODY), right)
+    offset = UnitDeviation(Freedom(Way.BODY), right)
     spacing = dict(second.cam.mount.arguments)["spacing"]
     return {
         "spacing": _length(
@@ -1169,10 +1178,10 @@ def _(follower: TranslatingRoller, second: Machine) -> dict[str, Dimension]:
 
 
 @_returning.register
-def _(follower: OscillatingRoller, second: Machine) -> dict[str, Dimension]:
+def _(follower: OscillatingRoller, second: NominalMachine) -> dict[str, Dimension]:
     along = follower.start_arm / abs(follower.start_arm)
     turned = Dimension(
-        Unit(Freedom(Way.BODY), 1j * follower.start_arm),
+        UnitDeviation(Freedom(Way.BODY), 1j * follower.start_arm),
         "the return arm is turned counter-clockwise against the main one",
         is_angle=True,
     )
@@ -1195,7 +1204,7 @@ def _linkage(linkage: Linkage) -> dict[str, Dimension]:
 @_linkage.register
 def _(linkage: FourBar) -> dict[str, Dimension]:
     angle = Dimension(
-        Unit(Freedom(Way.FAR_ANGLE)),
+        UnitDeviation(Freedom(Way.FAR_ANGLE)),
         "the lever's pin is turned counter-clockwise on the lever",
         is_angle=True,
     )

@@ -26,7 +26,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from camgeo.app.designing import desk as opened
 from camgeo.app.designing import edits
-from camgeo.app.designing.children import Job, Refused, Result
+from camgeo.app.designing.children import Job, JobResult, Refused
 from camgeo.app.designing.desk import Desk
 from camgeo.app.designing.faults import scene_verdict
 from camgeo.design.writing import writer_names
@@ -252,7 +252,7 @@ def _no_number(name: str) -> float:
 # Jobs of a session: for which text each is done, how long it may take, and which are given up.
 
 
-Compute = Callable[[Job, float], Result]
+Compute = Callable[[Job, float], JobResult]
 """Runs a job for at most some seconds, in a process of its own; CamgeoError if it has no result."""
 
 SECONDS: Final[Mapping[str, float]] = {
@@ -327,7 +327,7 @@ class Jobs:
             return 0.0
         return time.monotonic() - self._painted
 
-    async def do(self, kind: str, arguments: Mapping[str, Any] | None = None) -> Result:
+    async def do(self, kind: str, arguments: Mapping[str, Any] | None = None) -> JobResult:
         """The result of a job; CamgeoError if there is none."""
         desk = self._desk
         file = "" if desk.opened is None else str(desk.opened.path)

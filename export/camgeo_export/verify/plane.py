@@ -293,7 +293,7 @@ def corners_of_contour(contour: Contour) -> ComplexArray:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Joints:
+class ContourJoints:
     """The joints of a contour; joint k is where piece k begins.
 
     Attributes
@@ -309,7 +309,7 @@ class Joints:
     next_length: FloatArray
 
 
-def contour_joints(contour: AnyContour) -> Joints:
+def contour_joints(contour: AnyContour) -> ContourJoints:
     """The joints of `contour`; each cubic of a spline counts as a piece, as a file's splines need
     not be smooth inside.
     """
@@ -320,7 +320,7 @@ def contour_joints(contour: AnyContour) -> Joints:
     return _joints(places, starts, ends, lengths.real)
 
 
-def _piece_joints(contour: Contour) -> Joints:
+def _piece_joints(contour: Contour) -> ContourJoints:
     chords = contour.ends - contour.vertices
     turning = 1j * np.sign(contour.sweeps)
     arcs = contour.sweeps != 0.0
@@ -332,11 +332,11 @@ def _piece_joints(contour: Contour) -> Joints:
 
 def _joints(
     places: ComplexArray, starts: ComplexArray, ends: ComplexArray, lengths: FloatArray
-) -> Joints:
+) -> ContourJoints:
     """The joints of pieces with these directions at their starts and ends, of any length."""
     # Joint k is between the end of piece k - 1 and the start of piece k.
     kinks = np.abs(np.angle(starts * np.conj(np.roll(ends, 1))))
-    return Joints(places, kinks, np.roll(lengths, 1), lengths)
+    return ContourJoints(places, kinks, np.roll(lengths, 1), lengths)
 
 
 def _strand_joints(strand: CubicSpline | Arc) -> tuple[ComplexArray, ...]:

@@ -25,9 +25,9 @@ from camgeo.kinematics.planning.requests import (
     AUTO,
     MoveRequest,
     PointsRequest,
+    PositionUnit,
     Request,
     TableRequest,
-    Unit,
 )
 from camgeo.numeric.arrays import FloatArray
 from tests.laws import LAWS
@@ -451,7 +451,7 @@ ROW = np.array([0.25, 0.5])
 SPAN = Decimal(60)
 
 SOUND: dict[type, dict[str, Any]] = {
-    Unit: {"name": "mm", "size": 1.0},
+    PositionUnit: {"name": "mm", "size": 1.0},
     Dwell: {"span": SPAN},
     MoveRequest: {"span": SPAN, "to": 10.0, "law": "auto"},
     PointsRequest: {"span": SPAN, "to": 10.0, "shares": ROW, "positions": ROW},
@@ -482,10 +482,15 @@ NO_NUMBERS: tuple[Any, ...] = (
         *(
             (kind, "span", value)
             for kind in SOUND
-            if kind is not Unit
+            if kind is not PositionUnit
             for value in (*NO_NUMBERS, None)
         ),
-        *((kind, "span", value) for kind in SOUND if kind is not Unit for value in (-60, 360.5)),
+        *(
+            (kind, "span", value)
+            for kind in SOUND
+            if kind is not PositionUnit
+            for value in (-60, 360.5)
+        ),
         *((kind, "span", Decimal("5e-7")) for kind in (MoveRequest, PointsRequest, TableRequest)),
         *((kind, "to", value) for kind in (MoveRequest, PointsRequest) for value in NO_NUMBERS),
         *((kind, "to", value) for kind in (MoveRequest, PointsRequest) for value in (None, 5e-324)),
@@ -510,7 +515,7 @@ NO_NUMBERS: tuple[Any, ...] = (
         (PointsRequest, "boundaries", {0: 3.0}),
         (PointsRequest, "boundaries", {0: (math.nan, None)}),
         *((TableRequest, "smoothing", value) for value in (*NO_NUMBERS, 0.0, -1.0, 5e-324)),
-        *((Unit, "size", value) for value in (*NO_NUMBERS, 0.0, -1.0, 5e-324, None)),
+        *((PositionUnit, "size", value) for value in (*NO_NUMBERS, 0.0, -1.0, 5e-324, None)),
     ],
     ids=lambda each: getattr(each, "__name__", None),
 )

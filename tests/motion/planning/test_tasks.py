@@ -19,7 +19,7 @@ from camgeo.kinematics.laws import FAMILIES, make_law
 from camgeo.kinematics.motion import TASKS
 from camgeo.kinematics.plan import Joint, MotionPlan, joints
 from camgeo.kinematics.planning.planner import plan_motion
-from camgeo.kinematics.planning.requests import Request, TableRequest, Unit
+from camgeo.kinematics.planning.requests import PositionUnit, Request, TableRequest
 from camgeo.kinematics.splines import Spline
 from camgeo.units import TURN
 from tests.motion.planning.wishes import data_of, laws, move, move_of, planned, rest, table, through
@@ -158,7 +158,7 @@ def test_a_move_that_returns_within_itself_keeps_what_is_stated(law: str) -> Non
         assert left[3, 1] == pytest.approx(3.0, rel=1e-9)
 
 
-MM = Unit("mm", 1.0)
+MM = PositionUnit("mm", 1.0)
 
 FAULTS: list[tuple[list[Request], str, str, str]] = [
     # a rest next to a stated value
@@ -373,11 +373,11 @@ def test_messages_are_in_the_unit_of_the_scene() -> None:
         move(180, 0.0),
     ]
     with pytest.raises(GeometryError, match=r"20 deg, .* below -11\.25 deg/rad\^2") as caught:
-        plan_motion(requests, Unit("deg", math.radians(1.0)))
+        plan_motion(requests, PositionUnit("deg", math.radians(1.0)))
     assert caught.value.value == "-4 deg/rad^2"
     requests = [move(90, 25.4, velocity=3.0), move(90, 50.8, "straight-line"), move(180, 0.0)]
     with pytest.raises(GeometryError, match=r"velocity is 0\.63662 inch/rad"):
-        plan_motion(requests, Unit("inch", 25.4))
+        plan_motion(requests, PositionUnit("inch", 25.4))
     with pytest.raises(GeometryError, match=r"velocity is 16\.1701 per rad"):
         plan_motion(requests)
 
