@@ -219,7 +219,7 @@ class Design(Pickled, Displayed):
     # Pictures ---------------------------------------------------------------------------------
 
     def plot(self, *names: str) -> Any:
-        """The plots of those `names`, as a figure of matplotlib; by default all that there are.
+        """The plots of those `names` as a figure of matplotlib; by default all plots of the design.
 
         The names are those of `camgeo plot`. Raises SceneError if one of them is no plot, or if the
         scene lacks what it shows.

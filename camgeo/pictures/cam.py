@@ -597,6 +597,7 @@ def line_near(line: ComplexArray, middle: complex, width: float) -> ComplexArray
 
 
 def _extent(part: TrimmedStretch) -> float:
+    """The longer side of the box around a trimmed stretch [mm]."""
     return float(max(np.ptp(part.course.real), np.ptp(part.course.imag)))
 
 

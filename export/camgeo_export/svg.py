@@ -369,7 +369,7 @@ def _subpaths(words: Sequence[str], name: str) -> Iterator[tuple[list[complex], 
         if kind not in COUNTS or (kind != "M" and not points and kind != "Z"):
             raise FileError(
                 f"{name}: {letter or 'a number'} is not allowed at this point of a path, which"
-                " begins with M and goes on with M, L, H, V, A or Z"
+                " begins with M and continues with M, L, H, V, A or Z"
             )
         numbers = [_number(word, kind, name) for word in words[place : place + COUNTS[kind]]]
         if len(numbers) < COUNTS[kind]:

@@ -522,7 +522,7 @@ class WindupState:
 
     @property
     def largest_windup(self) -> float:
-        """[rad] at the nodes; 1 if there is none."""
+        """Largest magnitude of the wind-up at the nodes [rad]; 1, a divisor, where that is 0."""
         return float(np.max(np.abs(self.nodes[..., 1]))) or 1.0
 
 

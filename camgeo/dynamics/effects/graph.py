@@ -981,6 +981,7 @@ class InheritedErrors(Mapping[str, Bound]):
 
     @cached_property
     def _bounds(self) -> dict[str, Bound]:
+        """Error of each figure by its name: its own, and what the other results differ by."""
         figures = _figures(self.result)
         placed = {finding.name for finding in self.result.findings if finding.cam_angle is not None}
         moved: dict[str, float] = {}

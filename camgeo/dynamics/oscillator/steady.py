@@ -224,7 +224,7 @@ class Response:
         return values
 
     def at_rest(self, reading: Reading, t: FloatArray, side: Side) -> FloatArray:
-        """(n,) what of a `reading` is that of the load at `t` (n,), if it stays as it is there."""
+        """(n,) share of a `reading` that a load has which stays as it is at `t` (n,)."""
         if self.load is None:
             return np.zeros(len(t))
         held = self.load.pieces.values(self._wrap_time(t, side), side)

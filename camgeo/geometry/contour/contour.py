@@ -526,7 +526,7 @@ def _arc_gap(a: Pieces, b: Pieces) -> float:
 
 
 def _arc_line_gap(arc: Pieces, line: Pieces) -> float:
-    """As `_arc_gap`, for pairs of an arc and a line."""
+    """Least distance [mm] between arc and line of a pair, as `_arc_gap` is between arcs."""
     mixed = (arc.sweeps != 0.0) & (line.sweeps == 0.0) & (line.starts != line.ends)
     share = line.feet(arc.centres)
     chord = line.ends - line.starts

@@ -94,10 +94,8 @@ class SlottedLever(CheckedFields):
         """
         theta, half = self._angles(theta)
         p, q, d = self._shares()
-        sine, cosine = (
-            np.sin(theta) + 0.0,
-            np.cos(theta),
-        )  # no -0: arctan2 would take the other side
+        # The sum turns -0 into 0: arctan2 would take the other side for it.
+        sine, cosine = np.sin(theta) + 0.0, np.cos(theta)
         if d == 0.0:
             # Between 0 and 2 pi the arc cotangent is the angle; beyond, it is the angle of the same
             # line up to half turns, of which the nearest is added.

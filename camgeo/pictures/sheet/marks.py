@@ -394,7 +394,10 @@ CELL = 7.0
 
 
 def texture(tip: complex, text: str, letter: float = 2.5) -> list[Mark]:
-    """Surface texture (ISO 21920-1) by material removal, with its tip at `tip`."""
+    """Symbol of a surface texture (ISO 21920-1) by material removal, all in mm of paper.
+
+    Its tip is at `tip`, its `text` has the height `letter`.
+    """
     tall = 3.0 * letter
     left = tip + 1.4 * letter * complex(-math.tan(math.pi / 6.0), 1.0)
     level = tip + 1.4 * letter * complex(math.tan(math.pi / 6.0), 1.0)

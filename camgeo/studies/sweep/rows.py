@@ -934,6 +934,11 @@ def _parse_question(design: Design, word: str) -> Question:
 
 
 def _parse_extreme(design: Design, how: str, name: str) -> Question:
+    """The question for an extreme of a column, of the motion and cam or of an effect.
+
+    `how` is one of peak, max and min. Raises GeometryError for a column that has none, and
+    UnknownNameError for a name that no column has.
+    """
     word = canonical(f"{how}:{name}")
     if name in (hyphened(pole) for pole in POLES):
         message = "is infinite where the curve is straight, and has no extremes; ask for kappa"

@@ -966,6 +966,7 @@ class Distribution:
 
 
 def _normal(share: FloatArray) -> FloatArray:
+    """Quantile of the standard normal distribution of each `share` in (0, 1)."""
     from scipy.special import ndtri  # loaded only where random numbers are drawn
 
     return np.asarray(ndtri(share))

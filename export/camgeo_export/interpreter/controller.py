@@ -541,7 +541,7 @@ def _add_word(words: Words, letter: str, text: str, findings: Findings) -> bool:
 
 
 def excerpt(text: str) -> str:
-    """What a finding shows of a text."""
+    """The beginning of a text that a finding shows, at most `LONGEST` characters."""
     return shortened(text, LONGEST)
 
 

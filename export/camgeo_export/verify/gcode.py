@@ -528,7 +528,7 @@ def _finding(flaw: Flaw, seen: Flaw, traces: Sequence[Trace], bench: Workbench) 
 
 
 def _too_large(flaw: Flaw, tool: Tool, bench: Workbench) -> str:
-    """Whether the wall at the place of a flaw is too narrow for the tool; empty if not."""
+    """Why the tool is too large for the wall at the place of a flaw; empty if it is not."""
     place = np.array([complex(*flaw.place[:2])])
     contours = [wall.boundary.arcs(ALLOWED, "fast").contour for wall in bench.part.walls]
     away = [float(distances(place, Track.around(contour))[0]) for contour in contours]
