@@ -376,8 +376,8 @@ def test_what_cannot_be_cured_says_so() -> None:
     dwell = MotionPlan((Dwell(Decimal(180)), Dwell(Decimal(180))))
     assert cures((cam_of(dwell, TranslatingRoller(25.0, 24.0)),)) == ()
     found = by_knob(cures((hard("HC22"),)))
-    assert found["offset"].sentence == "no other offset between -22 and 22 mm cures it"
-    assert found["other law"].sentence == "no other motion[2].law cures it at these sizes"
+    assert found["offset"].sentence == "no other offset between -22 and 22 mm removes it"
+    assert found["other law"].sentence == "no other motion[2].law removes it at these sizes"
 
 
 @pytest.mark.parametrize(("more", "works"), [(14.99, True), (15.01, False), (33.0, False)])
@@ -612,7 +612,7 @@ def test_a_scene_in_inches_gets_its_cure_in_inches() -> None:
     # Lengths that have no cure are stated in inches too.
     (offset,) = (cure for cure in found if cure.knob == "offset")
     assert (offset.works, offset.unit) == (False, "inch")
-    assert offset.sentence == "no other offset between -22 and 22 inch cures it"
+    assert offset.sentence == "no other offset between -22 and 22 inch removes it"
 
 
 FIXTURES = Path(__file__).parents[2] / "fixtures"

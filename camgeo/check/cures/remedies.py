@@ -103,8 +103,8 @@ class Cure:
 
     @property
     def statement(self) -> str:
-        """The sentence, preceded by the fault and by "no cure" if the knob has none."""
-        return f"{self.fault}: {'' if self.works else 'no cure: '}{self.sentence}"
+        """The sentence, preceded by the fault and by "no remedy" if the knob has none."""
+        return f"{self.fault}: {'' if self.works else 'no remedy: '}{self.sentence}"
 
     @property
     def works(self) -> bool:
@@ -444,7 +444,7 @@ def _other(
     size = SizeKnob(old, scale, resized)
     length = _nearest_length(task, size, bounds, lambda value: {key: value / mm})
     ends = f"{bounds[0] / mm:.6g} and {bounds[1] / mm:.6g} {task.unit}"
-    none = f"no other {knob} between {ends} cures it"
+    none = f"no other {knob} between {ends} removes it"
     cure = length_cure(knob, key, old, length, scale, none, task.unit)
     return task.finished(cure, None if length is None else resized(length.value))
 
@@ -476,7 +476,7 @@ def roller_radius(task: CureTask) -> Cure:
             continue
         key, old = f"{TABLES[number]}.roller_radius", discs[number].follower.roller_radius
         length = _smaller_roller(task, discs, number, key)
-        none = f"no smaller roller radius cures it ({key}){_no_roller_reason(task, discs[number])}"
+        none = f"no smaller roller radius removes it ({key}){_no_roller_reason(task, discs[number])}"
         cure = length_cure("roller radius", key, old, length, old, none, task.unit, "at most ")
         if length is None:
             return task.finished(cure)
@@ -572,7 +572,7 @@ def raised_face(task: CureTask) -> Cure:
         task, SizeKnob(old, old, raised_discs), (old, LARGEST_BASE * old), raised
     )
     first, *others = follower.raising_keys
-    none = f"no larger {' and '.join(follower.raising_keys)} cures it"
+    none = f"no larger {' and '.join(follower.raising_keys)} removes it"
     cure = length_cure("base radius", first, old, length, old, none, task.unit, "at least ")
     if length is None:
         return task.finished(cure)
@@ -720,7 +720,7 @@ def other_law(task: CureTask) -> Cure:
                 return task.finished(cure, changed)
     move = _move(plan, number)
     key = segment_key(number, move, "law")
-    reason = f"no other {key} cures it at these sizes"
+    reason = f"no other {key} removes it at these sizes"
     return task.finished(no_cure(OTHER_LAW, key, move.law.name, "", reason))
 
 
@@ -997,7 +997,7 @@ def longer_segment(task: CureTask) -> Cure:
     number = places[0]
     segment = plan.segments[number]
     key = segment_key(number, segment, "span")
-    reason = f"no longer {key} cures it: the dwells next to it leave too little room"
+    reason = f"no longer {key} removes it: the dwells next to it leave too little room"
     return task.finished(no_cure(LONGER_SEGMENT, key, segment.span, "deg", reason))
 
 
