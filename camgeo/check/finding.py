@@ -204,7 +204,8 @@ def folded(findings: Iterable[Finding]) -> tuple[Finding, ...]:
             reported.append(finding)
         elif finding is group[0]:
             worst = max(group, key=_beyond)
-            sentence = f"{worst.sentence}; {len(group)} such findings in all, {_places(group)}"
+            number = counted(len(group), "such finding")
+            sentence = f"{worst.sentence}; {number} in all, {_places(group)}"
             reported.append(replace(worst, sentence=sentence, cam_range=None))
     return tuple(reported)
 

@@ -111,7 +111,7 @@ def test_without_forces_there_is_the_acceleration_alone(scene: str) -> None:
 def test_a_row_says_why_it_has_no_values() -> None:
     for scene in ("constant_breadth", "tappet"):
         (row,) = benefit_rows(design(scene, ""), (1e-2,), (5.0,), forms=("spline",))
-        assert "flat face on splines" in row.fault
+        assert "a flat face on a contour of splines" in row.fault
         assert row.acceleration is row.ripple is row.strongest_octave is None
 
 

@@ -113,7 +113,8 @@ def of_html(page: str) -> list[dict[str, str]]:
 def of_notebook(page: str) -> Said:
     """Of a table of findings; the sign before a verdict says the same."""
     return [
-        (row["finding"], row["verdict"].partition(" ")[2], row["in words"]) for row in of_html(page)
+        (row["finding"], row["verdict"].partition(" ")[2], row["description"])
+        for row in of_html(page)
     ]
 
 

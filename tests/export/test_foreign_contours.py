@@ -524,7 +524,7 @@ def test_csv_and_measured_points_are_one_table(separator: str, titles: list[str]
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("", "a.csv, line 1: no rows"),
+        ("", "a.csv, line 1: there are no rows"),
         ("x,y\n", "a.csv, line 2: 0 rows of numbers"),
         (
             "1,2,3,4\n",

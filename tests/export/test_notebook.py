@@ -376,7 +376,7 @@ def test_without_the_library_the_command_that_brings_it_is_named(
         return found(name, *given, **named)
 
     monkeypatch.setattr(builtins, "__import__", without)
-    cure = r'`pip install "camgeo\[notebook\]"` brings it'
+    cure = r'install it with `pip install "camgeo\[notebook\]"`'
     with (
         imported_anew("camgeo_export.notebook.widget".__eq__),
         pytest.raises(CamgeoError, match=cure),

@@ -40,7 +40,7 @@ def test_normals_become_unit_vectors() -> None:
         (PLAIN[:30], "p.csv, line .*rows? of numbers; allowed: 12 to 50,000"),
         ("1,1\n" * (MOST + 1), "50,001 rows"),
         (f"x [mm],y [inch]\n{PLAIN}", "line 2: x and y have different units"),
-        (f"x [m],y\n{PLAIN}", "unit of the x; allowed: mm or inch"),
+        (f"x [m],y\n{PLAIN}", "unit of the x is unknown; allowed: mm or inch"),
         (PLAIN + "1e10,0\n", "line 13: '10000000000.0': too large"),
         ("1,2,3\n" * 12, "3 columns; without a heading 2 or 4 are allowed, x and y, or x, y, nx"),
         ("1,2\n" * 40, "line 40: fewer than 12 different points"),

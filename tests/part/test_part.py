@@ -314,7 +314,7 @@ def test_a_deviation_is_computed_once_for_the_same_contour(
     name = "deviation"
     if kind is ExactBoundary:
         boundary = ExactBoundary("bore", True, bore_outline(20.0, Keyway(6.0, 2.0)))
-        name = "distance_between"
+        name = "deviation_bound"
     counted = Mock(wraps=getattr(boundaries, name))
     monkeypatch.setattr(boundaries, name, counted)
     contour = boundary.polyline(0.01).contour

@@ -476,7 +476,9 @@ def roller_radius(task: CureTask) -> Cure:
             continue
         key, old = f"{TABLES[number]}.roller_radius", discs[number].follower.roller_radius
         length = _smaller_roller(task, discs, number, key)
-        none = f"no smaller roller radius removes it ({key}){_no_roller_reason(task, discs[number])}"
+        none = (
+            f"no smaller roller radius removes it ({key}){_no_roller_reason(task, discs[number])}"
+        )
         cure = length_cure("roller radius", key, old, length, old, none, task.unit, "at most ")
         if length is None:
             return task.finished(cure)

@@ -57,8 +57,9 @@ def beziers_of_spline(degree: int, knots: FloatArray, controls: ComplexArray) ->
     if count <= degree or len(knots) != count + degree + 1:
         raise GeometryError(
             f"the spline of degree {degree} has {counted(count, 'control point')} and"
-            f" {counted(len(knots), 'knot')}; it needs at least {degree + 1} control points, and"
-            f" {degree + 1} knots more than control points"
+            f" {counted(len(knots), 'knot')}; it needs at least"
+            f" {counted(degree + 1, 'control point')}, and {counted(degree + 1, 'knot')} more than"
+            " control points"
         )
     if np.any(np.diff(knots) < 0.0):
         raise GeometryError("the knots of a spline do not ascend")
