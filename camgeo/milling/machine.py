@@ -790,7 +790,7 @@ class Retract:
         check_fields(self, "retract.")
         if self.first and self.is_a_height:
             raise GeometryError(
-                "must be false for a retract to {z}: no tool length is in force before a tool change",
+                "must be false for a retract to {z}: no tool length is active before a tool change",
                 "retract.first",
                 "true",
             )
