@@ -665,7 +665,7 @@ def _roller_angle_slopes(curve: PitchCurve) -> Quantity:
 
 
 def _face_angle_slope(curve: PitchCurve) -> Quantity:
-    """The same for a flat face, whose angle depends on the position of the contact alone."""
+    """Slope of the angle at a flat face, which depends on the place of contact alone."""
     return lambda phi, side: touch(curve, phi, side).contact
 
 

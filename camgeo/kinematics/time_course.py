@@ -59,7 +59,7 @@ class TimeCourse(Protocol):
 
     @property
     def jumps(self) -> FloatArray:
-        """Those of the borders at which alpha jumps."""
+        """The borders at which alpha jumps."""
 
     def rates(self, phi: FloatArray, side: Side = "right") -> FloatArray:
         """(3, n) omega [rad/s], alpha [rad/s^2] and dalpha/dt [rad/s^3] at `phi` (n,) [rad],

@@ -219,7 +219,7 @@ class AreaCut(Cut):
 
     @property
     def produced(self) -> tuple[str, ...]:
-        """Names of its walls."""
+        """Names of the walls of the cut."""
         return tuple(wall.name for wall in self.walls)
 
 
@@ -311,7 +311,7 @@ class LetterCut(Cut):
 
     @property
     def produced(self) -> tuple[str, ...]:
-        """Names of its walls."""
+        """Names of the walls of the cut."""
         return tuple(wall.name for wall in self.walls)
 
 

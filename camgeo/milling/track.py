@@ -49,17 +49,17 @@ class Track(PieceChain):
 
     @property
     def start(self) -> complex:
-        """Where it begins [mm]."""
+        """Where the track begins [mm]."""
         return complex(self.vertices[0])
 
     @property
     def end(self) -> complex:
-        """Where it ends [mm]."""
+        """Where the track ends [mm]."""
         return complex(self.vertices[-1])
 
     @property
     def pieces(self) -> Pieces:
-        """Its lines and arcs."""
+        """Lines and arcs of the track."""
         return Pieces.from_run(self)
 
     @property
@@ -97,11 +97,11 @@ class Track(PieceChain):
         return cls(np.array([start, end]), np.array([sweep]), np.array([centre]))
 
     def reversed(self) -> Self:
-        """The same in the opposite direction."""
+        """The same track in the opposite direction."""
         return type(self)(self.vertices[::-1], -self.sweeps[::-1], self.centres[::-1])
 
     def halved(self) -> Self:
-        """The same with each arc in equal parts of at most half a turn."""
+        """The same track with each arc in equal parts of at most half a turn."""
         pieces = self.pieces
         index, first, last = pieces.halves()
         parts = taken(pieces, index).subpieces(first, last)

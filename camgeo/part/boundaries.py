@@ -184,7 +184,7 @@ class CurveBoundary(Pickled, CheckedFields):
 
     @property
     def corner_radius(self) -> None:
-        """It has no arcs that end at corners."""
+        """None, because no arc of the boundary ends at a corner."""
         return None
 
     def offset(self, distance: float) -> CurveBoundary:

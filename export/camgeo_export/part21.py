@@ -509,7 +509,7 @@ class Solid:
 
     @property
     def unit_name(self) -> str:
-        """The name of its unit."""
+        """Name of the unit of lengths."""
         return NAMES.get(self.unit, f"{self.unit:g} mm")
 
 

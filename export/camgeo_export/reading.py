@@ -77,7 +77,7 @@ def boundaries_by_layer(product: Product) -> dict[str, tuple[Boundary, ...]]:
 
 
 def part_layers(layers: Iterable[str]) -> set[str]:
-    """Those of `layers` that are named like layers of a part's edges."""
+    """The `layers` that are named like layers of a part's edges."""
     heads = tuple(f"{word}_" for word in WORDS.values())
     known = (CUT, *WORDS.values())
     return {name for name in layers if name in known or name.startswith(heads)}

@@ -421,7 +421,7 @@ class Catalogue:
         return next((key for key in FINDERS if key in self.tables), None)
 
     def rigid(self) -> Catalogue:
-        """The same, with effects that take the train as rigid."""
+        """The same catalogue, with effects that take the train as rigid."""
         return Catalogue(self.tables, self._find, "rigid")
 
     def effect(self, name: str) -> Effect:

@@ -44,7 +44,7 @@ class SteadyTurn(Protocol):
 
     @property
     def state(self) -> State:
-        """y in them."""
+        """State y in the cells."""
 
     @property
     def rates(self) -> FloatArray:

@@ -203,12 +203,12 @@ class CubicSpline(CheckedFields):
 
     @property
     def start(self) -> complex:
-        """Its first point [mm]."""
+        """First point of the curve [mm]."""
         return complex(self.controls[0])
 
     @property
     def end(self) -> complex:
-        """Its last point [mm]."""
+        """Last point of the curve [mm]."""
         return complex(self.controls[-1])
 
     @property
@@ -298,7 +298,7 @@ class Arc:
         return type(self)(self.end, self.start, -self.sweep, self.centre)
 
     def heading(self, point: complex) -> complex:
-        """Its direction at `point`, one of its ends; of any length."""
+        """Direction of the strand at `point`, one of its ends; a vector of any length."""
         if not self.sweep:
             return self.end - self.start
         return (point - self.centre) * (1j if self.sweep > 0.0 else -1j)

@@ -153,7 +153,7 @@ class Linkage(Protocol):
         """
 
     def transmission_sines(self, position: FloatArray) -> FloatArray:
-        """(2, n) sines of the transmission angles, by the way of the force.
+        """(2, n) sines of the transmission angles, a row for each direction of the force.
 
         Row `TO_FAR_END` is between coupler and far member, row `TO_FOLLOWER` between coupler and
         the follower's member: a crank or lever itself, or the perpendicular to the guide of a

@@ -284,7 +284,7 @@ def level(height: float, length: float) -> tuple[float, ...]:
 
 
 def in_line(places: tuple[float, ...], sines: FloatArray) -> tuple[float, ...]:
-    """Those of `places` at which two members are in line on this branch of the linkage.
+    """The `places` at which two members are in line on this branch of the linkage.
 
     `sines` (n,) are the sines of the angle between the members at these places; places with a large
     one belong to the other branch.

@@ -737,7 +737,7 @@ class Ink:
 
 
 def together(inks: Iterable[Ink]) -> Ink:
-    """What all of them cover."""
+    """The area that all `inks` cover together."""
     all_inks = list(inks)
 
     def joined_boxes(kind: str) -> Boxes:

@@ -944,19 +944,19 @@ class Distribution:
 
     @property
     def mean(self) -> float:
-        """Its expected value."""
+        """Expected value of the deviation."""
         return 0.5 * (self.low + self.high)
 
     @property
     def sigma(self) -> float:
-        """Its standard deviation."""
+        """Standard deviation of the deviation."""
         if self.stated is not None:
             return self.stated
         return 0.5 * (self.high - self.low) / WIDTHS[self.shape]
 
     @property
     def variance(self) -> float:
-        """Its variance."""
+        """Variance of the deviation."""
         return self.sigma**2
 
     def quantile(self, share: FloatArray) -> FloatArray:

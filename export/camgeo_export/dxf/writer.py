@@ -203,7 +203,7 @@ class _Vertices(LWPolylinePoints):
     """Vertices of a polyline whose text is made at once, not by an object for each number."""
 
     def dxftags(self) -> Iterator[_Text]:
-        """Their text: code 10 and 20 for x and y, 42 for a bulge that is not 0; no widths."""
+        """The vertices as text: code 10 and 20 for x and y, 42 for a bulge that is not 0."""
         rows = self.values[:, [0, 1, 4]].tolist()
         yield _Text(
             "".join(

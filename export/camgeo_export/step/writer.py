@@ -432,7 +432,7 @@ class Pen:
     scale: float
 
     def point(self, place: complex, z: float) -> Ref:
-        """`place` [mm] at the height `z` [mm]."""
+        """The point over `place` [mm] at the height `z` [mm]."""
         numbers = (place.real / self.scale, place.imag / self.scale, z / self.scale)
         return self.file.add("CARTESIAN_POINT", "", numbers)
 

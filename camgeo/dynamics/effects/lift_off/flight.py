@@ -848,7 +848,7 @@ class ChebyshevNodes:
 
     @classmethod
     def with_count(cls, count: int) -> Self:
-        """`count` nodes."""
+        """Chebyshev nodes, `count` of them."""
         places = np.cos(np.pi * (np.arange(count) + 0.5) / count)[::-1]
         matrix = np.polynomial.chebyshev.chebvander(places, count - 1)
         fit = np.asarray(np.linalg.inv(matrix), dtype=np.float64)
