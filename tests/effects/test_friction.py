@@ -376,8 +376,7 @@ def test_one_cam_angle_gives_what_many_do(
     linear = law.linear(omega, alpha)
     for k in range(2):
         one = scalar_linear_law(law.rows[:, k].tolist(), omega, alpha, 0.0)
-        # The directions are those at n before the last step: known to the root of its rounding.
-        assert one == pytest.approx(linear[:, k].tolist(), rel=1e-7, abs=1e-7)
+        assert one == pytest.approx(linear[:, k].tolist(), rel=1e-9, abs=1e-9)
 
     def torque(omega: float, alpha: float) -> FloatArray:
         index, n, _ = law.solved(omega, alpha)

@@ -166,7 +166,9 @@ def solve_balance(
         if not np.any(moving):
             break
         n, d = np.where(moving, new, n), np.where(moving, turned, d)
-    return n, d
+    # The directions at n itself: those that n is solved from are off by the last step, which may be
+    # as large as the root of rounding.
+    return n, unit_vectors(noncontact + per_normal * n, d)
 
 
 def jam_reserve(free: FloatArray, drag: FloatArray, per_normal: ComplexArray) -> FloatArray:
