@@ -93,7 +93,9 @@ WRONG = {
     f"replay {PLATE} none.csv": "cannot be read",
     f"replay {PLATE} found/drawings/shaft2.dxf --unit inch": "which is not inch",
     f"replay {PLATE} a.dxf b.dxf": "at most one file is allowed, because the scene has one disc",
-    "replay scenes/conjugate_lever.toml a.dxf b.dxf c.dxf": "at most two files are allowed",
+    "replay scenes/conjugate_lever.toml a.dxf b.dxf c.dxf": (
+        "at most two files are allowed, one for each disc"
+    ),
     f"size {PLATE} --transmission-angle 0": "transmission_angle = 0: must be above 0",
     f"size {PLATE} --radius-ratio 0": "radius_ratio = 0: must be above 0",
     f"size {PLATE} --arm 40 60": "follower.kind = translating-roller",

@@ -309,7 +309,7 @@ def test_as_many_cells_are_halved_as_may_be_and_no_more(monkeypatch: pytest.Monk
         (k + part, k + part + 0.5) for k in (0, 2, 3, 4, 6) for part in (0.0, 0.5)
     ]
     monkeypatch.setattr(pieces, "MOST", 4)
-    with pytest.raises(GeometryError, match="too close to a"):
+    with pytest.raises(GeometryError, match="stays too close to a limit along a stretch"):
         halves(low, high, which)
 
 

@@ -31,17 +31,15 @@ def comments(text: str) -> list[str]:
 @pytest.mark.parametrize("file", CHOSEN, ids=name_of)
 def test_a_number_is_edited_and_set_back(file: pathlib.Path) -> None:
     text, own = file.read_bytes().decode(), design(file)
-    # 4e-6 is set back as 0.000004: only what is spelled as Decimal does is found in the text again.
-    numbers = {
-        key: value
-        for key, value in leaves(own.scene.values).items()
-        if type(value) in (int, Decimal) and str(value) in text
-    }
+    numbers = {k: v for k, v in leaves(own.scene.values).items() if type(v) in (int, Decimal)}
     for key, value in sorted(numbers.items())[FILES.index(file) % 5 :: 9]:
         other = value + 1 if isinstance(value, int) else value * Decimal("1.01")
         there = changed(text, str(file), None, {"edits": {key: other}}, own)
         assert comments(there.text) == comments(text)
-        assert changed(there.text, str(file), None, {"edits": {key: value}}).text == text
+        assert changed(there.text, str(file), None, {"edits": {key: value}}).text in (
+            text,
+            text.replace("4e-6", str(Decimal("4e-6"))),  # the same number, spelled in full
+        )
         if "motion" in key:
             continue  # the spans beside it change too
         assert exact(there.text) == with_edits(exact(text), {key: other})
@@ -81,7 +79,9 @@ def test_the_next_segment_gives_what_a_span_takes() -> None:
     assert (motion[1]["span"], motion[2]["dwell"]) == (Decimal("90.5"), Decimal("9.5"))
     last = changed(TEXT, "", None, {"edits": {"motion[5].dwell": 50}})
     assert exact(last.text)["motion"][3]["span"] == 100
-    with pytest.raises(SceneError, match="no room for the neighbouring segment: -20 degrees"):
+    with pytest.raises(
+        SceneError, match="leaves no room for the neighbouring segment: -20 degrees"
+    ):
         changed(TEXT, "", None, {"edits": {"motion[2].span": 120}})
     # Who sets both knows what he wants, and so does who repairs.
     both = changed(TEXT, "", None, {"edits": {"motion[2].span": 90, "motion[4].span": 80}})

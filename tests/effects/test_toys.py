@@ -102,14 +102,15 @@ def tree(folder: Path) -> Path:
     effects = copied(folder) / "dynamics" / "effects"
     (effects / "noise.py").write_text(RESULT, "utf-8")
     declared = DECLARATION.replace("MODULE", "camgeo.dynamics.effects.noise")
-    table, before = (
-        "DECLARED: Final = {",
-        "        Effect(\n            **_module_fields(DRIVE_TORQUE)",
-    )
     replaced(
         effects / "registry.py",
-        (table, f"{PARSER}\n{table}"),
-        (before, f"{declared},\n{before}"),
+        *(
+            (line, f"{new}\n{line}")
+            for line, new in {
+                "DECLARED: Final = {": PARSER,
+                "        Effect(\n            **_module_fields(DRIVE_TORQUE)": f"{declared},",
+            }.items()
+        ),
     )
     return folder
 
@@ -151,10 +152,9 @@ def said(home: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, tupl
         "inch": ("check", scene(folder / "inch", quiet, "inch"), "--json"),
         "build": ("build", loud, "--only", "csv", "-o", folder / "out"),
     }
-    words = ([str(word) for word in call] for call in calls.values())
+    ended = commands(home, *([str(word) for word in call] for call in calls.values()))
     answers = {
-        name: (code, out + errors)
-        for name, (code, out, errors) in zip(calls, commands(home, *words), strict=True)
+        name: (code, out + errors) for name, (code, out, errors) in zip(calls, ended, strict=True)
     }
     tables = [each.read_text("utf-8") for each in (folder / "out").glob("*.csv")]
     return answers | {"table": (len(tables), "".join(tables))}

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import shapely
-from hypothesis import HealthCheck, assume, given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from shapely import LineString, Polygon
 from shapely.geometry.base import BaseGeometry
@@ -41,6 +41,7 @@ from camgeo.pictures.sheet.sheet import (
 )
 from camgeo_export.drawing.writer import hatching
 from tests.part.parts import FLANKS, circle, made_or_refused, specs
+from tests.strategies import attack
 
 
 def cut(*layers: Layer) -> list[Mark]:
@@ -123,7 +124,7 @@ def test_hatching_fills_its_face_at_its_distance(corners: list[complex]) -> None
 
 
 @given(st.sampled_from(list(FLANKS)), specs())
-@settings(max_examples=15, suppress_health_check=[HealthCheck.filter_too_much])
+@settings(attack, max_examples=15)
 def test_random_parts_are_cut_as_their_polygons_are(contact: Contact, spec: PartSpec) -> None:
     """Any layers: their material on the plane by polygons, and the edges below others."""
     part = made_or_refused(contact, spec)
